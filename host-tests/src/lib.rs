@@ -1,0 +1,2 @@
+//! Whole-behaviour tests of core and tool: shared helpers.
+#![forbid(unsafe_code)]

@@ -1,0 +1,4 @@
+//! Library behind the `quadcal` command: recordings, the simulator, calibration and reports.
+#![forbid(unsafe_code)]
+
+pub mod recording;

@@ -1,0 +1,4 @@
+//! The `quadcal` command.
+#![forbid(unsafe_code)]
+
+fn main() {}
