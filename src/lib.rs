@@ -6,4 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod edge;
+pub mod estimate;
+pub mod log2;
+pub mod trig;
 pub mod units;

@@ -1,2 +1,10 @@
 //! Whole-behaviour tests of core and tool: shared helpers.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap
+)]
+
+pub mod paper;
+pub mod reference;

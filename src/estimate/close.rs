@@ -1,0 +1,99 @@
+//! From intervals to a closed turn: every edge's error, with the turn's mean speed and curvature and the class means taken
+//! out.
+
+use super::fold::CONTRAST_SHIFT;
+use super::order::OrderPlan;
+use super::spectrum::Sequence;
+use super::{CLASSES_MAX, EdgeBuffers, Totals};
+
+/// Turns the summed deviations into each edge's error: running sum, closed over the turn, curvature taken out.
+pub(super) fn close_sum(sum: &mut [i32], totals: &Totals) {
+    let edges = sum.len() as i64;
+    let mut run = 0_i64;
+    for (edge, entry) in sum.iter_mut().enumerate() {
+        let edge = edge as i64;
+        // Slot 0 is the last interval of the turn; edge 0 is the origin.
+        run += if edge == 0 { 0 } else { i64::from(*entry) };
+        let trend = rounded_quotient(totals.excess * edge, edges)
+            - rounded_quotient(totals.bend * edge * (edges - edge), edges * edges);
+        *entry = saturated(trend - run);
+    }
+}
+
+/// The same for the contrast, with what the estimate itself leaves in it (an odd number of turns) taken out.
+pub(super) fn close_contrast<B: EdgeBuffers>(buffers: &mut B, totals: &Totals) {
+    let edges = buffers.edges();
+    let count = edges as i64;
+    let mut end = 0_i64;
+    for cells in &buffers.work()[1..] {
+        end += i64::from(cells[1]);
+    }
+    end += i64::from(buffers.work()[0][1]);
+    let turns = i64::from(totals.turns) << CONTRAST_SHIFT;
+    let mut run = 0_i64;
+    for edge in 0..edges {
+        let position = edge as i64;
+        run += if edge == 0 {
+            0
+        } else {
+            i64::from(buffers.work()[edge][1])
+        };
+        let bend = rounded_quotient(
+            totals.bend_contrast * position * (count - position),
+            (count * count) << CONTRAST_SHIFT,
+        );
+        let closed = rounded_quotient(end * position, count) - bend - run;
+        let pattern = rounded_quotient(
+            i64::from(totals.sign_sum) * i64::from(buffers.sum()[edge]),
+            turns,
+        );
+        buffers.work().set(edge, saturated(closed - pattern));
+    }
+}
+
+/// Takes the mean of every class out of a sequence and returns the means less their own mean.
+pub(super) fn take_class_means<S: Sequence + ?Sized>(
+    sequence: &mut S,
+    plan: OrderPlan,
+) -> [i32; CLASSES_MAX] {
+    let classes = plan.edges / plan.lines;
+    let mut sums = [0_i64; CLASSES_MAX];
+    let each = |visit: &mut dyn FnMut(usize, usize)| {
+        let mut class = 0;
+        for edge in 0..plan.edges {
+            visit(edge, class);
+            class = if class + 1 == classes { 0 } else { class + 1 };
+        }
+    };
+    each(&mut |edge, class| sums[class] += i64::from(sequence.get(edge)));
+    let mut means = [0_i32; CLASSES_MAX];
+    for (mean, sum) in means.iter_mut().zip(sums) {
+        #[allow(clippy::cast_possible_truncation)]
+        {
+            *mean = rounded_quotient(sum, plan.lines as i64) as i32;
+        }
+    }
+    each(&mut |edge, class| sequence.set(edge, sequence.get(edge).wrapping_sub(means[class])));
+    let middle = rounded_quotient(
+        means[..classes].iter().map(|&mean| i64::from(mean)).sum(),
+        classes as i64,
+    );
+    for mean in &mut means[..classes] {
+        #[allow(clippy::cast_possible_truncation)]
+        {
+            *mean -= middle as i32;
+        }
+    }
+    means
+}
+
+/// `value` as 32 bits, capped.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn saturated(value: i64) -> i32 {
+    value.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+}
+
+/// Quotient to the nearest integer, halves up.
+pub(super) fn rounded_quotient(numerator: i64, denominator: i64) -> i64 {
+    (2 * numerator + denominator).div_euclid(2 * denominator)
+}

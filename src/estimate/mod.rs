@@ -1,0 +1,331 @@
+//! Learns the encoder's own errors from intervals, turn by turn (rotation-domain averaging, eq. (20), on intervals).
+//!
+//! Each interval is scaled by the duration of the turn before, so that a perfect encoder on a steady shaft gives exactly
+//! one step (`1 << STEP_FRACTION_BITS`) an edge. The deviation is kept for one turn; a turn that turns out whole is then
+//! folded, one entry an edge while the next turn comes in, into
+//!
+//! - `sum`: the sum over turns, which holds the encoder's error, and
+//! - a *contrast*: the same turns with signs that cancel whatever repeats. What is left there is what the estimate does
+//!   not know, and [`solve`] weighs every order by it.
+//!
+//! A turn is closed over exactly one revolution, so its mean speed is free of encoder error, and its curvature (a steady
+//! acceleration) follows from the durations of its neighbours. Both are scalars a turn; they are taken out in the end.
+//!
+//! Cost an edge: one 32 x 32 multiply-add for the interval and about twice that for the fold; no division, no search.
+
+mod buffers;
+mod close;
+mod fold;
+mod order;
+mod power;
+mod scale;
+mod solution;
+mod solve;
+mod spectrum;
+mod turn;
+mod weigh;
+
+pub use buffers::{EdgeBuffers, StaticBuffers};
+pub use order::{LockedOrder, ORDERS_MAX};
+pub use solution::{Solution, SolveError};
+
+use crate::edge::Direction;
+use crate::units::{STEP_FRACTION_BITS, Ticks};
+use fold::{Fold, sign_of_turn};
+use turn::{Turn, TurnRate};
+
+/// Edge classes at the most: three Hall sensors.
+pub const CLASSES_MAX: usize = 6;
+
+/// Edges a turn at the most, so that one turn in step fractions fits 32 bits.
+pub const EDGES_MAX: u32 = 1 << 16;
+
+/// Turns at the most, so that no sum can overflow.
+pub const TURNS_MAX: u32 = 1 << 15;
+
+/// What an estimator is told once: the shape of the encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EstimateConfig {
+    edges: u32,
+    classes: u32,
+}
+
+/// Why an encoder's shape can't be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ConfigError {
+    /// Fewer than three edges a turn, or more than [`EDGES_MAX`].
+    Edges(u32),
+    /// No class, more than [`CLASSES_MAX`], or not a divisor of the edges.
+    Classes(u32),
+    /// The buffers are of another size than the edges.
+    Buffers(usize),
+}
+
+impl EstimateConfig {
+    /// An encoder of `edges` edges a turn (N) in `classes` edge classes (4 for quadrature, 6 for three Hall sensors, 2 or 1
+    /// for one channel).
+    ///
+    /// # Errors
+    /// [`ConfigError`] when a number is out of range.
+    pub const fn new(edges: u32, classes: u32) -> Result<Self, ConfigError> {
+        if edges < 3 || edges > EDGES_MAX {
+            return Err(ConfigError::Edges(edges));
+        }
+        if classes == 0 || classes as usize > CLASSES_MAX || !edges.is_multiple_of(classes) {
+            return Err(ConfigError::Classes(classes));
+        }
+        Ok(Self { edges, classes })
+    }
+
+    /// Edges a turn, N.
+    #[must_use]
+    pub const fn edges(self) -> u32 {
+        self.edges
+    }
+
+    /// Edge classes, C.
+    #[must_use]
+    pub const fn classes(self) -> u32 {
+        self.classes
+    }
+
+    /// Lines a turn, M = N / C.
+    #[must_use]
+    pub const fn lines(self) -> u32 {
+        self.edges / self.classes
+    }
+}
+
+/// One grid edge crossed, as a decoder reports it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Crossing {
+    /// The edge crossed, 0..N.
+    pub edge: u32,
+    /// Grid steps since the edge crossed before; more than one over a wheel's missing teeth.
+    pub advance: u32,
+    /// Direction of motion.
+    pub direction: Direction,
+    /// Time of the crossing.
+    pub ticks: Ticks,
+}
+
+/// Why a turn was not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Rejection {
+    /// Edges missing, out of order or reported faulty, or the direction changed.
+    Broken,
+    /// An interval more than one step away from the grid, or longer than 2^32 ticks: the shaft stopped, or an edge is
+    /// in the wrong place by a whole step.
+    Irregular,
+    /// The turn took more than an eighth longer or shorter than the one before.
+    SpeedChange,
+}
+
+/// What an edge did to the estimate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Progress {
+    /// Within a turn, or waiting for one to start.
+    Running,
+    /// A turn is whole and taken; the number taken so far.
+    TurnTaken(u32),
+    /// A turn is over and not used.
+    TurnRejected(Rejection),
+}
+
+/// Counts over a calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Totals {
+    /// Turns taken.
+    pub turns: u32,
+    /// Turns not used for broken edges.
+    pub broken: u32,
+    /// Turns not used for irregular intervals.
+    pub irregular: u32,
+    /// Turns not used for a change of speed.
+    pub speed_change: u32,
+    /// Shortest turn taken, ticks.
+    pub shortest: u64,
+    /// Longest turn taken, ticks.
+    pub longest: u64,
+    sign_sum: i32,
+    excess: i64,
+    bend: i64,
+    bend_contrast: i64,
+}
+
+/// Learns eps, xi and p of one encoder; see the module's head.
+pub struct Estimator<B> {
+    config: EstimateConfig,
+    inverse_edges_q32: u32,
+    buffers: B,
+    totals: Totals,
+    turn: Option<Turn>,
+    rate: Option<TurnRate>,
+    duration_before: Option<u64>,
+    unbent: Option<Unbent>,
+    fold: Fold,
+}
+
+/// A turn that is taken but whose curvature waits for the duration of the next.
+#[derive(Clone, Copy)]
+struct Unbent {
+    rate: TurnRate,
+    duration: u64,
+    duration_before: Option<u64>,
+    direction: Direction,
+    sign: i32,
+}
+
+impl<B: EdgeBuffers> Estimator<B> {
+    /// An estimator with nothing learned; clears the buffers.
+    ///
+    /// # Errors
+    /// [`ConfigError::Buffers`] when the buffers don't hold exactly N edges.
+    pub fn new(config: EstimateConfig, mut buffers: B) -> Result<Self, ConfigError> {
+        let length = config.edges as usize;
+        if buffers.sum().len() != length || buffers.work().len() != length {
+            return Err(ConfigError::Buffers(buffers.edges()));
+        }
+        buffers.sum().fill(0);
+        buffers.work().fill([0; 2]);
+        Ok(Self {
+            config,
+            inverse_edges_q32: u32::MAX / config.edges,
+            buffers,
+            totals: Totals::default(),
+            turn: None,
+            rate: None,
+            duration_before: None,
+            unbent: None,
+            fold: Fold::idle(),
+        })
+    }
+
+    /// The encoder's shape.
+    #[must_use]
+    pub fn config(&self) -> EstimateConfig {
+        self.config
+    }
+
+    /// Turns taken and rejected so far.
+    #[must_use]
+    pub fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    /// Takes one crossing. On the edge path: constant work.
+    #[inline]
+    pub fn push(&mut self, crossing: &Crossing) -> Progress {
+        for _ in 0..crossing.advance {
+            self.fold.step(&mut self.buffers, self.config.edges);
+        }
+        let mut progress = Progress::Running;
+        if let Some(turn) = &mut self.turn {
+            match turn.extend(crossing, self.config.edges, &mut self.buffers) {
+                Ok(false) => return Progress::Running,
+                Ok(true) => progress = self.close(crossing.ticks),
+                Err(rejection) => progress = self.reject(rejection),
+            }
+        }
+        if crossing.edge == 0 && self.turn.is_none() && self.totals.turns < TURNS_MAX {
+            self.open(crossing);
+        }
+        progress
+    }
+
+    /// Gives up the present turn: the decoder found a fault, or the position was resynchronised.
+    pub fn fault(&mut self) {
+        if self.turn.is_some() {
+            self.reject(Rejection::Broken);
+        }
+    }
+
+    /// Starts a turn at edge 0, unless an earlier turn still waits to be folded out of the cells this one needs.
+    fn open(&mut self, crossing: &Crossing) {
+        if self.fold.is_idle() || self.fold.follows(crossing.direction) {
+            let dither = self.totals.turns.wrapping_mul(2_654_435_769);
+            self.turn = Some(Turn::start(crossing, self.rate, dither));
+        }
+    }
+
+    fn reject(&mut self, rejection: Rejection) -> Progress {
+        match rejection {
+            Rejection::Broken => self.totals.broken += 1,
+            Rejection::Irregular => self.totals.irregular += 1,
+            Rejection::SpeedChange => self.totals.speed_change += 1,
+        }
+        self.turn = None;
+        self.duration_before = None;
+        self.settle_bend(None);
+        Progress::TurnRejected(rejection)
+    }
+
+    fn close(&mut self, now: Ticks) -> Progress {
+        let Some(turn) = self.turn.take() else {
+            return Progress::Running;
+        };
+        let duration = turn.duration(now);
+        let previous_rate = self.rate;
+        self.rate = TurnRate::of(duration, self.config.edges);
+        self.settle_bend(Some(duration));
+        let duration_before = self.duration_before.replace(duration);
+        let Some(rate) = previous_rate else {
+            return Progress::Running;
+        };
+        let grid = i64::from(self.config.edges) << STEP_FRACTION_BITS;
+        let excess = turn.length() - grid;
+        if excess.abs() > grid >> 3 {
+            self.totals.speed_change += 1;
+            return Progress::TurnRejected(Rejection::SpeedChange);
+        }
+        let sign = sign_of_turn(self.totals.turns);
+        let totals = &mut self.totals;
+        totals.shortest = if totals.turns == 0 {
+            duration
+        } else {
+            totals.shortest.min(duration)
+        };
+        totals.longest = totals.longest.max(duration);
+        totals.turns += 1;
+        totals.sign_sum += sign;
+        totals.excess += excess;
+        let slope = excess * i64::from(self.inverse_edges_q32);
+        self.fold = Fold::of_turn(turn.direction(), sign, slope, self.config.edges);
+        self.unbent = Some(Unbent {
+            rate,
+            duration,
+            duration_before,
+            direction: turn.direction(),
+            sign,
+        });
+        Progress::TurnTaken(self.totals.turns)
+    }
+
+    /// Adds the curvature of the turn taken last, from its neighbours' durations: over one turn, at s = 0..1, time runs as
+    /// `T s - kappa s (1 - s)` with 2 kappa the change of duration a turn.
+    fn settle_bend(&mut self, duration_after: Option<u64>) {
+        let Some(turn) = self.unbent.take() else {
+            return;
+        };
+        // A neighbour that took much longer or shorter is not the same motion.
+        let change = |other: Option<u64>| {
+            let change = other?.cast_signed() - turn.duration.cast_signed();
+            (change.unsigned_abs() <= turn.duration >> 3).then_some(change)
+        };
+        let kappa = match (change(turn.duration_before), change(duration_after)) {
+            (Some(before), Some(after)) => (after - before) >> 2,
+            (Some(before), None) => -before >> 1,
+            (None, Some(after)) => after >> 1,
+            (None, None) => return,
+        };
+        let bend = turn.rate.scale(kappa) * i64::from(turn.direction.sign());
+        self.totals.bend += bend;
+        self.totals.bend_contrast += bend * i64::from(turn.sign);
+    }
+}

@@ -1,0 +1,112 @@
+//! Orders of a turn: how many are looked at one by one, and those that one speed cannot decide.
+
+/// Orders weighed one by one at the most; above, all are weighed alike.
+pub const ORDERS_MAX: usize = 256;
+
+/// Orders listed in [`LockedOrder`] at the most.
+pub const LOCKED_MAX: usize = 16;
+
+/// An order that repeats every turn and stands far above its neighbours: geometry (eccentricity, tilt) or torque ripple
+/// locked to the shaft. One speed can't tell which, so the table leaves it alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LockedOrder {
+    /// Cycles a turn.
+    pub order: u16,
+    /// Peak size in angle, 2^-32 turn.
+    pub amplitude: u32,
+}
+
+/// How an encoder's orders are split.
+#[derive(Clone, Copy)]
+pub(super) struct OrderPlan {
+    /// Edges a turn.
+    pub edges: usize,
+    /// Lines a turn; their multiples belong to the edge classes.
+    pub lines: usize,
+    /// Orders weighed one by one: 1..=`single`.
+    pub single: usize,
+    /// Samples are averaged by this factor before the single orders are taken.
+    pub decimation: usize,
+}
+
+impl OrderPlan {
+    pub(super) fn new(edges: usize, lines: usize) -> Self {
+        let half = (edges - 1) / 2;
+        // With few edges there is no neighbourhood to learn from, and every order stands for itself.
+        let single = if edges < 64 {
+            half
+        } else {
+            (edges / 4).min(ORDERS_MAX)
+        };
+        let mut decimation = 1;
+        while decimation < 8
+            && edges.is_multiple_of(decimation * 2)
+            && edges >= decimation * 8 * single
+        {
+            decimation *= 2;
+        }
+        Self {
+            edges,
+            lines,
+            single,
+            decimation,
+        }
+    }
+
+    /// Whether orders have neighbours like them.
+    pub(super) fn has_neighbours(self) -> bool {
+        self.edges >= 64
+    }
+
+    /// Whether an order belongs to the edge classes.
+    pub(super) fn is_class_order(self, order: usize) -> bool {
+        order.is_multiple_of(self.lines)
+    }
+
+    /// Orders from `single + 1` on, each counted twice (plus and minus), the class orders left out.
+    pub(super) fn common_count(self) -> usize {
+        let class_orders = self.edges / self.lines;
+        let single_class = self.single / self.lines;
+        (self.edges + 2 * single_class).saturating_sub(class_orders + 2 * self.single)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_order_is_single_common_or_of_a_class() {
+        for (edges, lines) in [
+            (12, 2),
+            (90, 15),
+            (6, 6),
+            (240, 60),
+            (10_000, 2500),
+            (16_384, 4096),
+            (120, 60),
+        ] {
+            let plan = OrderPlan::new(edges, lines);
+            let single = (1..=plan.single)
+                .filter(|&n| !plan.is_class_order(n))
+                .count();
+            let class = edges / lines;
+            assert_eq!(
+                2 * single + plan.common_count() + class,
+                edges,
+                "{edges} {lines}"
+            );
+        }
+    }
+
+    #[test]
+    fn decimation_leaves_four_samples_a_cycle() {
+        for edges in [240, 1000, 4096, 10_000, 10_004, 40_000] {
+            let plan = OrderPlan::new(edges, edges / 4);
+            assert!(
+                edges / plan.decimation >= 4 * plan.single && edges.is_multiple_of(plan.decimation)
+            );
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Power of every single order, and of all orders above together.
+
+use super::Totals;
+use super::fold::CONTRAST_SHIFT;
+use super::order::{ORDERS_MAX, OrderPlan};
+use super::spectrum::{Coefficient, Sequence, coefficient, decimate, undo_decimation};
+use crate::trig::sin_cos;
+use crate::units::Turn32;
+
+/// Powers of every single order and the mean power of all common ones, in 2^-16 of the squared sequence unit.
+pub(super) struct Powers {
+    /// Power of order n at n - 1.
+    pub single: [u64; ORDERS_MAX],
+    /// Mean power of the orders above.
+    pub common: u64,
+}
+
+/// Mean square of the steps from edge to edge around the turn, in 2^-16 of the squared unit.
+fn mean_square_step_q16<S: Sequence + ?Sized>(sequence: &S) -> u128 {
+    let mut squares = 0_u128;
+    let mut before = sequence.get(sequence.len() - 1);
+    for index in 0..sequence.len() {
+        let value = sequence.get(index);
+        let step = u128::from((i64::from(value) - i64::from(before)).unsigned_abs());
+        squares += step * step;
+        before = value;
+    }
+    (squares << 16) / sequence.len() as u128
+}
+
+/// Powers of the single orders and the mean power of the common ones; leaves the decimated sequence behind.
+///
+/// The common power is taken from the steps between edges: in the angle itself, low orders of torque are many thousand
+/// times larger, and nothing would be left of a difference of such sums.
+pub(super) fn order_powers<S: Sequence + ?Sized>(
+    sequence: &mut S,
+    plan: OrderPlan,
+    coefficients: &mut [Coefficient; ORDERS_MAX],
+) -> Powers {
+    let mut steps = mean_square_step_q16(sequence);
+    let samples = decimate(sequence, plan.decimation);
+    let mut powers = Powers {
+        single: [0; ORDERS_MAX],
+        common: 0,
+    };
+    let classes = plan.edges / plan.lines;
+    let mut gain_q28 = (2 * (plan.edges - if classes > 1 { classes } else { 0 }) as u64) << 28;
+    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
+        let raw = coefficient(sequence, samples, order);
+        let c = undo_decimation(raw, order, plan.decimation, plan.edges);
+        coefficients[order - 1] = c;
+        powers.single[order - 1] = c.power();
+        let step_gain_q28 = step_gain_q28(order, plan.edges);
+        gain_q28 = gain_q28.saturating_sub(2 * step_gain_q28);
+        steps = steps.saturating_sub((2 * u128::from(c.power()) * u128::from(step_gain_q28)) >> 28);
+    }
+    if plan.common_count() > 0 {
+        let common = (steps << 28) / u128::from(gain_q28.max(1));
+        powers.common = u64::try_from(common).unwrap_or(u64::MAX);
+    }
+    powers
+}
+
+/// Power gain from an angle to its steps at an order: 4 sin^2(pi n / N), Q28.
+fn step_gain_q28(order: usize, edges: usize) -> u64 {
+    #[allow(clippy::cast_possible_truncation)]
+    let half_turn = Turn32((((order as u64) << 31) / edges as u64) as u32);
+    let sine = u64::from(sin_cos(half_turn).0.unsigned_abs());
+    (sine * sine) >> 30
+}
+
+/// Scales the contrast's powers to the noise in the sum of all turns: its signs have the squared sum q - sigma^2 / q.
+pub(super) fn scale_contrast(noise: &mut Powers, totals: &Totals) {
+    let turns = u128::from(totals.turns);
+    let sigma = u128::from(totals.sign_sum.unsigned_abs());
+    let numerator = (turns * turns) << (2 * CONTRAST_SHIFT);
+    let denominator = turns * turns - sigma * sigma;
+    for power in noise
+        .single
+        .iter_mut()
+        .chain(core::iter::once(&mut noise.common))
+    {
+        *power = u64::try_from(u128::from(*power) * numerator / denominator).unwrap_or(u64::MAX);
+    }
+}

@@ -1,0 +1,109 @@
+//! What a calibration found.
+
+use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX};
+use super::{CLASSES_MAX, EdgeBuffers, EstimateConfig};
+use crate::units::TurnDelta32;
+
+/// Why nothing could be solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SolveError {
+    /// Fewer than two turns were taken, so nothing says how well turns agree.
+    TooFewTurns(u32),
+}
+
+/// A solved error table with what is known about it. The error of edge k is
+/// `class_offset(k mod C) + (entries()[k] << shift())`: shaft angle = grid angle - error.
+pub struct Solution<B> {
+    pub(super) config: EstimateConfig,
+    pub(super) buffers: B,
+    pub(super) turns: u32,
+    pub(super) class_offsets: [TurnDelta32; CLASSES_MAX],
+    pub(super) class_error: u32,
+    pub(super) shift: u32,
+    pub(super) residual: u32,
+    pub(super) table_rms: u32,
+    pub(super) single: [u16; ORDERS_MAX],
+    pub(super) single_count: usize,
+    pub(super) common: u16,
+    pub(super) locked: heapless::Vec<LockedOrder, LOCKED_MAX>,
+}
+
+impl<B: EdgeBuffers> Solution<B> {
+    /// The encoder's shape.
+    #[must_use]
+    pub fn config(&self) -> EstimateConfig {
+        self.config
+    }
+
+    /// Turns that the estimate rests on.
+    #[must_use]
+    pub fn turns(&self) -> u32 {
+        self.turns
+    }
+
+    /// Mean error of an edge class; the means of all classes sum to zero.
+    #[must_use]
+    pub fn class_offset(&self, class: usize) -> TurnDelta32 {
+        self.class_offsets.get(class).copied().unwrap_or_default()
+    }
+
+    /// Mean errors of all classes; those beyond C are zero.
+    #[must_use]
+    pub fn class_offsets(&self) -> &[TurnDelta32; CLASSES_MAX] {
+        &self.class_offsets
+    }
+
+    /// Standard error of a class offset, 2^-32 turn.
+    #[must_use]
+    pub fn class_standard_error(&self) -> u32 {
+        self.class_error
+    }
+
+    /// Line position error of every edge, in `1 << shift()` of 2^-32 turn, zero mean in every class.
+    #[must_use]
+    pub fn entries(&self) -> &[i16] {
+        let cells = self.buffers.cells().as_flattened();
+        cells.get(..self.config.edges as usize).unwrap_or(cells)
+    }
+
+    /// Scale of [`Solution::entries`].
+    #[must_use]
+    pub fn shift(&self) -> u32 {
+        self.shift
+    }
+
+    /// Standard error of one edge's line position error: the error RMS to expect after correction, orders left alone
+    /// included at the size of their neighbours, 2^-32 turn.
+    #[must_use]
+    pub fn standard_error(&self) -> u32 {
+        self.residual
+    }
+
+    /// RMS of the error that the table holds, class offsets included, 2^-32 turn.
+    #[must_use]
+    pub fn table_rms(&self) -> u32 {
+        self.table_rms
+    }
+
+    /// Weight of an order in 0..=1 (Q15): how far its estimate is believed.
+    #[must_use]
+    pub fn order_weight(&self, order: usize) -> u16 {
+        if order == 0 || order > self.single_count {
+            self.common
+        } else {
+            self.single[order - 1]
+        }
+    }
+
+    /// Orders that one speed can't decide, left alone.
+    #[must_use]
+    pub fn locked_orders(&self) -> &[LockedOrder] {
+        &self.locked
+    }
+
+    /// Gives the buffers back.
+    pub fn into_buffers(self) -> B {
+        self.buffers
+    }
+}

@@ -1,0 +1,195 @@
+//! One turn as it comes in: intervals scaled to step fractions and written to the turn's cells.
+
+use super::{Crossing, EdgeBuffers, Rejection};
+use crate::edge::Direction;
+use crate::units::{STEP_FRACTION_BITS, Ticks};
+
+/// Step fractions per tick as `multiplier * 2^-shift`, from the duration of one whole turn.
+#[derive(Clone, Copy)]
+pub(super) struct TurnRate {
+    multiplier: u32,
+    shift: u32,
+}
+
+impl TurnRate {
+    /// The rate at which a turn of `duration` ticks has `edges` steps; `None` for a turn shorter than one tick an edge
+    /// or longer than 2^44 ticks.
+    pub(super) fn of(duration: u64, edges: u32) -> Option<Self> {
+        if duration < u64::from(edges) || duration >> 44 != 0 {
+            return None;
+        }
+        let edge_bits = u32::BITS - (edges - 1).leading_zeros();
+        // As many fraction bits as keep the multiplier in 31 bits and a turn and a half of phase in 64.
+        let precise = (31 + duration.ilog2()).saturating_sub(edge_bits + STEP_FRACTION_BITS);
+        let shift = precise.min(62 - STEP_FRACTION_BITS - edge_bits);
+        let multiplier = (u64::from(edges) << (STEP_FRACTION_BITS + shift)) / duration;
+        Some(Self {
+            multiplier: u32::try_from(multiplier).ok()?,
+            shift,
+        })
+    }
+
+    /// A small difference of durations in step fractions.
+    pub(super) fn scale(self, ticks: i64) -> i64 {
+        // A turn is at most 2^62 phase units and kappa at most a sixteenth of a turn that passed the speed check;
+        // a wild neighbour is capped instead of wrapping.
+        ticks.saturating_mul(i64::from(self.multiplier)) >> self.shift
+    }
+}
+
+/// The turn that is coming in.
+pub(super) struct Turn {
+    direction: Direction,
+    rate: Option<TurnRate>,
+    start: Ticks,
+    last: Ticks,
+    edge: u32,
+    phase: u64,
+    origin: u32,
+    length: u32,
+    irregular: bool,
+}
+
+impl Turn {
+    /// Starts at the crossing of edge 0. `dither` is a fraction of one step fraction (Q32) that differs from turn to
+    /// turn, so that rounding averages out even when turns repeat to the tick.
+    pub(super) fn start(crossing: &Crossing, rate: Option<TurnRate>, dither: u32) -> Self {
+        let phase = rate.map_or(0, |rate| {
+            (u64::from(dither) << 16) >> (48 - rate.shift.min(48))
+        });
+        Self {
+            direction: crossing.direction,
+            rate,
+            start: crossing.ticks,
+            last: crossing.ticks,
+            edge: crossing.edge,
+            phase,
+            origin: 0,
+            length: 0,
+            irregular: false,
+        }
+    }
+
+    pub(super) fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    pub(super) fn duration(&self, now: Ticks) -> u64 {
+        now.wrapping_sub(self.start)
+    }
+
+    /// Length of the whole turn in step fractions at the rate of the turn before.
+    pub(super) fn length(&self) -> i64 {
+        i64::from(self.length.wrapping_sub(self.origin))
+    }
+
+    /// Adds one crossing; `Ok(true)` when it ends the turn.
+    #[inline]
+    pub(super) fn extend<B: EdgeBuffers>(
+        &mut self,
+        crossing: &Crossing,
+        edges: u32,
+        buffers: &mut B,
+    ) -> Result<bool, Rejection> {
+        let forward = self.direction == Direction::Forward;
+        let mut slot = self.edge;
+        let expected = wrapped(self.edge, crossing.advance, edges, forward);
+        if crossing.direction != self.direction
+            || crossing.edge != expected
+            || crossing.advance == 0
+        {
+            return Err(Rejection::Broken);
+        }
+        self.edge = expected;
+        let interval = crossing.ticks.wrapping_sub(self.last);
+        self.last = crossing.ticks;
+        if let Some(rate) = self.rate {
+            let Ok(interval) = u32::try_from(interval) else {
+                return Err(Rejection::Irregular);
+            };
+            self.phase = self
+                .phase
+                .wrapping_add(u64::from(interval) * u64::from(rate.multiplier));
+            #[allow(clippy::cast_possible_truncation)]
+            let length = (self.phase >> rate.shift) as u32;
+            let moved = length.wrapping_sub(self.length);
+            self.length = length;
+            let deviation = moved
+                .wrapping_sub(crossing.advance << STEP_FRACTION_BITS)
+                .cast_signed();
+            let entry = i16::try_from(deviation).unwrap_or_else(|_| {
+                self.irregular = true;
+                0
+            });
+            // The interval between edges k-1 and k has slot k in either direction.
+            for remaining in (0..crossing.advance).rev() {
+                if forward {
+                    slot = wrapped(slot, 1, edges, true);
+                }
+                if let Some(cell) = buffers.work().get_mut(slot as usize) {
+                    cell[0] = if remaining == 0 { entry } else { 0 };
+                }
+                if !forward {
+                    slot = wrapped(slot, 1, edges, false);
+                }
+            }
+        }
+        if expected != 0 {
+            return Ok(false);
+        }
+        if self.irregular {
+            Err(Rejection::Irregular)
+        } else {
+            Ok(true)
+        }
+    }
+}
+
+/// `edge` moved by `by` steps, modulo `edges`.
+#[inline]
+pub(super) fn wrapped(edge: u32, by: u32, edges: u32, forward: bool) -> u32 {
+    if forward {
+        let moved = edge + by;
+        if moved >= edges { moved - edges } else { moved }
+    } else if edge >= by {
+        edge - by
+    } else {
+        edge + edges - by
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_turns_its_own_duration_into_one_turn() {
+        for edges in [3_u32, 12, 90, 240, 4096, 10_000, 65_536] {
+            for duration in [
+                65_536_u64,
+                100_000,
+                336_000_000,
+                3_360_000_001,
+                1 << 40,
+                (1 << 44) - 1,
+            ] {
+                let rate = TurnRate::of(duration, edges).unwrap();
+                let grid = f64::from(edges) * 32768.0;
+                let length =
+                    ((u128::from(duration) * u128::from(rate.multiplier)) >> rate.shift) as f64;
+                assert!(
+                    (length / grid - 1.0).abs() < 3e-5,
+                    "{edges} {duration} {length} {grid}"
+                );
+                assert!((u128::from(duration) * u128::from(rate.multiplier)) >> 63 == 0);
+            }
+        }
+    }
+
+    #[test]
+    fn slots_wrap_in_both_directions() {
+        assert_eq!(wrapped(9, 1, 10, true), 0);
+        assert_eq!(wrapped(0, 1, 10, false), 9);
+        assert_eq!(wrapped(1, 3, 10, false), 8);
+    }
+}

@@ -1,0 +1,179 @@
+//! How far each order is believed: its size against the noise that the contrast shows and against its neighbours.
+//!
+//! Noise of a shaft falls with the fourth power of the order, encoder geometry is about as large at every order. So the
+//! noise is averaged over neighbours after that slope is taken out, and where it drowns the geometry, the geometry's size
+//! is carried down from the higher orders. The weight is Wiener's, S / (S + N), drawn to zero where little is known. All
+//! decisions are continuous, so that no rounding can flip one.
+
+use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX, OrderPlan};
+use super::power::Powers;
+use crate::log2::{LOG2_BITS, exp2, log2};
+
+/// One in Q15, the unit of a weight.
+pub(super) const WEIGHT_ONE: u32 = 1 << 15;
+
+const Q: i32 = 1 << LOG2_BITS;
+
+/// What the weighing found.
+pub(super) struct Weights {
+    /// Weight of order n at n - 1, Q15.
+    pub single: [u16; ORDERS_MAX],
+    /// Weight of all orders above, Q15.
+    pub common: u32,
+    /// Expected squared error of an edge after correction, 2^-16 of the squared unit, class offsets not counted.
+    pub residual: u64,
+    /// Orders left alone because torque might make them; sizes are filled in by the caller.
+    pub locked: heapless::Vec<LockedOrder, LOCKED_MAX>,
+}
+
+/// Weighs `signal` (all turns) against `noise` (contrast, scaled to all turns). `one_speed` says that the turns were too
+/// alike in speed to tell torque ripple from geometry.
+pub(super) fn weigh(plan: OrderPlan, signal: &Powers, noise: &Powers, one_speed: bool) -> Weights {
+    let smooth_noise = smooth_noise(plan, noise);
+    let mut scratch = [0_i32; ORDERS_MAX];
+    let mut weights = Weights {
+        single: [0; ORDERS_MAX],
+        common: 0,
+        residual: 0,
+        locked: heapless::Vec::new(),
+    };
+
+    let common_size = excess(signal.common, noise.common, COMMON_MARGIN_Q8);
+    weights.common = wiener(common_size, noise.common);
+    let mut residual = u128::from(left_over(weights.common, common_size, noise.common))
+        * plan.common_count() as u128;
+
+    let mut carried = common_size;
+    for order in (1..=plan.single).rev() {
+        if plan.is_class_order(order) {
+            continue;
+        }
+        let index = order - 1;
+        let (power, noise) = (signal.single[index], smooth_noise[index]);
+        let size = if plan.has_neighbours() {
+            let (level, count) = neighbourhood_level(plan, &signal.single, order, &mut scratch);
+            excess(level, noise, margin_q8(count)).max(carried.min(level))
+        } else {
+            excess(power, noise, LONE_MARGIN_Q8)
+        };
+        carried = size;
+        let mut weight = wiener(size, noise);
+        if plan.has_neighbours() && one_speed {
+            let height = log2(power.into()) - log2(u128::from(size) + u128::from(noise));
+            let gate = (LOCKED_HEIGHT - height).clamp(0, Q);
+            weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
+            if height > LOCKED_HEIGHT {
+                #[allow(clippy::cast_possible_truncation)]
+                // A full list says enough; the weight is zero either way.
+                let _ = weights.locked.push(LockedOrder {
+                    order: order as u16,
+                    amplitude: 0,
+                });
+            }
+        }
+        residual += 2 * u128::from(left_over(weight, size, noise));
+        #[allow(clippy::cast_possible_truncation)]
+        {
+            weights.single[index] = weight as u16;
+        }
+    }
+    weights.residual = u64::try_from(residual).unwrap_or(u64::MAX);
+    weights
+}
+
+/// An order 16 times (log2 = 4) above its neighbours in power is left alone; from 8 times on its weight falls.
+const LOCKED_HEIGHT: i32 = 4 * Q;
+
+/// Of thousands of common orders, ten percent above the noise is significant.
+const COMMON_MARGIN_Q8: u64 = 282;
+
+/// An order without neighbours must stand four times above the noise.
+const LONE_MARGIN_Q8: u64 = 4 << 8;
+
+/// 2^(10.4 / sqrt(count)): above this ratio a level of `count` orders is no accident of noise (about 4 sigma of both).
+fn margin_q8(count: usize) -> u64 {
+    #[allow(clippy::cast_possible_truncation)]
+    let root_q8 = ((count as u32) << 16).isqrt();
+    #[allow(clippy::cast_possible_wrap)]
+    let exponent = (2662 * Q as u32 / root_q8.max(256)) as i32;
+    exp2(exponent + 8 * Q)
+}
+
+/// `power - margin x noise`, not below zero.
+fn excess(power: u64, noise: u64, margin_q8: u64) -> u64 {
+    let margin = (u128::from(noise) * u128::from(margin_q8)) >> 8;
+    u64::try_from(u128::from(power).saturating_sub(margin)).unwrap_or(u64::MAX)
+}
+
+/// Wiener's weight, Q15, drawn linearly to zero at 0.3.
+fn wiener(size: u64, noise: u64) -> u32 {
+    let total = u128::from(size) + u128::from(noise);
+    if total == 0 {
+        return 0;
+    }
+    #[allow(clippy::cast_possible_truncation)]
+    let weight = ((u128::from(size) << 15) / total) as u32;
+    const FLOOR: u32 = WEIGHT_ONE * 3 / 10;
+    weight.saturating_sub(FLOOR) * 10 / 7
+}
+
+/// Expected power left when a size is corrected with a weight: (1 - w)^2 S + w^2 N.
+fn left_over(weight: u32, size: u64, noise: u64) -> u64 {
+    let rest = u128::from(WEIGHT_ONE - weight.min(WEIGHT_ONE));
+    let weight = u128::from(weight);
+    u64::try_from((rest * rest * u128::from(size) + weight * weight * u128::from(noise)) >> 30)
+        .unwrap_or(u64::MAX)
+}
+
+/// Neighbours of an order: a third of it to either side, two at least.
+fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
+    let reach = (order / 3).max(2);
+    let first = order.saturating_sub(reach).max(1);
+    let last = (order + reach).min(plan.single);
+    (first..=last).filter(move |&n| !plan.is_class_order(n))
+}
+
+/// Median power of the neighbours, as the mean of an exponential distribution with that median, and their number.
+/// The median, because torque ripple puts lines there.
+fn neighbourhood_level(
+    plan: OrderPlan,
+    powers: &[u64],
+    order: usize,
+    scratch: &mut [i32; ORDERS_MAX],
+) -> (u64, usize) {
+    let mut count = 0;
+    for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
+        *cell = log2(powers[n - 1].into());
+        count += 1;
+    }
+    let logs = &mut scratch[..count];
+    logs.sort_unstable();
+    let median = if count.is_multiple_of(2) {
+        i32::midpoint(logs[count / 2 - 1], logs[count / 2])
+    } else {
+        logs[count / 2]
+    };
+    // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
+    const MEAN_OVER_MEDIAN: i32 = 34_654;
+    (exp2(median + MEAN_OVER_MEDIAN), count)
+}
+
+/// The noise at every single order: geometric mean over the neighbours with the slope of the fourth power taken out, and
+/// not below half of what the order itself shows.
+fn smooth_noise(plan: OrderPlan, noise: &Powers) -> [u64; ORDERS_MAX] {
+    // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
+    const MEAN_OVER_LOG_MEAN: i64 = 54_574;
+    let mut smooth = [0; ORDERS_MAX];
+    for order in 1..=plan.single {
+        let (mut sum, mut count) = (0_i64, 0_i64);
+        for n in neighbours(plan, order) {
+            sum += i64::from(log2(noise.single[n - 1].into())) + 4 * i64::from(log2(n as u128));
+            count += 1;
+        }
+        let mean = sum / count.max(1) - 4 * i64::from(log2(order as u128)) + MEAN_OVER_LOG_MEAN;
+        #[allow(clippy::cast_possible_truncation)]
+        let level = exp2(mean.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
+        smooth[order - 1] = level.max(noise.single[order - 1] / 2);
+    }
+    smooth
+}
