@@ -8,5 +8,8 @@
 pub mod edge;
 pub mod estimate;
 pub mod log2;
+pub mod shape;
+pub mod slot;
+pub mod table;
 pub mod trig;
 pub mod units;

@@ -4,7 +4,8 @@
 use super::fold::CONTRAST_SHIFT;
 use super::order::OrderPlan;
 use super::spectrum::Sequence;
-use super::{CLASSES_MAX, EdgeBuffers, Totals};
+use super::{EdgeBuffers, Totals};
+use crate::shape::CLASSES_MAX;
 
 /// Turns the summed deviations into each edge's error: running sum, closed over the turn, curvature taken out.
 pub(super) fn close_sum(sum: &mut [i32], totals: &Totals) {

@@ -30,73 +30,13 @@ pub use order::{LockedOrder, ORDERS_MAX};
 pub use solution::{Solution, SolveError};
 
 use crate::edge::Direction;
+use crate::shape::{EncoderShape, ShapeError};
 use crate::units::{STEP_FRACTION_BITS, Ticks};
 use fold::{Fold, sign_of_turn};
 use turn::{Turn, TurnRate};
 
-/// Edge classes at the most: three Hall sensors.
-pub const CLASSES_MAX: usize = 6;
-
-/// Edges a turn at the most, so that one turn in step fractions fits 32 bits.
-pub const EDGES_MAX: u32 = 1 << 16;
-
 /// Turns at the most, so that no sum can overflow.
 pub const TURNS_MAX: u32 = 1 << 15;
-
-/// What an estimator is told once: the shape of the encoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct EstimateConfig {
-    edges: u32,
-    classes: u32,
-}
-
-/// Why an encoder's shape can't be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ConfigError {
-    /// Fewer than three edges a turn, or more than [`EDGES_MAX`].
-    Edges(u32),
-    /// No class, more than [`CLASSES_MAX`], or not a divisor of the edges.
-    Classes(u32),
-    /// The buffers are of another size than the edges.
-    Buffers(usize),
-}
-
-impl EstimateConfig {
-    /// An encoder of `edges` edges a turn (N) in `classes` edge classes (4 for quadrature, 6 for three Hall sensors, 2 or 1
-    /// for one channel).
-    ///
-    /// # Errors
-    /// [`ConfigError`] when a number is out of range.
-    pub const fn new(edges: u32, classes: u32) -> Result<Self, ConfigError> {
-        if edges < 3 || edges > EDGES_MAX {
-            return Err(ConfigError::Edges(edges));
-        }
-        if classes == 0 || classes as usize > CLASSES_MAX || !edges.is_multiple_of(classes) {
-            return Err(ConfigError::Classes(classes));
-        }
-        Ok(Self { edges, classes })
-    }
-
-    /// Edges a turn, N.
-    #[must_use]
-    pub const fn edges(self) -> u32 {
-        self.edges
-    }
-
-    /// Edge classes, C.
-    #[must_use]
-    pub const fn classes(self) -> u32 {
-        self.classes
-    }
-
-    /// Lines a turn, M = N / C.
-    #[must_use]
-    pub const fn lines(self) -> u32 {
-        self.edges / self.classes
-    }
-}
 
 /// One grid edge crossed, as a decoder reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,7 +101,7 @@ pub struct Totals {
 
 /// Learns eps, xi and p of one encoder; see the module's head.
 pub struct Estimator<B> {
-    config: EstimateConfig,
+    shape: EncoderShape,
     inverse_edges_q32: u32,
     buffers: B,
     totals: Totals,
@@ -186,17 +126,17 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// An estimator with nothing learned; clears the buffers.
     ///
     /// # Errors
-    /// [`ConfigError::Buffers`] when the buffers don't hold exactly N edges.
-    pub fn new(config: EstimateConfig, mut buffers: B) -> Result<Self, ConfigError> {
-        let length = config.edges as usize;
+    /// [`ShapeError::Buffers`] when the buffers don't hold exactly N edges.
+    pub fn new(shape: EncoderShape, mut buffers: B) -> Result<Self, ShapeError> {
+        let length = shape.edges() as usize;
         if buffers.sum().len() != length || buffers.work().len() != length {
-            return Err(ConfigError::Buffers(buffers.edges()));
+            return Err(ShapeError::Buffers(buffers.edges()));
         }
         buffers.sum().fill(0);
         buffers.work().fill([0; 2]);
         Ok(Self {
-            config,
-            inverse_edges_q32: u32::MAX / config.edges,
+            shape,
+            inverse_edges_q32: u32::MAX / shape.edges(),
             buffers,
             totals: Totals::default(),
             turn: None,
@@ -209,8 +149,8 @@ impl<B: EdgeBuffers> Estimator<B> {
 
     /// The encoder's shape.
     #[must_use]
-    pub fn config(&self) -> EstimateConfig {
-        self.config
+    pub fn shape(&self) -> EncoderShape {
+        self.shape
     }
 
     /// Turns taken and rejected so far.
@@ -223,11 +163,11 @@ impl<B: EdgeBuffers> Estimator<B> {
     #[inline]
     pub fn push(&mut self, crossing: &Crossing) -> Progress {
         for _ in 0..crossing.advance {
-            self.fold.step(&mut self.buffers, self.config.edges);
+            self.fold.step(&mut self.buffers, self.shape.edges());
         }
         let mut progress = Progress::Running;
         if let Some(turn) = &mut self.turn {
-            match turn.extend(crossing, self.config.edges, &mut self.buffers) {
+            match turn.extend(crossing, self.shape.edges(), &mut self.buffers) {
                 Ok(false) => return Progress::Running,
                 Ok(true) => progress = self.close(crossing.ticks),
                 Err(rejection) => progress = self.reject(rejection),
@@ -272,13 +212,13 @@ impl<B: EdgeBuffers> Estimator<B> {
         };
         let duration = turn.duration(now);
         let previous_rate = self.rate;
-        self.rate = TurnRate::of(duration, self.config.edges);
+        self.rate = TurnRate::of(duration, self.shape.edges());
         self.settle_bend(Some(duration));
         let duration_before = self.duration_before.replace(duration);
         let Some(rate) = previous_rate else {
             return Progress::Running;
         };
-        let grid = i64::from(self.config.edges) << STEP_FRACTION_BITS;
+        let grid = i64::from(self.shape.edges()) << STEP_FRACTION_BITS;
         let excess = turn.length() - grid;
         if excess.abs() > grid >> 3 {
             self.totals.speed_change += 1;
@@ -296,7 +236,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         totals.sign_sum += sign;
         totals.excess += excess;
         let slope = excess * i64::from(self.inverse_edges_q32);
-        self.fold = Fold::of_turn(turn.direction(), sign, slope, self.config.edges);
+        self.fold = Fold::of_turn(turn.direction(), sign, slope, self.shape.edges());
         self.unbent = Some(Unbent {
             rate,
             duration,

@@ -1,7 +1,8 @@
 //! What a calibration found.
 
+use super::EdgeBuffers;
 use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX};
-use super::{CLASSES_MAX, EdgeBuffers, EstimateConfig};
+use crate::shape::{CLASSES_MAX, EncoderShape};
 use crate::units::TurnDelta32;
 
 /// Why nothing could be solved.
@@ -15,7 +16,7 @@ pub enum SolveError {
 /// A solved error table with what is known about it. The error of edge k is
 /// `class_offset(k mod C) + (entries()[k] << shift())`: shaft angle = grid angle - error.
 pub struct Solution<B> {
-    pub(super) config: EstimateConfig,
+    pub(super) shape: EncoderShape,
     pub(super) buffers: B,
     pub(super) turns: u32,
     pub(super) class_offsets: [TurnDelta32; CLASSES_MAX],
@@ -32,8 +33,8 @@ pub struct Solution<B> {
 impl<B: EdgeBuffers> Solution<B> {
     /// The encoder's shape.
     #[must_use]
-    pub fn config(&self) -> EstimateConfig {
-        self.config
+    pub fn shape(&self) -> EncoderShape {
+        self.shape
     }
 
     /// Turns that the estimate rests on.
@@ -64,7 +65,7 @@ impl<B: EdgeBuffers> Solution<B> {
     #[must_use]
     pub fn entries(&self) -> &[i16] {
         let cells = self.buffers.cells().as_flattened();
-        cells.get(..self.config.edges as usize).unwrap_or(cells)
+        cells.get(..self.shape.edges() as usize).unwrap_or(cells)
     }
 
     /// Scale of [`Solution::entries`].

@@ -7,7 +7,8 @@ use super::scale::AngleScale;
 use super::solution::{Solution, SolveError};
 use super::spectrum::{COEFFICIENT_BITS, Coefficient, Sequence, add_order};
 use super::weigh::{WEIGHT_ONE, weigh};
-use super::{CLASSES_MAX, EdgeBuffers, Estimator};
+use super::{EdgeBuffers, Estimator};
+use crate::shape::CLASSES_MAX;
 use crate::units::{STEP_FRACTION_BITS, TurnDelta32};
 
 impl<B: EdgeBuffers> Estimator<B> {
@@ -17,12 +18,12 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// [`SolveError::TooFewTurns`] with fewer than two turns.
     pub fn solve(mut self) -> Result<Solution<B>, SolveError> {
         self.settle_bend(None);
-        self.fold.finish(&mut self.buffers, self.config.edges);
+        self.fold.finish(&mut self.buffers, self.shape.edges());
         let totals = self.totals;
         if totals.turns < 2 {
             return Err(SolveError::TooFewTurns(totals.turns));
         }
-        let plan = OrderPlan::new(self.config.edges as usize, self.config.lines() as usize);
+        let plan = OrderPlan::new(self.shape.edges() as usize, self.shape.lines() as usize);
         close_sum(self.buffers.sum(), &totals);
         close_contrast(&mut self.buffers, &totals);
         let offsets = take_class_means(self.buffers.sum(), plan);
@@ -55,13 +56,13 @@ impl<B: EdgeBuffers> Estimator<B> {
         let (shift, table_rms) = self.pack_angles(scale, class_offsets);
         #[allow(clippy::cast_possible_truncation)]
         Ok(Solution {
-            config: self.config,
+            shape: self.shape,
             buffers: self.buffers,
             turns: totals.turns,
             class_offsets,
             // Never below one unit, to which the offsets are rounded.
             class_error: scale
-                .root_mean_square(noise.common.saturating_mul(u64::from(self.config.classes)))
+                .root_mean_square(noise.common.saturating_mul(u64::from(self.shape.classes())))
                 .max(1),
             shift,
             residual: scale.root_mean_square(weights.residual),
@@ -130,7 +131,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     ) -> (u32, u32) {
         let mut largest = 0;
         let mut squares = 0_u128;
-        for line in self.buffers.sum().chunks_mut(self.config.classes as usize) {
+        for line in self.buffers.sum().chunks_mut(self.shape.classes() as usize) {
             for (entry, offset) in line.iter_mut().zip(class_offsets) {
                 *entry = scale.angle(*entry);
                 largest = largest.max(entry.unsigned_abs());
@@ -140,13 +141,13 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(15);
         let half = 1_i32 << shift >> 1;
-        for index in 0..self.config.edges as usize {
+        for index in 0..self.shape.edges() as usize {
             let rounded = self.buffers.sum()[index].saturating_add(half) >> shift;
             #[allow(clippy::cast_possible_truncation)]
             let packed = rounded.min(i32::from(i16::MAX)) as i16;
             self.buffers.work().as_flattened_mut()[index] = packed;
         }
-        let table_rms = (squares / u128::from(self.config.edges)).isqrt();
+        let table_rms = (squares / u128::from(self.shape.edges())).isqrt();
         (shift, u32::try_from(table_rms).unwrap_or(u32::MAX))
     }
 }
