@@ -52,7 +52,7 @@ impl Feed {
         self.budget = LINE_LIMIT;
     }
 
-    /// Bytes handed out so far.
+    /// Bytes of the file handed out so far.
     pub fn consumed(&self) -> u64 {
         self.consumed
     }
@@ -65,6 +65,15 @@ impl Feed {
 
 impl Read for Feed {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        // The parser asks for one byte at a time.
+        if let [slot] = out
+            && self.start < self.end
+            && self.budget > 0
+        {
+            *slot = self.buffer[self.start];
+            self.consume(1);
+            return Ok(1);
+        }
         let ready = self.fill_buf()?;
         let count = ready.len().min(out.len());
         out[..count].copy_from_slice(&ready[..count]);
@@ -104,7 +113,9 @@ impl BufRead for Feed {
     fn consume(&mut self, count: usize) {
         let count = count.min(self.end - self.start);
         self.start += count;
-        self.consumed += count as u64;
+        if self.ending.is_none() {
+            self.consumed += count as u64;
+        }
         self.budget = self.budget.saturating_sub(count);
     }
 }

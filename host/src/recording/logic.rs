@@ -26,8 +26,8 @@ pub(super) struct Logic {
 /// Nanoseconds counted from the first time, which may be negative.
 #[derive(Default)]
 pub(super) struct TimeAxis {
-    first: Option<i64>,
-    last: i64,
+    /// The first time and the last.
+    span: Option<(i64, i64)>,
 }
 
 impl TimeAxis {
@@ -38,17 +38,17 @@ impl TimeAxis {
         at: impl Fn() -> Place,
         advice: &'static str,
     ) -> Result<u64, ReadError> {
-        let first = *self.first.get_or_insert(ns);
-        if first != ns && ns < self.last || ns < first {
+        let (first, last) = self.span.unwrap_or((ns, ns));
+        if ns < last {
             return Err(ReadError::TimeFalls {
                 at: at(),
                 time: ns.into(),
-                previous: self.last.into(),
+                previous: last.into(),
                 unit: "ns",
                 advice,
             });
         }
-        self.last = ns;
+        self.span = Some((first, ns));
         Ok(ns.abs_diff(first))
     }
 }

@@ -134,6 +134,10 @@ fn whole_files() {
 #[test]
 fn logic_rows() {
     check(
+        "Time [s],A\n-1,0\n2,1\n-1,0\n",
+        "r.csv:4:Time [s]: time falls from 2000000000 to -1000000000 (ns)",
+    );
+    check(
         "Time [s],A,B\n0,0,0\n-1,1,0\n",
         "r.csv:3:Time [s]: time falls from 0 to -1000000000 (ns)",
     );

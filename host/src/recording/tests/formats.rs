@@ -169,6 +169,7 @@ fn changes_at_one_time_of_a_vcd_are_one_row() {
         .collect();
     assert_eq!(rows, [(20, 0b01), (30, 0b10), (30, 0b11)]);
     assert_eq!(recording.repeated_rows(), 1);
+    assert_eq!(recording.bytes_read(), VCD.len() as u64);
 }
 
 #[test]
