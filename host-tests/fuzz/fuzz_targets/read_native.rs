@@ -1,0 +1,8 @@
+//! Any bytes, read as native CSV.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use quadcal_fuzz::read;
+use quadcal_host::recording::{Format, ListKind};
+
+fuzz_target!(|bytes: &[u8]| read(bytes, Some(Format::Native), ListKind::Auto));
