@@ -2,3 +2,4 @@
 #![forbid(unsafe_code)]
 
 pub mod recording;
+pub mod report;
