@@ -6,4 +6,5 @@
 #![forbid(unsafe_code)]
 
 pub mod edge;
+pub mod replay;
 pub mod units;
