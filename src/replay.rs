@@ -19,9 +19,11 @@
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc};
-
 use crate::edge::Levels;
+
+mod tally;
+
+pub use tally::Tally;
 
 /// First four bytes of an event file.
 pub const MAGIC: [u8; 4] = *b"QCEV";
@@ -39,6 +41,7 @@ const LEVELS_MASK: u8 = 7;
 
 /// Width of the capture timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TimerWidth {
     /// Counts 0 to 2^16 - 1.
     Bits16,
@@ -68,6 +71,7 @@ impl TimerWidth {
 
 /// What is wired to the capture inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Wiring {
     /// A and B in quadrature, and an index.
     Quadrature,
@@ -81,6 +85,7 @@ pub enum Wiring {
 
 /// The file's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
     /// Width of the capture timer.
     pub timer: TimerWidth,
@@ -96,6 +101,7 @@ pub struct Header {
 
 /// One run of an interrupt handler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Event {
     /// The capture handler took a count from the timer.
     Capture {
@@ -112,6 +118,7 @@ pub enum Event {
 
 /// Why a header or a record was refused, with the value found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ReplayError {
     /// The file does not begin with [`MAGIC`].
     Magic,
@@ -257,65 +264,6 @@ impl Event {
             }
             Self::Overflow => [KIND_OVERFLOW, 0, 0, 0, 0, 0, 0, 0],
         }
-    }
-}
-
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-
-/// Counts and checksum over a stream of events: host and target agree on these if the stream came through whole.
-#[derive(Clone)]
-pub struct Tally {
-    /// Captures seen.
-    pub captures: u32,
-    /// Captures whose handler found an overflow pending.
-    pub pending: u32,
-    /// Overflows served.
-    pub overflows: u32,
-    crc: crc::Digest<'static, u32>,
-}
-
-impl Default for Tally {
-    fn default() -> Self {
-        Self {
-            captures: 0,
-            pending: 0,
-            overflows: 0,
-            crc: CRC.digest(),
-        }
-    }
-}
-
-impl Tally {
-    /// Takes in one event.
-    pub fn add(&mut self, event: &Event) {
-        match event {
-            Event::Capture {
-                overflow_pending, ..
-            } => {
-                self.captures = self.captures.wrapping_add(1);
-                self.pending = self.pending.wrapping_add(u32::from(*overflow_pending));
-            }
-            Event::Overflow => self.overflows = self.overflows.wrapping_add(1),
-        }
-        self.crc.update(&event.emit());
-    }
-
-    /// CRC-32 (ISO-HDLC) over the records' bytes so far.
-    #[must_use]
-    pub fn checksum(&self) -> u32 {
-        self.crc.clone().finalize()
-    }
-
-    /// Bytes of the result file: captures, pending, overflows and checksum, each 32 bits little endian.
-    #[must_use]
-    pub fn emit(&self) -> [u8; 16] {
-        let [a0, a1, a2, a3] = self.captures.to_le_bytes();
-        let [b0, b1, b2, b3] = self.pending.to_le_bytes();
-        let [c0, c1, c2, c3] = self.overflows.to_le_bytes();
-        let [d0, d1, d2, d3] = self.checksum().to_le_bytes();
-        [
-            a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3, d0, d1, d2, d3,
-        ]
     }
 }
 

@@ -3,7 +3,6 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use cortex_m::Peripherals;
 use cortex_m::interrupt;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
@@ -21,15 +20,14 @@ pub struct InstructionCounter {
 }
 
 impl InstructionCounter {
-    /// Starts SysTick; `None` if the peripherals have been taken before.
-    pub fn start() -> Option<Self> {
-        let mut timer = Peripherals::take()?.SYST;
+    /// Starts the timer.
+    pub fn start(mut timer: SYST) -> Self {
         timer.set_clock_source(SystClkSource::Core);
         timer.set_reload(RELOAD);
         timer.clear_current();
         timer.enable_interrupt();
         timer.enable_counter();
-        Some(Self { _timer: timer })
+        Self { _timer: timer }
     }
 
     /// Instructions executed since an arbitrary point, right to about two; reading costs some thirty itself.

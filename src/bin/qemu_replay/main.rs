@@ -12,7 +12,7 @@ mod semihost;
 
 use core::fmt;
 
-use cortex_m::singleton;
+use cortex_m::Peripherals;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use cortex_m_semihosting::{heprintln, hprintln};
 use quadcal::replay::{Event, HEADER_LEN, Header, RECORD_LEN, ReplayError, Tally};
@@ -29,6 +29,7 @@ const BLOCK: usize = 8192;
 /// Why a run failed.
 enum Failure {
     Usage,
+    PeripheralsTaken,
     Io(IoError),
     Format { offset: usize, error: ReplayError },
     Truncated { offset: usize },
@@ -44,6 +45,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Usage => f.write_str("usage: qemu_replay EVENTS RESULT"),
+            Self::PeripheralsTaken => f.write_str("the peripherals are taken"),
             Self::Io(error) => error.fmt(f),
             Self::Format { offset, error } => write!(f, "byte {offset}: {error}"),
             Self::Truncated { offset } => write!(f, "byte {offset}: the file ends inside a record"),
@@ -59,7 +61,10 @@ struct Cost {
 
 #[entry]
 fn main() -> ! {
-    match run() {
+    // The entry attribute hands these out as unique references: safe, and off the stack.
+    static mut LINE: [u8; 256] = [0; 256];
+    static mut BUFFER: [u8; BLOCK] = [0; BLOCK];
+    match run(LINE, BUFFER) {
         Ok(cost) => {
             hprintln!(
                 "events={} instructions={} stack_bytes={} static_bytes={}",
@@ -77,24 +82,27 @@ fn main() -> ! {
     }
 }
 
-fn run() -> Result<Cost, Failure> {
-    let line = singleton!(: [u8; 256] = [0; 256]).ok_or(Failure::Usage)?;
-    let block = singleton!(: [u8; BLOCK] = [0; BLOCK]).ok_or(Failure::Usage)?;
+fn run(line: &mut [u8], block: &mut [u8; BLOCK]) -> Result<Cost, Failure> {
+    let timer = Peripherals::take().ok_or(Failure::PeripheralsTaken)?.SYST;
+    let counter = InstructionCounter::start(timer);
     let mut words = semihost::command_line(line)?
         .split_ascii_whitespace()
         .skip(1);
     let (Some(events), Some(result), None) = (words.next(), words.next(), words.next()) else {
         return Err(Failure::Usage);
     };
-    let (tally, cost) = replay(&mut File::open(events, Mode::Read)?, block)?;
+    let (tally, cost) = replay(&mut File::open(events, Mode::Read)?, block, &counter)?;
     let mut out = File::open(result, Mode::Write)?;
     out.write(&tally.emit())?;
     out.close()?;
     Ok(cost)
 }
 
-fn replay(file: &mut File, block: &mut [u8; BLOCK]) -> Result<(Tally, Cost), Failure> {
-    let counter = InstructionCounter::start().ok_or(Failure::Usage)?;
+fn replay(
+    file: &mut File,
+    block: &mut [u8; BLOCK],
+    counter: &InstructionCounter,
+) -> Result<(Tally, Cost), Failure> {
     let mut head = [0; HEADER_LEN];
     let got = file.read(&mut head)?;
     if got < HEADER_LEN {
