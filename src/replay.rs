@@ -15,7 +15,9 @@
 //! ```
 //!
 //! Levels, flags and count of an overflow record are 0. Records stand in the order the handlers ran, which at a wrap is
-//! not the order things happened: a capture taken just after the wrap may be served before the overflow is.
+//! not the order things happened: a capture taken just after the wrap may be served before the overflow is. One handler
+//! serves the timer, captures before the overflow, each less than half a timer period late; so the overflow flag and the
+//! upper bit of the count settle which period a capture belongs to.
 
 use core::fmt;
 

@@ -30,7 +30,7 @@ impl InstructionCounter {
         Self { _timer: timer }
     }
 
-    /// Instructions executed since an arbitrary point, right to about two; reading costs some thirty itself.
+    /// Instructions executed since an arbitrary point, right to about two; reading costs some seventy itself.
     pub fn now(&self) -> u64 {
         let (wraps, count) = interrupt::free(|_| {
             let count = SYST::get_current();

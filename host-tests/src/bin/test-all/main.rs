@@ -76,4 +76,9 @@ fn summary(done: &[Done]) {
     }
     let total: Duration = done.iter().map(|done| done.time).sum();
     println!("{:<14} {:>6.1} s", "total", total.as_secs_f64());
+    for done in done {
+        if let Err(failure) = &done.result {
+            println!("{}: {failure}", done.step.name);
+        }
+    }
 }
