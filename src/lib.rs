@@ -12,4 +12,5 @@ pub mod shape;
 pub mod slot;
 pub mod table;
 pub mod trig;
+pub mod replay;
 pub mod units;

@@ -8,3 +8,6 @@
 
 pub mod paper;
 pub mod reference;
+
+pub mod events;
+pub mod firmware;

@@ -74,7 +74,7 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
     } else {
         (edges / 4).min(256)
     };
-    let is_class = |order: usize| order % lines == 0;
+    let is_class = |order: usize| order.is_multiple_of(lines);
     let signal = powers(&sum, single, lines);
     let mut noise = powers(&contrast, single, lines);
     let contrast_scale = q / (q - sign_total * sign_total / q);
@@ -131,7 +131,7 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
                 .collect();
             near.sort_by(f64::total_cmp);
             let half = near.len() / 2;
-            let median = if near.len() % 2 == 0 {
+            let median = if near.len().is_multiple_of(2) {
                 (near[half - 1] * near[half]).sqrt()
             } else {
                 near[half]

@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn values_take_the_prefix_that_leaves_one_to_three_digits() {
         assert_eq!(si(1.2e-4, "rad"), "120\u{a0}\u{b5}rad");
-        assert_eq!(si(-1.5708, "rad/s"), "−1.57\u{a0}rad/s");
+        assert_eq!(si(-1.5678, "rad/s"), "−1.57\u{a0}rad/s");
         assert_eq!(si(8.4e7, "Hz"), "84.0\u{a0}MHz");
         assert_eq!(si(0.0, "rad"), "0\u{a0}rad");
         assert_eq!(si(0.9996, "rad"), "1.00\u{a0}rad");

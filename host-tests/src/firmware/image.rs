@@ -1,0 +1,79 @@
+//! Building one image.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+use super::{FirmwareError, TARGET, toolchain, workspace};
+
+/// Names of all images, in order: the folders of `src/bin`.
+///
+/// # Errors
+/// The folder can't be read.
+pub fn images() -> Result<Vec<String>, FirmwareError> {
+    let folder = workspace().join("src/bin");
+    let entries =
+        std::fs::read_dir(&folder).map_err(FirmwareError::io(folder.display().to_string()))?;
+    let mut names: Vec<String> = entries
+        .flatten()
+        .filter(|entry| entry.path().join("main.rs").is_file())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    Ok(names)
+}
+
+/// Builds image `image` (a `[[bin]]` of the core package) with the features given besides `firmware`, and returns the ELF's
+/// path. The file stays as it is while other tests build the same image with other features.
+///
+/// # Errors
+/// No toolchain, or Cargo's own errors.
+pub fn build(image: &str, features: &[&str]) -> Result<PathBuf, FirmwareError> {
+    // One build at a time: between Cargo's end and the copy another would replace the file.
+    static BUILDING: Mutex<()> = Mutex::new(());
+    let _building = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
+
+    let folder = workspace().join("target-firmware");
+    let all: Vec<&str> = std::iter::once("firmware")
+        .chain(features.iter().copied())
+        .collect();
+    let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
+    cargo
+        .current_dir(workspace())
+        .args([
+            "build",
+            "-p",
+            "quadcal",
+            "--profile",
+            "firmware",
+            "--target",
+            TARGET,
+        ])
+        .args(["--bin", image, "--features", &all.join(",")])
+        .arg("--target-dir")
+        .arg(&folder);
+    toolchain()?.apply(&mut cargo);
+    let output = cargo
+        .output()
+        .map_err(FirmwareError::io("starting cargo"))?;
+    if !output.status.success() {
+        return Err(FirmwareError::Build {
+            image: image.to_owned(),
+            log: String::from_utf8_lossy(&output.stderr).into_owned(),
+        });
+    }
+    let built = folder.join(TARGET).join("firmware").join(image);
+    let images = folder.join("images");
+    let name = std::iter::once(image)
+        .chain(features.iter().copied())
+        .collect::<Vec<_>>()
+        .join("+");
+    let kept = images.join(format!("{name}.elf"));
+    let fresh = images.join(format!("{name}.{}.new", std::process::id()));
+    // Renamed into place, so that a QEMU that is loading the same name never sees half a file.
+    std::fs::create_dir_all(&images)
+        .and_then(|()| std::fs::copy(&built, &fresh))
+        .and_then(|_| std::fs::rename(&fresh, &kept))
+        .map_err(FirmwareError::io(format!("keeping {}", kept.display())))?;
+    Ok(kept)
+}

@@ -1,0 +1,89 @@
+//! Building the firmware images and running them in QEMU.
+
+use std::path::{Path, PathBuf};
+
+mod elf;
+mod image;
+mod qemu;
+mod toolchain;
+
+pub use elf::{Size, Symbol, size, symbols};
+pub use image::{build, images};
+pub use qemu::{Output, run_qemu};
+pub use toolchain::{DEBIAN_PACKAGES, Toolchain, toolchain};
+
+/// The target of every image: Cortex-M4F.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Debian's package that holds `qemu-system-arm`.
+pub const QEMU_PACKAGE: &str = "qemu-system-arm";
+
+/// Why an image can't be built or run.
+#[derive(Debug, thiserror::Error)]
+pub enum FirmwareError {
+    /// Neither rustup nor Debian offers a compiler for the target.
+    #[error(
+        "no Rust library for {TARGET}: `rustup target add {TARGET}` failed, and Debian's compiler with library source is not \
+         there either.\nInstall one of the two:\n  rustup target add {TARGET}\n  apt-get install -y --no-install-recommends {}\n\
+         rustup said: {rustup}",
+        DEBIAN_PACKAGES.join(" ")
+    )]
+    NoToolchain {
+        /// What rustup answered.
+        rustup: String,
+    },
+    /// `QUADCAL_FIRMWARE_TOOLCHAIN` asks for a toolchain that is not known.
+    #[error("QUADCAL_FIRMWARE_TOOLCHAIN is `{0}`, expected `rustup` or `debian`")]
+    UnknownToolchain(String),
+    /// Cargo refused the image.
+    #[error("building image {image} failed:\n{log}")]
+    Build {
+        /// Name of the image.
+        image: String,
+        /// Cargo's error output.
+        log: String,
+    },
+    /// There is no QEMU.
+    #[error(
+        "qemu-system-arm is not on PATH; install it: apt-get install -y --no-install-recommends {QEMU_PACKAGE}"
+    )]
+    NoQemu,
+    /// QEMU did not end in time and was killed.
+    #[error("QEMU was killed after {seconds} s without an end; it had printed:\n{printed}")]
+    Hang {
+        /// The limit in seconds.
+        seconds: u64,
+        /// Both output streams up to then.
+        printed: String,
+    },
+    /// A program could not be started, or a file not be handled.
+    #[error("{what}: {source}")]
+    Io {
+        /// What was tried.
+        what: String,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The file is not a readable ELF.
+    #[error("{}: {source}", path.display())]
+    Elf {
+        /// The file.
+        path: PathBuf,
+        /// The reader's reason.
+        source: object::Error,
+    },
+}
+
+impl FirmwareError {
+    fn io(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> Self {
+        let what = what.into();
+        move |source| Self::Io { what, source }
+    }
+}
+
+/// Top directory of the workspace.
+#[must_use]
+pub fn workspace() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here)
+}
