@@ -8,9 +8,9 @@
 pub mod edge;
 pub mod estimate;
 pub mod log2;
+pub mod replay;
 pub mod shape;
 pub mod slot;
 pub mod table;
 pub mod trig;
-pub mod replay;
 pub mod units;

@@ -1,5 +1,7 @@
 //! Library behind the `quadcal` command: recordings, the simulator, calibration and reports.
 #![forbid(unsafe_code)]
 
+pub mod buffers;
 pub mod recording;
 pub mod report;
+pub mod survey;
