@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::Channels;
-use super::error::{Place, ReadError, quote};
+use super::error::ReadError;
 use super::lines::Line;
 use super::options::{ReadOptions, Signal};
+use super::place::{Place, quote};
 
 /// What one field of a row holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,18 +95,31 @@ impl Columns {
         })
     }
 
-    /// Error for a row with another number of fields; in a last line without an end it means the file is cut off.
-    pub fn wrong_count(&self, line: &Line<'_>, found: usize, file: &Arc<str>) -> ReadError {
-        let at = Place::line(file, line.number);
+    /// Checks that a row is text of as many fields as there are columns; a last line without an end that has fewer, or an empty
+    /// last one, means that the file is cut off.
+    pub fn check(&self, line: &Line<'_>, file: &Arc<str>) -> Result<(), ReadError> {
+        let at = || Place::line(file, line.number);
         let wanted = self.roles.len();
-        if found < wanted && !line.ended {
-            ReadError::Truncated {
-                at,
+        let (found, last) = Fields::new(line.bytes, self.delimiter)
+            .fold((0, &b""[..]), |(count, _), field| (count + 1, field));
+        if !line.ended && (found < wanted || found == wanted && last.is_empty()) {
+            return Err(ReadError::Truncated {
+                at: at(),
                 within: "within its last row",
+            });
+        }
+        if found == wanted {
+            return Ok(());
+        }
+        Err(if line.is_text() {
+            ReadError::Fields {
+                at: at(),
+                found,
+                wanted,
             }
         } else {
-            ReadError::Fields { at, found, wanted }
-        }
+            ReadError::NotText { at: at() }
+        })
     }
 }
 

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use memchr::memchr;
 
-use super::error::{Place, ReadError};
+use super::error::ReadError;
+use super::place::Place;
 
 /// Longest line of a recording, in bytes; anything longer is an error.
 pub const LINE_LIMIT: usize = 64 * 1024;

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use quadcal::edge::{Levels, Sample};
 
-use super::error::{Place, ReadError};
+use super::error::ReadError;
 use super::lines::Lines;
 use super::logic::{TimeAxis, parse_seconds};
 use super::notes::Notes;
 use super::options::{ListKind, ReadOptions};
+use super::place::Place;
 use super::{Channels, Header, NANOSECOND_HZ, Row};
 
 /// Values that [`ListKind::Auto`] looks at.
@@ -171,7 +172,7 @@ impl List {
             return Ok(Some(Value {
                 ns,
                 line: line.number,
-                text: super::error::quote(field),
+                text: super::place::quote(field),
             }));
         }
         Ok(None)

@@ -6,11 +6,12 @@ use quadcal::edge::{Levels, Sample};
 
 use super::columns::{Columns, Fields, Role};
 use super::decimal::{self, DecimalError};
-use super::error::{Place, ReadError, quote};
+use super::error::ReadError;
 use super::lines::{Line, Lines};
 use super::native::{parse_level, pulse};
 use super::notes::Notes;
 use super::options::ReadOptions;
+use super::place::{Place, quote};
 use super::{Header, NANOSECOND_HZ, Row};
 
 /// Rows of a logic analyser's CSV, in nanoseconds from the first row.
@@ -123,16 +124,7 @@ fn parse_row(
     axis: &mut TimeAxis,
     file: &Arc<str>,
 ) -> Result<Row, ReadError> {
-    let count = Fields::new(line.bytes, columns.delimiter).count();
-    if count != columns.roles.len() {
-        return Err(if line.is_text() {
-            columns.wrong_count(line, count, file)
-        } else {
-            ReadError::NotText {
-                at: Place::line(file, line.number),
-            }
-        });
-    }
+    columns.check(line, file)?;
     let mut row = Sample {
         ticks: 0,
         levels: Levels(pulse(columns)),

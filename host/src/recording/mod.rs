@@ -26,6 +26,7 @@ mod logic;
 mod native;
 mod notes;
 mod options;
+mod place;
 mod sniff;
 #[cfg(test)]
 mod tests;
@@ -41,9 +42,10 @@ use std::sync::Arc;
 
 use quadcal::edge::{Levels, Sample};
 
-pub use error::{ColumnRef, Place, ReadError};
+pub use error::ReadError;
 pub use lines::LINE_LIMIT;
 pub use options::{Format, ListKind, Mapping, MappingError, ReadOptions, Signal};
+pub use place::{ColumnRef, Place};
 
 use lines::{Input, Lines};
 

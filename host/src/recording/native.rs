@@ -5,10 +5,11 @@ use std::sync::Arc;
 use quadcal::edge::{Levels, Sample};
 
 use super::columns::{Columns, Fields, Role};
-use super::error::{Place, ReadError, quote};
+use super::error::ReadError;
 use super::lines::{Line, Lines};
 use super::notes::Notes;
 use super::options::ReadOptions;
+use super::place::{Place, quote};
 use super::{Header, Row};
 
 /// Rows of a native CSV.
@@ -202,10 +203,7 @@ fn parse_any(line: &Line<'_>, columns: &Columns, file: &Arc<str>) -> Result<(u64
             at: Place::line(file, line.number),
         });
     }
-    let count = Fields::new(line.bytes, columns.delimiter).count();
-    if count != columns.roles.len() {
-        return Err(columns.wrong_count(line, count, file));
-    }
+    columns.check(line, file)?;
     let mut ticks = 0;
     let mut levels = pulse(columns);
     let fields = Fields::new(line.bytes, columns.delimiter);

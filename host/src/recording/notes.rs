@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::error::{Place, ReadError, quote};
+use super::error::ReadError;
 use super::lines::Line;
+use super::place::{Place, quote};
 
 /// What the `#` lines say.
 #[derive(Default)]

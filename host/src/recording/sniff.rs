@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use super::columns::{delimiter, found, names};
 use super::decimal;
-use super::error::{Place, ReadError};
+use super::error::ReadError;
 use super::list;
 use super::logic::is_time;
 use super::options::{Format, ReadOptions, Signal};
+use super::place::Place;
 
 /// Bytes that are looked at.
 pub(super) const HEAD: usize = 64 * 1024;

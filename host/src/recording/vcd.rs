@@ -8,10 +8,11 @@ use quadcal::edge::{Levels, Sample};
 use vcd::{Command, IdCode, ParseError, Parser, Value};
 
 use super::columns::channel_signals;
-use super::error::{Place, ReadError, quote};
+use super::error::ReadError;
 use super::feed::{Feed, FeedError};
 use super::lines::{Input, LINE_LIMIT};
 use super::options::ReadOptions;
+use super::place::{Place, quote};
 use super::vcd_header::{self, Wire};
 use super::vcd_time::Timescale;
 use super::{Channels, Header, Row};
@@ -188,7 +189,7 @@ impl Vcd {
                 Value::X | Value::Z if self.definite & bit == 0 => continue,
                 unknown => {
                     let mut at = self.source.here();
-                    at.column = Some(super::error::ColumnRef::Name(wire.name.clone()));
+                    at.column = Some(super::place::ColumnRef::Name(wire.name.clone()));
                     let text = if unknown == Value::X { 'x' } else { 'z' };
                     return Err(ReadError::UnknownLevel { at, text });
                 }

@@ -6,8 +6,9 @@ use vcd::{Command, IdCode, TimescaleUnit, VarType};
 
 use super::Channels;
 use super::columns::{bit, channels, found};
-use super::error::{Place, ReadError, quote};
+use super::error::ReadError;
 use super::options::{ReadOptions, Signal};
+use super::place::{Place, quote};
 use super::vcd::{PULSE, Source};
 use super::vcd_time::Timescale;
 

@@ -155,6 +155,7 @@ fn logic_rows() {
     );
     check("Time [s],A,B\n0,0,0\n1,1,X\n", "r.csv:3:B: level is 'X'");
     check("Time [s],A,B\n0,0,0\n1,1", "r.csv:3: the file is cut off");
+    check("Time [s],A,B\n0,0,0\n1,1,", "r.csv:3: the file is cut off");
     check(
         "Time [h],A,B\n0,0,0\n",
         "r.csv:1:Time [h]: the unit of time is 'h'",
@@ -278,6 +279,7 @@ fn an_error_ends_the_recording() {
     let text = format!("{HEAD}9,1,0,0\n11,1,1,0\n");
     let mut recording = open_bytes("r.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
     assert!(recording.next().unwrap().is_ok());
-    assert!(recording.next().unwrap().is_err());
+    let error = recording.next().unwrap().unwrap_err();
+    assert_eq!(error.place().line, Some(4));
     assert!(recording.next().is_none());
 }
