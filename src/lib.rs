@@ -5,12 +5,21 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod corrector;
+pub mod counter;
+pub mod decoder;
 pub mod edge;
 pub mod estimate;
 pub mod log2;
+mod motion;
+pub mod recip;
 pub mod replay;
 pub mod shape;
 pub mod slot;
+pub mod step;
 pub mod table;
 pub mod trig;
 pub mod units;
+
+#[cfg(test)]
+extern crate std;

@@ -1,6 +1,5 @@
 //! The error table: what is subtracted from the grid angle of an edge to get the shaft's.
 
-use crate::edge::Direction;
 use crate::shape::{CLASSES_MAX, EncoderShape, Grid};
 use crate::units::{Turn32, TurnDelta32};
 
@@ -118,19 +117,6 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         self.grid
             .angle(edge)
             .plus(TurnDelta32(error.0.wrapping_neg()))
-    }
-
-    /// The edge that comes after `edge` in a direction.
-    #[inline]
-    #[must_use]
-    pub fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
-        let edges = self.grid.shape().edges();
-        match direction {
-            Direction::Forward if edge.wrapping_add(1) >= edges => 0,
-            Direction::Forward => edge + 1,
-            Direction::Reverse if edge == 0 => edges - 1,
-            Direction::Reverse => edge - 1,
-        }
     }
 }
 

@@ -31,25 +31,28 @@ pub use solution::{Solution, SolveError};
 
 use crate::edge::Direction;
 use crate::shape::{EncoderShape, ShapeError};
+use crate::step::{Flags, Outcome, Step};
 use crate::units::{STEP_FRACTION_BITS, Ticks};
 use fold::{Fold, sign_of_turn};
 use turn::{Turn, TurnRate};
 
+/// Flags of a step that make its interval or its place in the turn uncertain.
+const BROKEN: Flags = Flags::TURN_SUSPECT
+    .with(Flags::ILLEGAL)
+    .with(Flags::ABRUPT)
+    .with(Flags::SPIKE);
+
 /// Turns at the most, so that no sum can overflow.
 pub const TURNS_MAX: u32 = 1 << 15;
 
-/// One grid edge crossed, as a decoder reports it.
+/// Where edge 0 is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Crossing {
-    /// The edge crossed, 0..N.
-    pub edge: u32,
-    /// Grid steps since the edge crossed before; more than one over a wheel's missing teeth.
-    pub advance: u32,
-    /// Direction of motion.
-    pub direction: Direction,
-    /// Time of the crossing.
-    pub ticks: Ticks,
+pub enum Anchor {
+    /// At the index or a wheel's gap: nothing is learned before it is seen.
+    Index,
+    /// Where counting began: the sensor has no index, and its table holds until power goes.
+    FirstEdge,
 }
 
 /// Why a turn was not used.
@@ -102,6 +105,7 @@ pub struct Totals {
 /// Learns eps, xi and p of one encoder; see the module's head.
 pub struct Estimator<B> {
     shape: EncoderShape,
+    anchor: Anchor,
     inverse_edges_q32: u32,
     buffers: B,
     totals: Totals,
@@ -127,7 +131,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     ///
     /// # Errors
     /// [`ShapeError::Buffers`] when the buffers don't hold exactly N edges.
-    pub fn new(shape: EncoderShape, mut buffers: B) -> Result<Self, ShapeError> {
+    pub fn new(shape: EncoderShape, anchor: Anchor, mut buffers: B) -> Result<Self, ShapeError> {
         let length = shape.edges() as usize;
         if buffers.sum().len() != length || buffers.work().len() != length {
             return Err(ShapeError::Buffers(buffers.edges()));
@@ -136,6 +140,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         buffers.work().fill([0; 2]);
         Ok(Self {
             shape,
+            anchor,
             inverse_edges_q32: u32::MAX / shape.edges(),
             buffers,
             totals: Totals::default(),
@@ -159,38 +164,65 @@ impl<B: EdgeBuffers> Estimator<B> {
         &self.totals
     }
 
-    /// Takes one crossing. On the edge path: constant work.
+    /// Takes what a decoder made of a sample. On the edge path: constant work.
     #[inline]
-    pub fn push(&mut self, crossing: &Crossing) -> Progress {
-        for _ in 0..crossing.advance {
+    pub fn push(&mut self, outcome: &Outcome) -> Progress {
+        match outcome {
+            Outcome::Idle => Progress::Running,
+            Outcome::Step(step) => self.push_step(step),
+            Outcome::Index(index) => {
+                let agrees = index.resync == 0 && !index.flags.contains(Flags::TURN_SUSPECT);
+                if agrees {
+                    Progress::Running
+                } else {
+                    self.fault()
+                }
+            }
+            Outcome::Glitch(_) => self.fault(),
+        }
+    }
+
+    #[inline]
+    fn push_step(&mut self, step: &Step) -> Progress {
+        for _ in 0..step.advance {
             self.fold.step(&mut self.buffers, self.shape.edges());
         }
+        // A doubt that the index at this very step raises is about the turn that ends here.
+        let ends_doubt =
+            step.flags.contains(Flags::TURN_SUSPECT.with(Flags::INDEX)) || step.resync != 0;
+        let broken = step.flags.intersects(BROKEN) && !ends_doubt;
         let mut progress = Progress::Running;
-        if let Some(turn) = &mut self.turn {
-            match turn.extend(crossing, self.shape.edges(), &mut self.buffers) {
+        if broken || ends_doubt {
+            progress = self.fault();
+        } else if let Some(turn) = &mut self.turn {
+            match turn.extend(step, self.shape.edges(), &mut self.buffers) {
                 Ok(false) => return Progress::Running,
-                Ok(true) => progress = self.close(crossing.ticks),
+                Ok(true) => progress = self.close(step.ticks),
                 Err(rejection) => progress = self.reject(rejection),
             }
         }
-        if crossing.edge == 0 && self.turn.is_none() && self.totals.turns < TURNS_MAX {
-            self.open(crossing);
+        let anchored = self.anchor == Anchor::FirstEdge || step.flags.contains(Flags::REFERENCED);
+        let room = self.totals.turns < TURNS_MAX;
+        if step.edge == 0 && self.turn.is_none() && anchored && room && !broken {
+            self.open(step);
         }
         progress
     }
 
-    /// Gives up the present turn: the decoder found a fault, or the position was resynchronised.
-    pub fn fault(&mut self) {
+    /// Gives up the present turn.
+    fn fault(&mut self) -> Progress {
         if self.turn.is_some() {
-            self.reject(Rejection::Broken);
+            self.reject(Rejection::Broken)
+        } else {
+            Progress::Running
         }
     }
 
     /// Starts a turn at edge 0, unless an earlier turn still waits to be folded out of the cells this one needs.
-    fn open(&mut self, crossing: &Crossing) {
-        if self.fold.is_idle() || self.fold.follows(crossing.direction) {
+    fn open(&mut self, step: &Step) {
+        if self.fold.is_idle() || self.fold.follows(step.direction) {
             let dither = self.totals.turns.wrapping_mul(2_654_435_769);
-            self.turn = Some(Turn::start(crossing, self.rate, dither));
+            self.turn = Some(Turn::start(step, self.rate, dither));
         }
     }
 

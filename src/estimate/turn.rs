@@ -1,7 +1,9 @@
 //! One turn as it comes in: intervals scaled to step fractions and written to the turn's cells.
 
-use super::{Crossing, EdgeBuffers, Rejection};
+use super::{EdgeBuffers, Rejection};
 use crate::edge::Direction;
+use crate::recip::Recip;
+use crate::step::Step;
 use crate::units::{STEP_FRACTION_BITS, Ticks};
 
 /// Step fractions per tick as `multiplier * 2^-shift`, from the duration of one whole turn.
@@ -22,7 +24,8 @@ impl TurnRate {
         // As many fraction bits as keep the multiplier in 31 bits and a turn and a half of phase in 64.
         let precise = (31 + duration.ilog2()).saturating_sub(edge_bits + STEP_FRACTION_BITS);
         let shift = precise.min(62 - STEP_FRACTION_BITS - edge_bits);
-        let multiplier = (u64::from(edges) << (STEP_FRACTION_BITS + shift)) / duration;
+        let multiplier =
+            Recip::of_u64(duration).times(u64::from(edges) << (STEP_FRACTION_BITS + shift));
         Some(Self {
             multiplier: u32::try_from(multiplier).ok()?,
             shift,
@@ -53,16 +56,16 @@ pub(super) struct Turn {
 impl Turn {
     /// Starts at the crossing of edge 0. `dither` is a fraction of one step fraction (Q32) that differs from turn to
     /// turn, so that rounding averages out even when turns repeat to the tick.
-    pub(super) fn start(crossing: &Crossing, rate: Option<TurnRate>, dither: u32) -> Self {
+    pub(super) fn start(step: &Step, rate: Option<TurnRate>, dither: u32) -> Self {
         let phase = rate.map_or(0, |rate| {
             (u64::from(dither) << 16) >> (48 - rate.shift.min(48))
         });
         Self {
-            direction: crossing.direction,
+            direction: step.direction,
             rate,
-            start: crossing.ticks,
-            last: crossing.ticks,
-            edge: crossing.edge,
+            start: step.ticks,
+            last: step.ticks,
+            edge: step.edge,
             phase,
             origin: 0,
             length: 0,
@@ -87,22 +90,20 @@ impl Turn {
     #[inline]
     pub(super) fn extend<B: EdgeBuffers>(
         &mut self,
-        crossing: &Crossing,
+        step: &Step,
         edges: u32,
         buffers: &mut B,
     ) -> Result<bool, Rejection> {
+        let advance = u32::from(step.advance);
         let forward = self.direction == Direction::Forward;
         let mut slot = self.edge;
-        let expected = wrapped(self.edge, crossing.advance, edges, forward);
-        if crossing.direction != self.direction
-            || crossing.edge != expected
-            || crossing.advance == 0
-        {
+        let expected = wrapped(self.edge, advance, edges, forward);
+        if step.direction != self.direction || step.edge != expected || advance == 0 {
             return Err(Rejection::Broken);
         }
         self.edge = expected;
-        let interval = crossing.ticks.wrapping_sub(self.last);
-        self.last = crossing.ticks;
+        let interval = step.ticks.wrapping_sub(self.last);
+        self.last = step.ticks;
         if let Some(rate) = self.rate {
             let Ok(interval) = u32::try_from(interval) else {
                 return Err(Rejection::Irregular);
@@ -115,14 +116,14 @@ impl Turn {
             let moved = length.wrapping_sub(self.length);
             self.length = length;
             let deviation = moved
-                .wrapping_sub(crossing.advance << STEP_FRACTION_BITS)
+                .wrapping_sub(advance << STEP_FRACTION_BITS)
                 .cast_signed();
             let entry = i16::try_from(deviation).unwrap_or_else(|_| {
                 self.irregular = true;
                 0
             });
             // The interval between edges k-1 and k has slot k in either direction.
-            for remaining in (0..crossing.advance).rev() {
+            for remaining in (0..advance).rev() {
                 if forward {
                     slot = wrapped(slot, 1, edges, true);
                 }
