@@ -5,5 +5,14 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod counter;
+pub mod decoder;
 pub mod edge;
+mod motion;
+pub mod recip;
+pub mod step;
+pub mod timebase;
 pub mod units;
+
+#[cfg(test)]
+extern crate std;
