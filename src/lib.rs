@@ -10,6 +10,7 @@ pub mod decoder;
 pub mod edge;
 mod motion;
 pub mod recip;
+pub mod savgol;
 pub mod step;
 pub mod timebase;
 pub mod units;
