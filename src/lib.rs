@@ -5,14 +5,22 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod corrector;
 pub mod counter;
 pub mod decoder;
 pub mod edge;
+pub mod estimate;
+pub mod log2;
 mod motion;
 pub mod recip;
+pub mod replay;
 pub mod savgol;
+pub mod shape;
+pub mod slot;
 pub mod step;
+pub mod table;
 pub mod timebase;
+pub mod trig;
 pub mod units;
 
 #[cfg(test)]

@@ -36,6 +36,13 @@ impl Flags {
         self.0 & other.0 == other.0
     }
 
+    /// Whether any fact of `other` is in this set.
+    #[inline]
+    #[must_use]
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
     /// This set and `other` together.
     #[inline]
     #[must_use]
