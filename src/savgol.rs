@@ -103,7 +103,7 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
             }
         }
         let numerator = if Self::RECURSIVE {
-            self.from_moments()
+            self.smooth_by_moments()
         } else {
             self.direct()
         };
@@ -147,12 +147,14 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
     }
 
     #[inline]
-    fn from_moments(&self) -> i64 {
+    fn smooth_by_moments(&self) -> i64 {
         self.moments
             .iter()
             .zip(Self::PLAN.binomials)
             .take(Self::DEGREE + 1)
-            .fold(0, |sum: i64, (moment, b)| sum.wrapping_add(moment.wrapping_mul(b)))
+            .fold(0, |sum: i64, (moment, b)| {
+                sum.wrapping_add(moment.wrapping_mul(b))
+            })
     }
 
     /// The numerator as a plain sum over the window.
@@ -163,7 +165,9 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
             .iter()
             .chain(newer)
             .zip(&Self::COEFFICIENTS)
-            .fold(0, |sum: i64, (&x, &c)| sum.wrapping_add(c.wrapping_mul(i64::from(x))))
+            .fold(0, |sum: i64, (&x, &c)| {
+                sum.wrapping_add(c.wrapping_mul(i64::from(x)))
+            })
     }
 }
 

@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 pub mod buffers;
+pub mod calibrate;
 pub mod recording;
 pub mod report;
+pub mod sensor;
 pub mod survey;
