@@ -2,3 +2,5 @@
 #![forbid(unsafe_code)]
 
 pub mod recording;
+pub mod sim;
+pub mod twin;
