@@ -6,4 +6,6 @@ pub mod calibrate;
 pub mod recording;
 pub mod report;
 pub mod sensor;
+pub mod sim;
 pub mod survey;
+pub mod twin;

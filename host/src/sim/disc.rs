@@ -1,0 +1,195 @@
+//! The disc: at which true shaft angle each channel changes.
+
+use std::f64::consts::TAU;
+
+use quadcal::edge::{Direction, Levels};
+
+use super::Class;
+use super::error_list;
+use super::random::{Purpose, Stream};
+use crate::twin::{Encoder, Errors, Per, Position, Twin, TwinError};
+
+/// One change of level on the disc.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mark {
+    /// True shaft angle, 0 to 2 pi.
+    angle_rad: f64,
+    /// Number of the edge; none for the index.
+    pub(super) edge: Option<u32>,
+    /// What changes, seen forward.
+    pub(super) class: Class,
+    /// Levels just after the mark, seen forward.
+    levels: u8,
+}
+
+/// All changes of one turn, by angle. A place counts marks from angle 0 on, through all turns.
+#[derive(Clone, Debug)]
+pub(super) struct Disc {
+    marks: Vec<Mark>,
+    errors: Vec<f64>,
+    encoder: Encoder,
+}
+
+impl Disc {
+    pub(super) fn new(twin: &Twin) -> Result<Self, TwinError> {
+        let encoder = twin.encoder;
+        let errors = errors_of(twin)?;
+        let step = TAU / f64::from(encoder.grid_edges());
+        let angle = |k: u32| f64::from(k) * step - errors[k as usize];
+        let real = encoder.real_edges();
+        for first in 0..real {
+            let second = (first + 1) % real;
+            let turn = if second == 0 { TAU } else { 0.0 };
+            let by_rad = angle(first) - angle(second) - turn;
+            if by_rad >= 0.0 {
+                return Err(TwinError::EdgesCross {
+                    name: twin.name.clone(),
+                    first,
+                    second,
+                    by_rad,
+                    step_rad: step,
+                });
+            }
+        }
+        let mark = |angle_rad: f64, edge, class| Mark {
+            angle_rad: angle_rad.rem_euclid(TAU),
+            edge,
+            class,
+            levels: 0,
+        };
+        let mut marks: Vec<Mark> = (0..real)
+            .map(|k| mark(angle(k), Some(k), class_of(encoder, k)))
+            .collect();
+        if let Encoder::Quadrature { index: true, .. } = encoder {
+            marks.push(mark(angle(0) - 0.5 * step, None, Class::IndexRise));
+            marks.push(mark(angle(0) + 0.5 * step, None, Class::IndexFall));
+        }
+        marks.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad));
+        // Every channel changes at least once a turn, so the second time round the levels are right.
+        let mut levels = 0;
+        for _ in 0..2 {
+            for mark in &mut marks {
+                let (bit, rises) = mark.class.bit_and_rise();
+                levels = if rises { levels | bit } else { levels & !bit };
+                mark.levels = levels;
+            }
+        }
+        Ok(Self {
+            marks,
+            errors,
+            encoder,
+        })
+    }
+
+    /// e(k) for every edge of the grid, rad; 0 where a tooth is missing.
+    pub(super) fn errors(&self) -> &[f64] {
+        &self.errors
+    }
+
+    fn split(&self, place: i64) -> (f64, usize) {
+        let marks = self.marks.len() as i64;
+        let turn = place.div_euclid(marks);
+        (turn as f64, (place - turn * marks) as usize)
+    }
+
+    /// The mark at a place.
+    pub(super) fn mark(&self, place: i64) -> &Mark {
+        &self.marks[self.split(place).1]
+    }
+
+    /// True shaft angle of a place, rad, through all turns.
+    pub(super) fn angle_rad(&self, place: i64) -> f64 {
+        let (turn, index) = self.split(place);
+        turn * TAU + self.marks[index].angle_rad
+    }
+
+    /// Levels right after the mark at `place` is crossed in a direction.
+    pub(super) fn levels_after(&self, place: i64, direction: Direction) -> Levels {
+        let seen_forward = match direction {
+            Direction::Forward => place,
+            Direction::Reverse => place - 1,
+        };
+        Levels(self.mark(seen_forward).levels)
+    }
+
+    /// The first place whose angle lies above `angle_rad`.
+    pub(super) fn place_above(&self, angle_rad: f64) -> i64 {
+        let turn = (angle_rad / TAU).floor();
+        let within = angle_rad - turn * TAU;
+        let index = self.marks.partition_point(|mark| mark.angle_rad <= within);
+        turn as i64 * self.marks.len() as i64 + index as i64
+    }
+
+    /// Grid steps from the edge before `edge` in this direction: 1, or more across a gap.
+    pub(super) fn steps_into(&self, edge: u32, direction: Direction) -> u32 {
+        let real = self.encoder.real_edges();
+        let after_gap = match direction {
+            Direction::Forward => edge == 0,
+            Direction::Reverse => edge + 1 == real,
+        };
+        if after_gap {
+            self.encoder.grid_edges() - real + 1
+        } else {
+            1
+        }
+    }
+}
+
+fn class_of(encoder: Encoder, k: u32) -> Class {
+    use Class::{AFall, ARise, BFall, BRise, CFall, CRise};
+    let (classes, group): (&[Class], u32) = match encoder {
+        Encoder::Quadrature { .. } => (&[ARise, BRise, AFall, BFall], 4),
+        Encoder::Hall { .. } => (&[BRise, CFall, ARise, BFall, CRise, AFall], 6),
+        Encoder::Wheel { .. } => (&[ARise, AFall], 2),
+    };
+    classes[(k % group) as usize]
+}
+
+fn errors_of(twin: &Twin) -> Result<Vec<f64>, TwinError> {
+    let edges = twin.encoder.grid_edges();
+    if let Some(path) = twin.error_list_path() {
+        return error_list::read(&path, edges);
+    }
+    if !twin.errors.list_rad.is_empty() {
+        return Ok(twin.errors.list_rad.clone());
+    }
+    let mut random = Stream::new(twin.seed, Purpose::LinePosition);
+    let mut position = 0.0;
+    let errors = (0..edges).map(|k| {
+        position = line_position(twin, k, position, &mut random);
+        let class = class_of(twin.encoder, k);
+        let grid = f64::from(k) * (TAU / f64::from(edges));
+        position + fixed_part(&twin.errors, class, grid)
+    });
+    let mut errors: Vec<f64> = errors.collect();
+    errors[twin.encoder.real_edges() as usize..].fill(0.0);
+    Ok(errors)
+}
+
+fn line_position(twin: &Twin, k: u32, last: f64, random: &mut Stream) -> f64 {
+    let own = |per: Per| per == Per::Edge || k.is_multiple_of(twin.encoder.edges_per_line());
+    match twin.errors.position {
+        Some(Position::Uniform { amplitude_rad, per }) if own(per) => {
+            amplitude_rad * (2.0 * random.unit() - 1.0)
+        }
+        Some(Position::Normal { rms_rad, per }) if own(per) => rms_rad * random.normal(),
+        _ => last,
+    }
+}
+
+fn fixed_part(errors: &Errors, class: Class, grid_rad: f64) -> f64 {
+    let of_class = match class {
+        Class::AFall => errors.width_a_rad,
+        Class::BRise => errors.quadrature_rad + errors.shift_b_rad,
+        Class::BFall => errors.width_b_rad + errors.quadrature_rad + errors.shift_b_rad,
+        Class::CRise => errors.shift_c_rad,
+        Class::CFall => errors.width_c_rad + errors.shift_c_rad,
+        Class::ARise | Class::IndexRise | Class::IndexFall | Class::Glitch => 0.0,
+    };
+    let harmonics = [(1.0, errors.eccentricity), (2.0, errors.tilt)];
+    harmonics.iter().fold(of_class, |sum, (order, harmonic)| {
+        sum + harmonic.map_or(0.0, |h| {
+            h.amplitude_rad * libm::sin(order * grid_rad - h.phase_rad)
+        })
+    })
+}

@@ -1,0 +1,381 @@
+//! The simulator: a twin in, edges with their true angles out.
+//!
+//! The shaft's equation J dw/dt = drive - b w - coulomb sgn(w) + ripple(theta) + noise(t) is integrated by Taylor series of
+//! 16 terms between the instants at which the drive, the noise or the loop change, with a step that keeps the truncated
+//! rest near 1e-16 rad; edges are roots of the series. Ten times finer steps move no edge by 1e-10 rad.
+//!
+//! Same seed, same bytes: all random numbers are ChaCha8 streams of their own purpose, `sin`, `cos`, `exp` and `log` come from the
+//! `libm` crate, and the rest is IEEE 754 addition, multiplication, division and square root, none fused. So the edges do not
+//! depend on machine or system, on any target with 64-bit IEEE arithmetic (32-bit x86 without SSE2 is none).
+//!
+//! An [`Event`] holds the row as a capture unit would give it and, apart from it, the truth. Only the row may go into a recording.
+
+mod capture;
+mod disc;
+mod drive;
+mod error_list;
+mod plant;
+mod random;
+mod shaft;
+mod taylor;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::TAU;
+
+use quadcal::edge::{Direction, Levels};
+
+use crate::recording::{Channels, Header, Row};
+use crate::twin::{Drive, Duration, Encoder, Twin, TwinError};
+
+use capture::Capture;
+use disc::Disc;
+use drive::{Knot, Noise, SpeedLoop};
+use plant::Plant;
+use shaft::{LongSum, Shaft};
+use taylor::{Integrator, Piece};
+
+/// What changed at an event, named as it looks going forward: an [`Class::ARise`] passed in reverse makes A fall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Class {
+    /// A rises.
+    ARise,
+    /// B rises.
+    BRise,
+    /// A falls.
+    AFall,
+    /// B falls.
+    BFall,
+    /// The third Hall sensor rises.
+    CRise,
+    /// The third Hall sensor falls.
+    CFall,
+    /// The index rises.
+    IndexRise,
+    /// The index falls.
+    IndexFall,
+    /// Start or end of a glitch.
+    Glitch,
+}
+
+impl Class {
+    /// The channel's level bit, and whether it rises.
+    const fn bit_and_rise(self) -> (u8, bool) {
+        match self {
+            Self::ARise => (Levels::A, true),
+            Self::AFall => (Levels::A, false),
+            Self::BRise => (Levels::B, true),
+            Self::BFall => (Levels::B, false),
+            Self::CRise => (Levels::C, true),
+            Self::CFall => (Levels::C, false),
+            Self::IndexRise => (Levels::Z, true),
+            Self::IndexFall => (Levels::Z, false),
+            Self::Glitch => (0, false),
+        }
+    }
+}
+
+/// What really happened at an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// Exact time, s.
+    pub time_s: f64,
+    /// True shaft angle, rad, through all turns; at a glitch that of the change before it.
+    pub angle_rad: f64,
+    /// Number k of the edge on the grid; none for index and glitch rows.
+    pub edge: Option<u32>,
+    /// What changed.
+    pub class: Class,
+}
+
+/// One change of level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// The row as captured: all that a recording may hold.
+    pub row: Row,
+    /// The truth, for checks only.
+    pub truth: Truth,
+}
+
+/// A change of level on its way to its row.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    truth: Truth,
+    stamp: u64,
+    levels: Levels,
+}
+
+/// A running simulation: an iterator of events in order of time.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    header: Header,
+    disc: Disc,
+    knots: Vec<Knot>,
+    knot: usize,
+    speed_loop: Option<SpeedLoop>,
+    loop_push: f64,
+    noise: Option<Noise>,
+    noise_push: f64,
+    shaft: Shaft,
+    capture: Capture,
+    time: LongSum,
+    segment_s: f64,
+    segment_end_s: f64,
+    piece: Piece,
+    piece_travel: f64,
+    /// First place above the shaft's angle: the next one going forward.
+    place: i64,
+    travelled: LongSum,
+    travel_end: f64,
+    end_s: f64,
+    held: Option<Crossing>,
+    last_angle: f64,
+    done: bool,
+}
+
+impl Simulation {
+    /// Sets up the run of a twin.
+    ///
+    /// # Errors
+    /// As [`Twin::check`]; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
+    /// edges would change their order.
+    pub fn new(twin: &Twin) -> Result<Self, TwinError> {
+        Self::with_finer_steps(twin, 1)
+    }
+
+    /// As [`Self::new`], with integration steps `finer` times shorter; drive, noise and loop keep their instants. For checks of
+    /// the integration's accuracy.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_finer_steps(twin: &Twin, finer: u32) -> Result<Self, TwinError> {
+        twin.check()?;
+        let disc = Disc::new(twin)?;
+        let plant = Plant::new(twin);
+        let knots = drive::knots(twin, &plant);
+        let ripples = plant.ripples(twin);
+        let start_speed = plant.start_speed(twin, &knots[0], &ripples);
+        let angle = twin.shaft.initial_angle_rad;
+        let (travel_end, end_s) = match twin.duration {
+            Duration::Turns(turns) => {
+                let last_change = knots.last().map_or(0.0, |knot| knot.from_s);
+                let way = turns * TAU;
+                (way, last_change + 10.0 * way / plant.nominal.abs())
+            }
+            Duration::Seconds(seconds) => (f64::INFINITY, seconds),
+        };
+        let place = disc.place_above(angle);
+        Ok(Self {
+            header: header_of(twin),
+            place,
+            knots,
+            knot: 0,
+            speed_loop: SpeedLoop::new(twin, &plant),
+            loop_push: 0.0,
+            noise: plant.noise(twin),
+            noise_push: 0.0,
+            shaft: Shaft::new(
+                Integrator::new(ripples, finer),
+                plant.coulomb,
+                angle,
+                start_speed,
+            ),
+            capture: Capture::new(twin),
+            time: LongSum::default(),
+            segment_s: 0.0,
+            segment_end_s: 0.0,
+            piece: Piece::rest(0.0),
+            piece_travel: 0.0,
+            travelled: LongSum::default(),
+            travel_end,
+            end_s,
+            held: None,
+            last_angle: angle,
+            done: false,
+            disc,
+        })
+    }
+
+    /// The header of the recording: nothing of the truth is in it.
+    #[must_use]
+    pub fn header(&self) -> Header {
+        self.header.clone()
+    }
+
+    /// The encoder's true errors e(k), rad, for every edge of the grid; 0 for the edges of missing teeth. Edge k happens at its grid
+    /// angle 2 pi k / N minus e(k).
+    #[must_use]
+    pub fn true_errors(&self) -> Vec<f64> {
+        self.disc.errors().to_vec()
+    }
+
+    /// The next change of level within the current piece of motion that the capture does not lose.
+    fn crossing_in_piece(&mut self) -> Option<Crossing> {
+        let direction = if self.piece_travel > 0.0 {
+            Direction::Forward
+        } else if self.piece_travel < 0.0 {
+            Direction::Reverse
+        } else {
+            return None;
+        };
+        loop {
+            let place = match direction {
+                Direction::Forward => self.place,
+                Direction::Reverse => self.place - 1,
+            };
+            let way = self.shaft.way_to(self.disc.angle_rad(place));
+            let past_end = match direction {
+                Direction::Forward => way > self.piece_travel,
+                Direction::Reverse => way < self.piece_travel,
+            };
+            if past_end {
+                return None;
+            }
+            if self.travelled.plus(way.abs()) > self.travel_end {
+                self.done = true;
+                return None;
+            }
+            self.place += i64::from(direction.sign());
+            if let Some(crossing) = self.capture_crossing(place, direction, way) {
+                return Some(crossing);
+            }
+        }
+    }
+
+    /// The change of level at a place `way` from the piece's start; none if the capture loses it.
+    fn capture_crossing(&mut self, place: i64, direction: Direction, way: f64) -> Option<Crossing> {
+        let time_s = self.time.plus(self.piece.time_of(way));
+        let stamp = self.capture.stamp(time_s);
+        let mark = *self.disc.mark(place);
+        if let Some(k) = mark.edge {
+            if !self.capture.takes_edge(time_s) {
+                return None;
+            }
+            if let Some(speed_loop) = &mut self.speed_loop {
+                speed_loop.edge(stamp, direction, self.disc.steps_into(k, direction));
+            }
+        }
+        Some(Crossing {
+            truth: Truth {
+                time_s,
+                angle_rad: self.shaft.angle_after(way),
+                edge: mark.edge,
+                class: mark.class,
+            },
+            stamp,
+            levels: self.disc.levels_after(place, direction),
+        })
+    }
+
+    /// Ends the current piece and starts the next.
+    fn advance(&mut self) {
+        let length = self.piece.length_s;
+        if length > 0.0 {
+            self.shaft.finish(&self.piece);
+        }
+        self.travelled.add(self.piece_travel.abs());
+        self.time.add(length);
+        let mut rest = self.segment_end_s - self.time.plus(0.0);
+        // A rest this short is rounding: the segment is over.
+        if rest <= 1e-12 * self.segment_s {
+            self.time = LongSum::new(self.segment_end_s);
+            self.start_segment();
+            rest = self.segment_s;
+        }
+        let now = self.time.plus(0.0);
+        if now >= self.end_s || self.travelled.plus(0.0) >= self.travel_end {
+            self.done = true;
+            return;
+        }
+        let knot = self.knots[self.knot];
+        let drive = shaft::Drive {
+            level: knot.level + knot.slope * (now - knot.from_s) + self.noise_push + self.loop_push,
+            slope: knot.slope,
+            damping: knot.damping,
+        };
+        self.piece = self.shaft.next_piece(drive, rest, self.segment_s);
+        self.piece_travel = self.piece.travel(self.piece.length_s);
+        // Torques so large that the motion overflows end the run.
+        self.done = !self.piece_travel.is_finite();
+    }
+
+    /// Takes every change that is due and finds when the next one is.
+    fn start_segment(&mut self) {
+        let now = self.segment_end_s;
+        let next_knot = |at: usize| {
+            self.knots
+                .get(at + 1)
+                .map_or(f64::INFINITY, |knot| knot.from_s)
+        };
+        while next_knot(self.knot) <= now {
+            self.knot += 1;
+        }
+        let mut end = self.end_s.min(next_knot(self.knot));
+        if let Some(noise) = &mut self.noise {
+            while noise.next_s() <= now {
+                self.noise_push = noise.change();
+            }
+            end = end.min(noise.next_s());
+        }
+        if let Some(speed_loop) = &mut self.speed_loop {
+            while speed_loop.next_s() <= now {
+                self.loop_push = speed_loop.sample();
+            }
+            end = end.min(speed_loop.next_s());
+        }
+        self.segment_s = end - now;
+        self.segment_end_s = end;
+    }
+}
+
+impl Iterator for Simulation {
+    type Item = Event;
+
+    fn next(&mut self) -> Option<Event> {
+        while self.held.is_none() && !self.done {
+            self.held = self.crossing_in_piece();
+            if self.held.is_none() && !self.done {
+                self.advance();
+            }
+        }
+        let until = self
+            .held
+            .map_or(f64::INFINITY, |crossing| crossing.truth.time_s);
+        if let Some(glitch) = self.capture.glitch_before(until, self.last_angle) {
+            return Some(glitch);
+        }
+        let Crossing {
+            truth,
+            stamp,
+            levels,
+        } = self.held.take()?;
+        self.last_angle = truth.angle_rad;
+        Some(Event {
+            row: self.capture.row(stamp, levels),
+            truth,
+        })
+    }
+}
+
+fn header_of(twin: &Twin) -> Header {
+    let (channels, count) = match twin.encoder {
+        Encoder::Quadrature { lines, index } => (Channels::Quadrature { index }, ("lines", lines)),
+        Encoder::Hall { pole_pairs } => (Channels::Hall, ("pole_pairs", pole_pairs)),
+        Encoder::Wheel { teeth, .. } => (Channels::Wheel, ("teeth", teeth)),
+    };
+    let mut notes = vec![
+        ("source".to_owned(), "simulated by quadcal".to_owned()),
+        (count.0.to_owned(), count.1.to_string()),
+    ];
+    if let Drive::SpeedLoop { .. } = twin.drive {
+        notes.push(("drive".to_owned(), "speed loop".to_owned()));
+    }
+    if twin.timer.raw_captures {
+        notes.push(("timer_bits".to_owned(), twin.timer.bits.to_string()));
+    }
+    Header {
+        clock_hz: twin.timer.clock_hz,
+        channels,
+        notes,
+    }
+}

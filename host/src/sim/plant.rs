@@ -1,0 +1,129 @@
+//! The twin's torques turned into accelerations: sizes of ripple and noise, speed at the start.
+
+use std::f64::consts::TAU;
+
+use super::drive::{Knot, Noise};
+use super::random::{Purpose, Stream};
+use super::taylor::RippleTerm;
+use crate::twin::{self, Drive, Twin};
+
+/// Steps of the noise grid in one correlation time, at least.
+const NOISE_STEPS: f64 = 50.0;
+
+/// Constants of the equation of motion, all divided by the inertia.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plant {
+    /// Viscous friction, 1/s.
+    pub(super) viscous: f64,
+    /// Viscous friction and drive stiffness, 1/s.
+    pub(super) damping: f64,
+    /// Coulomb friction, rad/s^2.
+    pub(super) coulomb: f64,
+    /// Nominal speed, rad/s.
+    pub(super) nominal: f64,
+    /// Grid step, rad.
+    pub(super) step_rad: f64,
+    /// Time of one grid step at the nominal speed, s; infinite at standstill.
+    pub(super) nominal_interval_s: f64,
+}
+
+impl Plant {
+    pub(super) fn new(twin: &Twin) -> Self {
+        let shaft = &twin.shaft;
+        let inertia = shaft.inertia_kg_m2;
+        let nominal = twin.drive.nominal_rad_s();
+        let viscous = shaft.viscous_n_m_s / inertia;
+        let damping = match twin.noise {
+            Some(twin::Noise::SpeedWander {
+                correlation_rad: Some(correlation),
+                ..
+            }) => nominal.abs() / correlation,
+            _ => viscous + shaft.stiffness_n_m_s / inertia,
+        };
+        let step_rad = TAU / f64::from(twin.encoder.grid_edges());
+        Self {
+            viscous,
+            damping,
+            coulomb: shaft.coulomb_n_m / inertia,
+            nominal,
+            step_rad,
+            nominal_interval_s: step_rad / nominal.abs(),
+        }
+    }
+
+    /// The ripples as accelerations.
+    pub(super) fn ripples(&self, twin: &Twin) -> Vec<RippleTerm> {
+        let term = |ripple: &twin::Ripple| RippleTerm {
+            order: ripple.order,
+            phase_rad: ripple.phase_rad,
+            amplitude: match (ripple.torque_n_m, ripple.speed_fraction) {
+                (Some(torque), _) => torque / twin.shaft.inertia_kg_m2,
+                (None, fraction) => {
+                    let turning = ripple.order * self.nominal;
+                    let impedance = (turning * turning + self.damping * self.damping).sqrt();
+                    fraction.unwrap_or(0.0) * self.nominal.abs() * impedance
+                }
+            },
+        };
+        twin.ripple.iter().map(term).collect()
+    }
+
+    /// The torque noise, if there is any.
+    pub(super) fn noise(&self, twin: &Twin) -> Option<Noise> {
+        let (sigma, hold_s) = match twin.noise? {
+            twin::Noise::White {
+                psd_n2_m2_s,
+                hold_s,
+            } => {
+                let hold = hold_s.unwrap_or(self.nominal_interval_s);
+                ((psd_n2_m2_s / hold).sqrt() / twin.shaft.inertia_kg_m2, hold)
+            }
+            twin::Noise::SpeedWander {
+                rms_fraction,
+                hold_s,
+                ..
+            } => {
+                let coarsest = 1.0 / (NOISE_STEPS * self.damping);
+                let hold = hold_s.unwrap_or(self.nominal_interval_s.min(coarsest));
+                // Held noise makes the speed an AR(1) series on the grid, with this factor from step to step. Its variance is
+                // (sigma / damping)^2 (1 - factor) / (1 + factor).
+                let factor = libm::exp(-self.damping * hold);
+                let ratio = ((1.0 + factor) / (1.0 - factor)).sqrt();
+                (
+                    rms_fraction * self.nominal.abs() * self.damping * ratio,
+                    hold,
+                )
+            }
+        };
+        Some(Noise::new(twin.seed, sigma, hold_s))
+    }
+
+    /// Speed at time 0, rad/s: the profile's, with ripple and wander as if it had run so for long. A shaft at rest starts at rest.
+    pub(super) fn start_speed(&self, twin: &Twin, first: &Knot, ripples: &[RippleTerm]) -> f64 {
+        let rad_s = |r_min: f64| r_min * (TAU / 60.0);
+        let speed = match &twin.drive {
+            Drive::Ramp { from_r_min, .. } => rad_s(*from_r_min),
+            Drive::Steps(steps) => steps.first().map_or(0.0, |step| rad_s(step.r_min)),
+            Drive::Constant { .. } | Drive::RunDown { .. } | Drive::SpeedLoop { .. } => {
+                self.nominal
+            }
+        };
+        if speed == 0.0 {
+            return 0.0;
+        }
+        let swing = ripples.iter().map(|ripple| {
+            let (sin, cos) =
+                libm::sincos(ripple.order * twin.shaft.initial_angle_rad + ripple.phase_rad);
+            let turning = ripple.order * speed;
+            let square = turning * turning + first.damping * first.damping;
+            ripple.amplitude * (first.damping * sin - turning * cos) / square
+        });
+        let wander = match twin.noise {
+            Some(twin::Noise::SpeedWander { rms_fraction, .. }) => {
+                rms_fraction * self.nominal * Stream::new(twin.seed, Purpose::StartSpeed).normal()
+            }
+            _ => 0.0,
+        };
+        speed + swing.sum::<f64>() + wander
+    }
+}

@@ -1,0 +1,157 @@
+//! The turning shaft: state, Coulomb friction and standstill, one piece of motion after another.
+
+use super::taylor::{Integrator, Piece, Push, bisect};
+
+/// A sum that keeps what rounding drops, so that millions of steps do not drift.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LongSum {
+    high: f64,
+    low: f64,
+}
+
+impl LongSum {
+    pub(super) const fn new(high: f64) -> Self {
+        Self { high, low: 0.0 }
+    }
+
+    pub(super) fn add(&mut self, value: f64) {
+        let sum = self.high + value;
+        let taken = sum - self.high;
+        self.low += (self.high - (sum - taken)) + (value - taken);
+        self.high = sum;
+    }
+
+    /// The sum plus `value`.
+    pub(super) fn plus(self, value: f64) -> f64 {
+        self.high + (self.low + value)
+    }
+}
+
+/// Everything that pushes the shaft but friction and ripple, over one segment of time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drive {
+    /// Acceleration now, rad/s^2.
+    pub(super) level: f64,
+    /// Its rate, rad/s^3.
+    pub(super) slope: f64,
+    /// Viscous friction and drive stiffness, 1/s.
+    pub(super) damping: f64,
+}
+
+/// State of the shaft.
+#[derive(Clone, Debug)]
+pub(super) struct Shaft {
+    integrator: Integrator,
+    /// Coulomb friction as an acceleration, rad/s^2.
+    coulomb: f64,
+    angle: LongSum,
+    speed: f64,
+    /// Sign of the motion that friction acts against; 0 at standstill.
+    motion: f64,
+}
+
+impl Shaft {
+    pub(super) fn new(integrator: Integrator, coulomb: f64, angle_rad: f64, speed: f64) -> Self {
+        Self {
+            integrator,
+            coulomb,
+            angle: LongSum::new(angle_rad),
+            speed,
+            motion: sign(speed),
+        }
+    }
+
+    /// Angle, rad, `travel` from here.
+    pub(super) fn angle_after(&self, travel: f64) -> f64 {
+        self.angle.plus(travel)
+    }
+
+    /// How far it is to an angle, rad.
+    pub(super) fn way_to(&self, angle_rad: f64) -> f64 {
+        (angle_rad - self.angle.high) - self.angle.low
+    }
+
+    /// The motion from now on, at most to `rest_s`, the end of a segment `segment_s` long. It turns nowhere within.
+    pub(super) fn next_piece(&mut self, drive: Drive, rest_s: f64, segment_s: f64) -> Piece {
+        let longest = rest_s.min(self.integrator.share_of(segment_s));
+        let angle = self.angle.plus(0.0);
+        if self.motion == 0.0 {
+            let pull = drive.level + self.integrator.ripple_at(angle);
+            if let Some(rest) = self.standstill(pull, drive.slope, longest) {
+                return rest;
+            }
+            self.motion = if pull == 0.0 {
+                sign(drive.slope)
+            } else {
+                sign(pull)
+            };
+        }
+        let push = Push {
+            level: drive.level - self.coulomb * self.motion,
+            slope: drive.slope,
+            damping: drive.damping,
+        };
+        let mut piece = self.integrator.step(angle, self.speed, push, longest);
+        if let Some(stop_s) = first_stop(&piece, self.motion) {
+            piece.length_s = stop_s;
+        }
+        piece
+    }
+
+    /// A piece of standing still, where friction holds against `pull`.
+    fn standstill(&self, pull: f64, slope: f64, longest: f64) -> Option<Piece> {
+        let towards = if pull == 0.0 { sign(slope) } else { sign(pull) };
+        let breaks_away =
+            pull.abs() > self.coulomb || (pull.abs() == self.coulomb && towards * slope > 0.0);
+        if breaks_away {
+            return None;
+        }
+        // The pull grows at a constant rate; it gets loose where it meets friction on the side it moves to.
+        let until = if slope == 0.0 {
+            longest
+        } else {
+            ((self.coulomb * sign(slope) - pull) / slope).max(0.0)
+        };
+        // Rounding may leave the pull a hair under friction at the very time: then let go.
+        (until > longest * 1e-12).then(|| Piece::rest(until.min(longest)))
+    }
+
+    /// Goes to the end of a piece.
+    pub(super) fn finish(&mut self, piece: &Piece) {
+        self.angle.add(piece.travel(piece.length_s));
+        let speed = piece.speed(piece.length_s);
+        let stopped = self.motion == 0.0 || speed * self.motion <= 0.0;
+        (self.speed, self.motion) = if stopped {
+            (0.0, 0.0)
+        } else {
+            (speed, self.motion)
+        };
+    }
+}
+
+/// -1, 0 or 1.
+pub(super) fn sign(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
+}
+
+/// The first time within a piece at which motion in the direction `motion` comes to a stop.
+fn first_stop(piece: &Piece, motion: f64) -> Option<f64> {
+    let end = piece.length_s;
+    let against = |tau: f64| piece.speed(tau) * motion < 0.0;
+    let mut last = end;
+    if !against(end) {
+        // The speed may dip through zero and come back within the piece: look at its smallest.
+        let slows =
+            piece.acceleration(0.0) * motion < 0.0 && piece.acceleration(end) * motion > 0.0;
+        if !slows {
+            return None;
+        }
+        last = bisect(0.0, end, -motion, |tau| piece.acceleration(tau));
+        if !against(last) {
+            return None;
+        }
+    }
+    let stop = bisect(0.0, last, motion, |tau| piece.speed(tau));
+    // A shaft just let go that friction stops at once must still get on in time.
+    Some(stop.max(end * 1e-9))
+}

@@ -1,0 +1,148 @@
+//! The encoder's part of a twin: its kind and its own errors.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// Kind and counts of an encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Encoder {
+    /// Two channels a quarter line apart. Edge k is, from 0 on: A rises, B rises, A falls, B falls.
+    Quadrature {
+        /// Grating lines a turn, 1 to 1,000,000.
+        lines: u32,
+        /// Whether there is an index channel Z, high from half a step before edge 0 to half a step after it.
+        #[serde(default)]
+        index: bool,
+    },
+    /// Three Hall sensors a, b, c. Going forward their levels are 001, 011, 010, 110, 100, 101; edge 0 is the step from 001 to 011.
+    Hall {
+        /// Magnet pole pairs a turn, 1 to 10,000; six edges each.
+        pole_pairs: u32,
+    },
+    /// One channel that is high over a tooth, with both edges. Tooth i rises at edge 2i and falls at edge 2i + 1.
+    Wheel {
+        /// Tooth places a turn, 1 to 1,000,000, those of missing teeth included.
+        teeth: u32,
+        /// Teeth that are missing: the last ones of the turn.
+        #[serde(default)]
+        missing: u32,
+    },
+}
+
+impl Encoder {
+    /// Edges of the grid in one turn (4M, 6 a pole pair, 2 a tooth place), missing teeth included.
+    #[must_use]
+    pub const fn grid_edges(&self) -> u32 {
+        match *self {
+            Self::Quadrature { lines, .. } => 4 * lines,
+            Self::Hall { pole_pairs } => 6 * pole_pairs,
+            Self::Wheel { teeth, .. } => 2 * teeth,
+        }
+    }
+
+    /// Edges in a group that share a line, pole pair or tooth.
+    #[must_use]
+    pub const fn edges_per_line(&self) -> u32 {
+        match self {
+            Self::Quadrature { .. } => 4,
+            Self::Hall { .. } => 6,
+            Self::Wheel { .. } => 2,
+        }
+    }
+
+    /// Edges that really happen in one turn: [`Self::grid_edges`] without those of missing teeth.
+    #[must_use]
+    pub const fn real_edges(&self) -> u32 {
+        match *self {
+            Self::Wheel { teeth, missing } => 2 * (teeth - missing),
+            _ => self.grid_edges(),
+        }
+    }
+}
+
+/// The encoder's own errors e(k), in radians of the shaft: edge k happens at its grid angle minus e(k).
+///
+/// The parts add up (equation (19) with eps, xi_A, xi_B and p), or the whole of e is given as a list.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Errors {
+    /// Line position error eps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<Position>,
+    /// Width error xi_A: added on edges where A falls.
+    #[serde(default)]
+    pub width_a_rad: f64,
+    /// Width error xi_B: added on edges where B falls.
+    #[serde(default)]
+    pub width_b_rad: f64,
+    /// Width error of the third Hall sensor: added on edges where C falls.
+    #[serde(default)]
+    pub width_c_rad: f64,
+    /// Quadrature error p: added on both edges of B. Quadrature encoders only.
+    #[serde(default)]
+    pub quadrature_rad: f64,
+    /// Offset of the second Hall sensor: added on both edges of B.
+    #[serde(default)]
+    pub shift_b_rad: f64,
+    /// Offset of the third Hall sensor: added on both edges of C.
+    #[serde(default)]
+    pub shift_c_rad: f64,
+    /// Disc centre off the axis: amplitude sin(theta - phase).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eccentricity: Option<Harmonic>,
+    /// Tilted or oval disc: amplitude sin(2 theta - phase).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<Harmonic>,
+    /// The whole of e, one number for each edge of the grid.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub list_rad: Vec<f64>,
+    /// The whole of e as a CSV file with the header `k,e_rad`, every k of the grid once; the path is relative to the twin's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub csv: Option<PathBuf>,
+}
+
+/// Distribution of the line position error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Position {
+    /// Uniform within plus and minus the amplitude.
+    Uniform {
+        /// Largest size, rad.
+        amplitude_rad: f64,
+        /// Whether each edge or each line has its own.
+        #[serde(default)]
+        per: Per,
+    },
+    /// Normal.
+    Normal {
+        /// RMS, rad.
+        rms_rad: f64,
+        /// Whether each edge or each line has its own.
+        #[serde(default)]
+        per: Per,
+    },
+}
+
+/// What has its own line position error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Per {
+    /// Every edge.
+    #[default]
+    Edge,
+    /// Every line (pole pair, tooth): its edges share one.
+    Line,
+}
+
+/// A sine over the turn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Harmonic {
+    /// Amplitude, rad.
+    pub amplitude_rad: f64,
+    /// Phase, rad.
+    #[serde(default)]
+    pub phase_rad: f64,
+}

@@ -1,0 +1,241 @@
+//! What can be wrong with a twin, and where.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A place in a twin's text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file's name.
+    pub name: String,
+    /// Line and column from 1, where there is a text: a twin made in code has none.
+    pub position: Option<(usize, usize)>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)?;
+        match self.position {
+            Some((line, column)) => write!(f, ":{line}:{column}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A value that is out of range or contradicts another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadValue {
+    /// Where it stands.
+    pub place: Place,
+    /// Its key, from the top: `drive.constant.r_min`, `ripple[2].order`.
+    pub key: String,
+    /// The value found.
+    pub value: String,
+    /// What is allowed.
+    pub allowed: String,
+    /// What to do.
+    pub advice: &'static str,
+}
+
+impl fmt::Display for BadValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            place,
+            key,
+            value,
+            allowed,
+            advice,
+        } = self;
+        write!(
+            f,
+            "{place}: {key} = {value}: allowed is {allowed}; {advice}"
+        )
+    }
+}
+
+impl BadValue {
+    /// As an error, with line and column of the key in `text`.
+    pub(super) fn placed_in(mut self, text: &str) -> TwinError {
+        self.place.position = position_of(text, &self.key);
+        TwinError::Value(Box::new(self))
+    }
+}
+
+/// What is wrong with a CSV list of errors.
+#[derive(Debug, thiserror::Error)]
+pub enum ErrorListFault {
+    /// Not a CSV file with `k,e_rad`, or a field that is no number.
+    #[error("{0}; the file needs the header k,e_rad and two numbers a row")]
+    Csv(#[from] csv::Error),
+    /// An edge number past the grid.
+    #[error("k = {k}: allowed is 0 to {last}; check the line count")]
+    OutOfGrid {
+        /// The edge number found.
+        k: u32,
+        /// Last one allowed.
+        last: u32,
+    },
+    /// The same edge twice.
+    #[error("k = {0} comes a second time; keep one row for each edge")]
+    Twice(u32),
+    /// An edge without a row.
+    #[error("k = {0} is missing; give one row for each edge")]
+    Missing(u32),
+    /// An error that is not a finite number.
+    #[error("e_rad = {0}: allowed is a finite number of radians; correct the row")]
+    NotFinite(f64),
+}
+
+/// Why a twin can't be used.
+#[derive(Debug, thiserror::Error)]
+pub enum TwinError {
+    /// The file can't be read.
+    #[error("{path}: can't read the twin: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's word on it.
+        source: std::io::Error,
+    },
+    /// Not TOML, a key that does not exist or is missing, or a value of the wrong type.
+    #[error("{place}: {key}: {message}", key = if key.is_empty() { "(top level)" } else { key })]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// The innermost key around the place, empty at the top level.
+        key: String,
+        /// What the TOML reader says.
+        message: String,
+    },
+    /// A value out of range or in conflict with another.
+    #[error("{0}")]
+    Value(Box<BadValue>),
+    /// The file named by `errors.csv` can't be used.
+    #[error("{path}:{line}: {fault}", path = path.display())]
+    ErrorList {
+        /// The CSV file.
+        path: PathBuf,
+        /// Line from 1.
+        line: u64,
+        /// What is wrong there.
+        fault: ErrorListFault,
+    },
+    /// The errors are so large that an edge would come before the one in front of it.
+    #[error(
+        "{name}: errors: edge {first} comes {by_rad:e} rad after edge {second}; errors of neighbours may differ by less than \
+         a step of {step_rad:e} rad, so lower them or the line count"
+    )]
+    EdgesCross {
+        /// The twin's name.
+        name: String,
+        /// Edge that should come first.
+        first: u32,
+        /// Edge that should come second.
+        second: u32,
+        /// How much too late it is.
+        by_rad: f64,
+        /// The grid's step.
+        step_rad: f64,
+    },
+    /// The twin holds a number TOML can't.
+    #[error("can't write the twin: {0}; seed and clock_hz go up to 2^63 - 1")]
+    Write(#[from] toml::ser::Error),
+}
+
+/// A TOML reader's error with line, column and key.
+pub(super) fn from_toml(error: &toml::de::Error, text: &str, name: &str) -> TwinError {
+    let span = error.span();
+    TwinError::Syntax {
+        place: Place {
+            name: name.to_owned(),
+            position: span.as_ref().map(|span| line_column(text, span.start)),
+        },
+        key: span.map_or_else(String::new, |span| key_around(text, &span)),
+        message: error.message().replace('\n', ", "),
+    }
+}
+
+/// Line and column (in characters), from 1, of a byte offset.
+fn line_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    (
+        before.matches('\n').count() + 1,
+        before[line_start..].chars().count() + 1,
+    )
+}
+
+/// Position of the value with the dotted `key`, or of the innermost table on the way there.
+fn position_of(text: &str, key: &str) -> Option<(usize, usize)> {
+    let root = DeTable::parse(text).ok()?;
+    let mut table = Some(root.get_ref());
+    let mut found: Option<Range<usize>> = None;
+    for part in key.split('.') {
+        let (name, index) = match part.split_once('[') {
+            Some((name, rest)) => (name, rest.trim_end_matches(']').parse().ok()),
+            None => (part, None),
+        };
+        let Some((at, value)) = table.and_then(|t| t.iter().find(|(k, _)| k.get_ref() == name))
+        else {
+            break;
+        };
+        let value = match index {
+            Some(index) => value.get_ref().get::<usize>(index).unwrap_or(value),
+            None => value,
+        };
+        // A table written out as [a.b] has the span of its header only; its key's is the same or better.
+        found = Some(if value.get_ref().is_table() {
+            at.span()
+        } else {
+            value.span()
+        });
+        table = value.get_ref().as_table();
+    }
+    Some(found.map_or((1, 1), |span| line_column(text, span.start)))
+}
+
+/// The innermost key whose key or value lies around `span`, dotted from the top.
+fn key_around(text: &str, span: &Range<usize>) -> String {
+    let mut path = String::new();
+    if let Ok(root) = DeTable::parse(text) {
+        descend(root.get_ref(), span, &mut path);
+    }
+    path
+}
+
+fn descend(table: &DeTable<'_>, span: &Range<usize>, path: &mut String) -> bool {
+    let around = |s: Range<usize>| s.start <= span.start && span.end <= s.end;
+    for (key, value) in table {
+        let length = path.len();
+        if !path.is_empty() {
+            path.push('.');
+        }
+        path.push_str(key.get_ref());
+        if descend_value(value, span, path) || around(key.span()) || around(value.span()) {
+            return true;
+        }
+        path.truncate(length);
+    }
+    false
+}
+
+fn descend_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut String) -> bool {
+    match value.get_ref() {
+        DeValue::Table(table) => descend(table, span, path),
+        DeValue::Array(items) => items.iter().enumerate().any(|(i, item)| {
+            let length = path.len();
+            path.push_str(&format!("[{i}]"));
+            let inside = descend_value(item, span, path)
+                || (item.span().start <= span.start && span.end <= item.span().end);
+            if !inside {
+                path.truncate(length);
+            }
+            inside
+        }),
+        _ => false,
+    }
+}

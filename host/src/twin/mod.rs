@@ -1,0 +1,226 @@
+//! The twin: a rig as declared in a TOML file. The simulator runs it, a diagnosis is written back as one.
+//!
+//! Every key carries its unit. An unknown key, a value out of range and two keys that contradict each other are errors with file,
+//! line, column and key ([`TwinError`]). `host/twins/` has a commented file for every kind of rig.
+
+mod check;
+mod drive;
+mod encoder;
+mod error;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+pub use drive::{Drive, Noise, Ripple, Shaft, Step};
+pub use encoder::{Encoder, Errors, Harmonic, Per, Position};
+pub use error::{BadValue, ErrorListFault, Place, TwinError};
+
+/// A declared rig: encoder, shaft, drive, noise, timer and what to record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Twin {
+    /// Seed of every random number, 0 to 2^63 - 1. The same seed gives the same bytes.
+    #[serde(default)]
+    pub seed: u64,
+    /// How much to record.
+    pub duration: Duration,
+    /// What kind of encoder, and its counts.
+    pub encoder: Encoder,
+    /// The encoder's own errors; none where left out.
+    #[serde(default)]
+    pub errors: Errors,
+    /// Inertia and friction of everything that turns.
+    pub shaft: Shaft,
+    /// What drives the shaft.
+    pub drive: Drive,
+    /// Torque ripple locked to the shaft's angle.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ripple: Vec<Ripple>,
+    /// White torque noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
+    /// The timer that stamps the edges.
+    pub timer: Timer,
+    /// Faults of the capture, for tests.
+    #[serde(default, skip_serializing_if = "Faults::is_none")]
+    pub faults: Faults,
+    /// Name for messages: the file the twin came from.
+    #[serde(skip)]
+    pub name: String,
+    /// Folder that `errors.csv` is relative to.
+    #[serde(skip)]
+    pub folder: PathBuf,
+}
+
+/// How much to record.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Duration {
+    /// Turns travelled, either way; more than 0. Should the shaft not get that far, the recording ends after ten times the time
+    /// these turns take at the drive's highest speed, counted from the profile's last change.
+    Turns(f64),
+    /// Seconds, more than 0.
+    Seconds(f64),
+}
+
+/// The timer that stamps the edges.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Timer {
+    /// Tick rate, 1 to 1e12 Hz.
+    pub clock_hz: u64,
+    /// Width of the capture register: 16, 32 or 64 bits.
+    #[serde(default = "Timer::full_width")]
+    pub bits: u32,
+    /// RMS of a normal, independent time error of every stamp, 0 to 1 s. Stamps never go back: a later one is held at the earlier.
+    #[serde(default)]
+    pub jitter_s: f64,
+    /// Write what the register holds (modulo 2^bits) in place of times extended to 64 bits.
+    #[serde(default)]
+    pub raw_captures: bool,
+}
+
+impl Timer {
+    const fn full_width() -> u32 {
+        64
+    }
+}
+
+/// Faults of the capture, for tests.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Faults {
+    /// Probability, 0 to 1, that the capture of an edge is lost: its row is missing, later rows show the true levels.
+    #[serde(default)]
+    pub lost_probability: f64,
+    /// Edges that are lost, counted from 0 at the first edge of the recording (index rows do not count).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lost_edges: Vec<u64>,
+    /// Probability, 0 to 1, that an edge is followed by a glitch: a short pulse on one channel, at a random time within an interval
+    /// as long as the one just ended.
+    #[serde(default)]
+    pub glitch_probability: f64,
+    /// Length of a glitch, up to 1 s; needed where there are glitches.
+    #[serde(default)]
+    pub glitch_width_s: f64,
+}
+
+impl Faults {
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Twin {
+    /// Reads and checks a twin file.
+    ///
+    /// # Errors
+    /// [`TwinError::Read`] where the file can't be read, else as [`Twin::parse`].
+    pub fn load(path: &Path) -> Result<Self, TwinError> {
+        let text = std::fs::read_to_string(path).map_err(|source| TwinError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// Parses and checks the text of a twin; `name` is its file's name, used in messages, and an error list's path is relative to
+    /// its folder.
+    ///
+    /// # Errors
+    /// [`TwinError::Syntax`] for what is not TOML or not a twin, [`TwinError::Value`] for a value out of range or in conflict.
+    pub fn parse(text: &str, name: &str) -> Result<Self, TwinError> {
+        let mut twin: Self = toml::from_str(text).map_err(|e| error::from_toml(&e, text, name))?;
+        twin.name = name.to_owned();
+        twin.folder = Path::new(name)
+            .parent()
+            .map(Path::to_owned)
+            .unwrap_or_default();
+        match twin.find_bad_value() {
+            Some(bad) => Err(bad.placed_in(text)),
+            None => Ok(twin),
+        }
+    }
+
+    /// Checks every value and combination; [`Twin::parse`] has done so, a twin changed in code may need it.
+    ///
+    /// # Errors
+    /// [`TwinError::Value`] with the first offending key, without line and column.
+    pub fn check(&self) -> Result<(), TwinError> {
+        match self.find_bad_value() {
+            Some(bad) => Err(TwinError::Value(Box::new(bad))),
+            None => Ok(()),
+        }
+    }
+
+    /// This twin as TOML that [`Twin::parse`] reads back to an equal twin.
+    ///
+    /// # Errors
+    /// [`TwinError::Write`] for a number TOML can't hold (a `seed` or `clock_hz` above 2^63 - 1).
+    pub fn to_toml(&self) -> Result<String, TwinError> {
+        Ok(toml::to_string(self)?)
+    }
+
+    /// The rig of the paper's simulation (section 4.1): 2500 lines, 15 r/min, 5 pole pairs with three harmonics.
+    ///
+    /// The paper gives no ripple amplitudes, no inertia and no clock. Chosen here: speed swings of 1 %, 0.5 % and 0.25 % at orders
+    /// 5, 10 and 15, a small servo motor's inertia and friction, the 84 MHz timer of an STM32F405, 12 turns.
+    #[must_use]
+    pub fn paper() -> Self {
+        let ripple = |order, phase_rad, speed_fraction| Ripple {
+            order,
+            phase_rad,
+            torque_n_m: None,
+            speed_fraction: Some(speed_fraction),
+        };
+        Self {
+            seed: 1,
+            duration: Duration::Turns(12.0),
+            encoder: Encoder::Quadrature {
+                lines: 2500,
+                index: true,
+            },
+            errors: Errors {
+                position: Some(Position::Uniform {
+                    amplitude_rad: 6.2832e-5,
+                    per: Per::Edge,
+                }),
+                width_a_rad: 1.2566e-4,
+                width_b_rad: 1.1310e-4,
+                quadrature_rad: 1.2566e-4,
+                ..Errors::default()
+            },
+            shaft: Shaft {
+                inertia_kg_m2: 1e-4,
+                viscous_n_m_s: 1e-4,
+                coulomb_n_m: 0.0,
+                stiffness_n_m_s: 0.0,
+                initial_angle_rad: 0.0,
+            },
+            drive: Drive::Constant { r_min: 15.0 },
+            ripple: vec![
+                ripple(5.0, 0.3, 0.01),
+                ripple(10.0, 1.1, 0.005),
+                ripple(15.0, 2.0, 0.0025),
+            ],
+            noise: None,
+            timer: Timer {
+                clock_hz: 84_000_000,
+                bits: 64,
+                jitter_s: 0.0,
+                raw_captures: false,
+            },
+            faults: Faults::default(),
+            name: "paper".to_owned(),
+            folder: PathBuf::new(),
+        }
+    }
+
+    /// `errors.csv` as a path that can be opened: relative to the twin's own file.
+    pub(crate) fn error_list_path(&self) -> Option<PathBuf> {
+        self.errors.csv.as_ref().map(|csv| self.folder.join(csv))
+    }
+}
