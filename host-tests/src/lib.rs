@@ -6,6 +6,7 @@
     clippy::cast_possible_wrap
 )]
 
+pub mod accuracy;
 pub mod paper;
 pub mod reference;
 
