@@ -118,13 +118,11 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
     };
     let single_class = (1..=single).filter(|&m| is_class(m)).count();
     let common_count = (edges - 2 * single + 2 * single_class).saturating_sub(classes);
-    let mut residual = common_count as f64 * left_over(common_weight, common_size, noise.common);
-    let mut weights = vec![0.0; single];
-    let mut locked = Vec::new();
+    let mut sizes = vec![0.0; single];
     let mut carried = common_size;
     for order in (1..=single).rev().filter(|&m| !is_class(m)) {
         let (power, noise) = (signal.single[order - 1], smooth[order - 1]);
-        let size = if with_neighbours {
+        carried = if with_neighbours {
             let mut near: Vec<f64> = neighbours(order)
                 .iter()
                 .map(|&m| signal.single[m - 1])
@@ -142,17 +140,42 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
         } else {
             (power - 4.0 * noise).max(0.0)
         };
-        carried = size;
-        let mut weight = wiener(size, noise);
-        if with_neighbours && one_speed {
-            let height = (power / (size + noise)).log2();
-            weight *= (4.0 - height).clamp(0.0, 1.0);
-            if height > 4.0 {
-                locked.push(order);
+        sizes[order - 1] = carried;
+    }
+    let suspect_torque = with_neighbours && one_speed;
+    let height =
+        |order: usize, noise: f64| (signal.single[order - 1] / (sizes[order - 1] + noise)).log2();
+    let locked: Vec<usize> = (1..=single)
+        .filter(|&m| suspect_torque && !is_class(m) && height(m, smooth[m - 1]) > 4.0)
+        .collect();
+    // Pairs of swings u make others of about u u / order at sums and differences; half of that for an order with itself.
+    let turn = q * n;
+    let mut products = vec![0.0; single];
+    for (i, &a) in locked.iter().enumerate() {
+        for &b in &locked[i..] {
+            let swing = |m: usize| m as f64 * 2.0 * signal.single[m - 1].sqrt() * TAU / turn;
+            let both = swing(a) * swing(b) * if a == b { 0.5 } else { 1.0 };
+            for order in [a + b, a.abs_diff(b)]
+                .into_iter()
+                .filter(|&m| m > 0 && m <= single)
+            {
+                products[order - 1] += both / order as f64 * turn / TAU / 2.0;
             }
         }
+    }
+    let mut residual = common_count as f64 * left_over(common_weight, common_size, noise.common);
+    let mut weights = vec![0.0; single];
+    for order in (1..=single).filter(|&m| !is_class(m)) {
+        let (size, doubt) = (
+            sizes[order - 1],
+            smooth[order - 1] + f64::powi(products[order - 1], 2),
+        );
+        let mut weight = wiener(size, doubt);
+        if suspect_torque {
+            weight *= (4.0 - height(order, doubt)).clamp(0.0, 1.0);
+        }
         weights[order - 1] = weight;
-        residual += 2.0 * left_over(weight, size, noise);
+        residual += 2.0 * left_over(weight, size, doubt);
     }
 
     let mut error: Vec<f64> = sum.iter().map(|x| x * common_weight).collect();

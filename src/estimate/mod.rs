@@ -18,6 +18,7 @@ mod close;
 mod fold;
 mod order;
 mod power;
+mod ripple;
 mod scale;
 mod solution;
 mod solve;

@@ -50,9 +50,9 @@ pub(super) fn order_powers<S: Sequence + ?Sized>(
         let c = undo_decimation(raw, order, plan.decimation, plan.edges);
         coefficients[order - 1] = c;
         powers.single[order - 1] = c.power();
-        let step_gain_q28 = step_gain_q28(order, plan.edges);
-        gain_q28 = gain_q28.saturating_sub(2 * step_gain_q28);
-        steps = steps.saturating_sub((2 * u128::from(c.power()) * u128::from(step_gain_q28)) >> 28);
+        let gain_q58 = step_gain_q58(order, plan.edges);
+        gain_q28 = gain_q28.saturating_sub((2 * gain_q58) >> 30);
+        steps = steps.saturating_sub((u128::from(c.power()) * u128::from(gain_q58)) >> 57);
     }
     if plan.common_count() > 0 {
         let common = (steps << 28) / u128::from(gain_q28.max(1));
@@ -61,12 +61,13 @@ pub(super) fn order_powers<S: Sequence + ?Sized>(
     powers
 }
 
-/// Power gain from an angle to its steps at an order: 4 sin^2(pi n / N), Q28.
-fn step_gain_q28(order: usize, edges: usize) -> u64 {
+/// Power gain from an angle to its steps at an order: 4 sin^2(pi n / N), Q58. All its digits count, as a low order of
+/// torque may be a million times the rest.
+fn step_gain_q58(order: usize, edges: usize) -> u64 {
     #[allow(clippy::cast_possible_truncation)]
     let half_turn = Turn32((((order as u64) << 31) / edges as u64) as u32);
     let sine = u64::from(sin_cos(half_turn).0.unsigned_abs());
-    (sine * sine) >> 30
+    sine * sine
 }
 
 /// Scales the contrast's powers to the noise in the sum of all turns: its signs have the squared sum q - sigma^2 / q.

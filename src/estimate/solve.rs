@@ -1,7 +1,7 @@
 //! From the sums of all turns to a table: close the turn, take the class means, weigh every order, scale to angle.
 
 use super::close::{close_contrast, close_sum, take_class_means};
-use super::order::{ORDERS_MAX, OrderPlan};
+use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
 use super::power::{order_powers, scale_contrast};
 use super::scale::AngleScale;
 use super::solution::{Solution, SolveError};
@@ -38,16 +38,17 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         let signal = order_powers(self.buffers.work(), plan, &mut coefficients);
 
+        let grid = (u64::from(totals.turns) * plan.edges as u64) << STEP_FRACTION_BITS;
         // Torque ripple's angle goes with 1 / speed^2: turns of which one took half as long again as another tell.
         let one_speed = totals.longest < totals.shortest + totals.shortest / 2;
-        let mut weights = weigh(plan, &signal, &noise, one_speed);
+        let weights = weigh(plan, &signal, &mut noise, one_speed.then_some(grid));
 
-        let total = (i64::from(totals.turns) * plan.edges as i64) << STEP_FRACTION_BITS;
-        let scale = AngleScale::new(total + totals.excess);
-        for locked in &mut weights.locked {
-            let power = signal.single[usize::from(locked.order) - 1];
-            locked.amplitude = scale.root_mean_square(power.saturating_mul(4));
-        }
+        let scale = AngleScale::new(grid.cast_signed() + totals.excess);
+        let locked = weights.standing.iter().map(|standing| LockedOrder {
+            order: standing.order,
+            amplitude: scale.root_mean_square(standing.power.saturating_mul(4)),
+        });
+        let locked = locked.collect();
         self.weigh_orders(plan, &coefficients, &weights.single, weights.common);
         let mut class_offsets = [TurnDelta32(0); CLASSES_MAX];
         for (angle, offset) in class_offsets.iter_mut().zip(offsets) {
@@ -70,7 +71,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             single: weights.single,
             single_count: plan.single,
             common: weights.common.min(WEIGHT_ONE - 1) as u16,
-            locked: weights.locked,
+            locked,
         })
     }
 

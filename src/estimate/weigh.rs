@@ -5,8 +5,9 @@
 //! is carried down from the higher orders. The weight is Wiener's, S / (S + N), drawn to zero where little is known. All
 //! decisions are continuous, so that no rounding can flip one.
 
-use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX, OrderPlan};
+use super::order::{ORDERS_MAX, OrderPlan};
 use super::power::Powers;
+use super::ripple::{Standing, StandingOrders, keep_strongest, products};
 use crate::log2::{LOG2_BITS, exp2, log2};
 
 /// One in Q15, the unit of a weight.
@@ -22,67 +23,105 @@ pub(super) struct Weights {
     pub common: u32,
     /// Expected squared error of an edge after correction, 2^-16 of the squared unit, class offsets not counted.
     pub residual: u64,
-    /// Orders left alone because torque might make them; sizes are filled in by the caller.
-    pub locked: heapless::Vec<LockedOrder, LOCKED_MAX>,
+    /// Orders left alone because torque might make them.
+    pub standing: StandingOrders,
 }
 
-/// Weighs `signal` (all turns) against `noise` (contrast, scaled to all turns). `one_speed` says that the turns were too
-/// alike in speed to tell torque ripple from geometry.
-pub(super) fn weigh(plan: OrderPlan, signal: &Powers, noise: &Powers, one_speed: bool) -> Weights {
-    let smooth_noise = smooth_noise(plan, noise);
+/// Weighs `signal` (all turns) against `noise` (contrast, scaled to all turns). `turn` is the length of a turn in the
+/// sequence's unit where all turns were too alike in speed to tell torque ripple from geometry; else none.
+pub(super) fn weigh(
+    plan: OrderPlan,
+    signal: &Powers,
+    noise: &mut Powers,
+    one_speed_turn: Option<u64>,
+) -> Weights {
     let mut scratch = [0_i32; ORDERS_MAX];
-    let mut weights = Weights {
-        single: [0; ORDERS_MAX],
-        common: 0,
-        residual: 0,
-        locked: heapless::Vec::new(),
-    };
-
+    smooth_noise(plan, noise, &mut scratch);
     let common_size = excess(signal.common, noise.common, COMMON_MARGIN_Q8);
-    weights.common = wiener(common_size, noise.common);
-    let mut residual = u128::from(left_over(weights.common, common_size, noise.common))
-        * plan.common_count() as u128;
+    let sizes = sizes(plan, signal, noise, common_size, &mut scratch);
 
-    let mut carried = common_size;
-    for order in (1..=plan.single).rev() {
-        if plan.is_class_order(order) {
-            continue;
+    let suspect_torque = plan.has_neighbours() && one_speed_turn.is_some();
+    let mut standing = StandingOrders::new();
+    for order in single_orders(plan).filter(|_| suspect_torque) {
+        let power = signal.single[order - 1];
+        if height(power, sizes[order - 1], noise.single[order - 1]) > STANDING_HEIGHT {
+            #[allow(clippy::cast_possible_truncation)]
+            keep_strongest(
+                &mut standing,
+                Standing {
+                    order: order as u16,
+                    power,
+                },
+            );
         }
+    }
+    let products = products(plan, &standing, one_speed_turn.unwrap_or(0));
+
+    let common = wiener(common_size, noise.common);
+    let mut residual =
+        u128::from(left_over(common, common_size, noise.common)) * plan.common_count() as u128;
+    let mut single = [0; ORDERS_MAX];
+    for order in single_orders(plan) {
         let index = order - 1;
-        let (power, noise) = (signal.single[index], smooth_noise[index]);
+        let size = sizes[index];
+        let doubt = u64::from(products[index])
+            .pow(2)
+            .saturating_add(noise.single[index]);
+        let mut weight = wiener(size, doubt);
+        if suspect_torque {
+            let gate = (STANDING_HEIGHT - height(signal.single[index], size, doubt)).clamp(0, Q);
+            weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
+        }
+        residual += 2 * u128::from(left_over(weight, size, doubt));
+        #[allow(clippy::cast_possible_truncation)]
+        {
+            single[index] = weight as u16;
+        }
+    }
+    Weights {
+        single,
+        common,
+        residual: u64::try_from(residual).unwrap_or(u64::MAX),
+        standing,
+    }
+}
+
+/// The geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
+/// order above.
+fn sizes(
+    plan: OrderPlan,
+    signal: &Powers,
+    noise: &Powers,
+    common_size: u64,
+    scratch: &mut [i32; ORDERS_MAX],
+) -> [u64; ORDERS_MAX] {
+    let mut sizes = [0; ORDERS_MAX];
+    let mut carried = common_size;
+    for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
+        let (power, noise) = (signal.single[order - 1], noise.single[order - 1]);
         let size = if plan.has_neighbours() {
-            let (level, count) = neighbourhood_level(plan, &signal.single, order, &mut scratch);
+            let (level, count) = neighbourhood_level(plan, &signal.single, order, scratch);
             excess(level, noise, margin_q8(count)).max(carried.min(level))
         } else {
             excess(power, noise, LONE_MARGIN_Q8)
         };
+        sizes[order - 1] = size;
         carried = size;
-        let mut weight = wiener(size, noise);
-        if plan.has_neighbours() && one_speed {
-            let height = log2(power.into()) - log2(u128::from(size) + u128::from(noise));
-            let gate = (LOCKED_HEIGHT - height).clamp(0, Q);
-            weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
-            if height > LOCKED_HEIGHT {
-                #[allow(clippy::cast_possible_truncation)]
-                // A full list says enough; the weight is zero either way.
-                let _ = weights.locked.push(LockedOrder {
-                    order: order as u16,
-                    amplitude: 0,
-                });
-            }
-        }
-        residual += 2 * u128::from(left_over(weight, size, noise));
-        #[allow(clippy::cast_possible_truncation)]
-        {
-            weights.single[index] = weight as u16;
-        }
     }
-    weights.residual = u64::try_from(residual).unwrap_or(u64::MAX);
-    weights
+    sizes
+}
+
+fn single_orders(plan: OrderPlan) -> impl Iterator<Item = usize> {
+    (1..=plan.single).filter(move |&n| !plan.is_class_order(n))
+}
+
+/// How far a power stands above what is expected of it, in octaves (Q16).
+fn height(power: u64, size: u64, noise: u64) -> i32 {
+    log2(power.into()) - log2(u128::from(size) + u128::from(noise))
 }
 
 /// An order 16 times (log2 = 4) above its neighbours in power is left alone; from 8 times on its weight falls.
-const LOCKED_HEIGHT: i32 = 4 * Q;
+const STANDING_HEIGHT: i32 = 4 * Q;
 
 /// Of thousands of common orders, ten percent above the noise is significant.
 const COMMON_MARGIN_Q8: u64 = 282;
@@ -158,22 +197,24 @@ fn neighbourhood_level(
     (exp2(median + MEAN_OVER_MEDIAN), count)
 }
 
-/// The noise at every single order: geometric mean over the neighbours with the slope of the fourth power taken out, and
-/// not below half of what the order itself shows.
-fn smooth_noise(plan: OrderPlan, noise: &Powers) -> [u64; ORDERS_MAX] {
+/// Replaces the noise at every single order by its level: geometric mean over the neighbours with the slope of the fourth
+/// power taken out, and not below half of what the order itself shows.
+fn smooth_noise(plan: OrderPlan, noise: &mut Powers, scratch: &mut [i32; ORDERS_MAX]) {
     // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
     const MEAN_OVER_LOG_MEAN: i64 = 54_574;
-    let mut smooth = [0; ORDERS_MAX];
-    for order in 1..=plan.single {
+    for (power, log) in noise.single.iter().zip(scratch.iter_mut()) {
+        *log = log2((*power).into());
+    }
+    for order in single_orders(plan) {
         let (mut sum, mut count) = (0_i64, 0_i64);
         for n in neighbours(plan, order) {
-            sum += i64::from(log2(noise.single[n - 1].into())) + 4 * i64::from(log2(n as u128));
+            sum += i64::from(scratch[n - 1]) + 4 * i64::from(log2(n as u128));
             count += 1;
         }
         let mean = sum / count.max(1) - 4 * i64::from(log2(order as u128)) + MEAN_OVER_LOG_MEAN;
         #[allow(clippy::cast_possible_truncation)]
         let level = exp2(mean.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
-        smooth[order - 1] = level.max(noise.single[order - 1] / 2);
+        let power = &mut noise.single[order - 1];
+        *power = level.max(*power / 2);
     }
-    smooth
 }
