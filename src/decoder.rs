@@ -258,7 +258,11 @@ impl QuadratureDecoder {
     #[inline(never)]
     fn step_back(&mut self, sample: Sample, class: u32, interval: u32) -> Outcome {
         let gate = self.motion.typical_before_last() >> self.gate;
-        if interval < gate && self.motion.withdraw(self.last_flags.contains(Flags::REVERSED)) {
+        if interval < gate
+            && self
+                .motion
+                .withdraw(self.last_flags.contains(Flags::REVERSED))
+        {
             return self.withdraw_pair(sample, class);
         }
         let mut flags = Flags::REVERSED;
@@ -356,7 +360,14 @@ impl QuadratureDecoder {
 
     /// Moves the position and looks for the index.
     #[inline]
-    fn accept(&mut self, sample: Sample, class: u32, interval: u32, advance: u16, flags: Flags) -> Outcome {
+    fn accept(
+        &mut self,
+        sample: Sample,
+        class: u32,
+        interval: u32,
+        advance: u16,
+        flags: Flags,
+    ) -> Outcome {
         let direction = self.motion.direction;
         let mut edge = self.counter.step(direction);
         if advance == 2 {
@@ -407,7 +418,8 @@ impl QuadratureDecoder {
             }
             return (0, found);
         }
-        self.faults.book_resync(moved, self.motion.settled_direction());
+        self.faults
+            .book_resync(moved, self.motion.settled_direction());
         self.suspect();
         (moved, self.status.with(Flags::INDEX))
     }

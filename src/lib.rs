@@ -8,12 +8,15 @@
 pub mod counter;
 pub mod decoder;
 pub mod edge;
+pub mod hall;
+pub mod interval;
 mod motion;
 pub mod recip;
 pub mod savgol;
 pub mod step;
 pub mod timebase;
 pub mod units;
+pub mod wheel;
 
 #[cfg(test)]
 extern crate std;

@@ -118,8 +118,7 @@ impl Motion {
 
     /// Steady for eight edges up to now: not slowing down to a stop.
     pub fn is_steady(&self) -> bool {
-        self.is_settled()
-            && u64::from(self.span(0)) * 2 < u64::from(self.span(SPAN)) * 3
+        self.is_settled() && u64::from(self.span(0)) * 2 < u64::from(self.span(SPAN)) * 3
     }
 
     /// Whether `interval` breaks steady motion with three or more typical intervals and yet is too short for a stop: four
@@ -232,7 +231,10 @@ mod tests {
         assert_eq!(motion.typical_before_last(), 1000);
         assert!(motion.withdraw(true));
         assert_eq!(motion.last, before.last);
-        assert_eq!((motion.run, motion.direction), (before.run, before.direction));
+        assert_eq!(
+            (motion.run, motion.direction),
+            (before.run, before.direction)
+        );
         assert!(motion.is_steady());
     }
 

@@ -152,7 +152,9 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
             .iter()
             .zip(Self::PLAN.binomials)
             .take(Self::DEGREE + 1)
-            .fold(0, |sum: i64, (moment, b)| sum.wrapping_add(moment.wrapping_mul(b)))
+            .fold(0, |sum: i64, (moment, b)| {
+                sum.wrapping_add(moment.wrapping_mul(b))
+            })
     }
 
     /// The numerator as a plain sum over the window.
@@ -163,7 +165,9 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
             .iter()
             .chain(newer)
             .zip(&Self::COEFFICIENTS)
-            .fold(0, |sum: i64, (&x, &c)| sum.wrapping_add(c.wrapping_mul(i64::from(x))))
+            .fold(0, |sum: i64, (&x, &c)| {
+                sum.wrapping_add(c.wrapping_mul(i64::from(x)))
+            })
     }
 }
 

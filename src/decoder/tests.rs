@@ -81,7 +81,11 @@ impl Rig {
                 break;
             }
             mark += direction;
-            events.push((time_at(place.clamp(from.min(end), from.max(end))), crossed, mark));
+            events.push((
+                time_at(place.clamp(from.min(end), from.max(end))),
+                crossed,
+                mark,
+            ));
         }
         let end_time = time_at(end);
         for (time, crossed, mark) in events {
@@ -138,7 +142,10 @@ fn errors(size: f64) -> impl Strategy<Value = Vec<f64>> {
     let classes = prop::array::uniform4(-size / 2.0..size / 2.0);
     (8usize..24, classes).prop_flat_map(move |(lines, classes)| {
         prop::collection::vec(-size / 2.0..size / 2.0, 4 * lines).prop_map(move |eps| {
-            eps.iter().enumerate().map(|(k, e)| e + classes[k % 4]).collect()
+            eps.iter()
+                .enumerate()
+                .map(|(k, e)| e + classes[k % 4])
+                .collect()
         })
     })
 }
@@ -151,7 +158,9 @@ fn recording(error: Vec<f64>, legs: &[Leg], interval: f64) -> Vec<Row> {
     for leg in legs {
         match *leg {
             // At most a tenth of the speed over a hundred edges.
-            Leg::Cruise { steps, change } => rig.travel(steps * rig.speed.signum(), rig.speed * (1.0 + change)),
+            Leg::Cruise { steps, change } => {
+                rig.travel(steps * rig.speed.signum(), rig.speed * (1.0 + change))
+            }
             Leg::Turn { steps } => rig.turn_round(steps),
         }
     }
@@ -171,20 +180,27 @@ enum Event {
 fn event() -> impl Strategy<Value = Event> {
     prop_oneof![
         (1usize..=4).prop_map(Event::Drop),
-        (prop::array::uniform2((0.01..0.99f64, 0u8..8)), 1usize..=2).prop_map(|(rows, n)| Event::Insert(rows, n)),
+        (prop::array::uniform2((0.01..0.99f64, 0u8..8)), 1usize..=2)
+            .prop_map(|(rows, n)| Event::Insert(rows, n)),
     ]
 }
 
 /// Rows with events, each with the truth; no truth for spurious rows. An event is kept away from the start, the end and
 /// reversals, where lost edges can't be seen.
-fn disturb(rows: &[Row], events: &[(usize, Event)], clean_tail: usize) -> (Vec<(Sample, Option<Row>)>, Vec<usize>) {
+fn disturb(
+    rows: &[Row],
+    events: &[(usize, Event)],
+    clean_tail: usize,
+) -> (Vec<(Sample, Option<Row>)>, Vec<usize>) {
     let mut out = Vec::new();
     let mut places = Vec::new();
     let (mut next, mut quiet, mut i) = (0, 0, 0);
     while i < rows.len() {
         let window = &rows[i.saturating_sub(30)..(i + 30).min(rows.len())];
         let even = window.iter().all(|row| row.direction == rows[i].direction);
-        let planned = events.get(next).filter(|(gap, _)| quiet > *gap && even && i > 200 && i + clean_tail < rows.len());
+        let planned = events
+            .get(next)
+            .filter(|(gap, _)| quiet > *gap && even && i > 200 && i + clean_tail < rows.len());
         match planned {
             Some((_, Event::Drop(n))) => {
                 places.push(out.len());
@@ -198,7 +214,10 @@ fn disturb(rows: &[Row], events: &[(usize, Event)], clean_tail: usize) -> (Vec<(
                 let mut spurious: Vec<_> = spurious[..*n].to_vec();
                 spurious.sort_by(|a, b| a.0.total_cmp(&b.0));
                 for (part, levels) in spurious {
-                    out.push((sample(from + (part * (to - from) as f64) as u64, levels), None));
+                    out.push((
+                        sample(from + (part * (to - from) as f64) as u64, levels),
+                        None,
+                    ));
                 }
                 (next, quiet) = (next + 1, 0);
             }
@@ -311,9 +330,15 @@ fn a_step_names_the_edge_it_crossed_in_both_directions() {
     let mut decoder = decoder(2);
     run(&mut decoder, 0, 10);
     let forward = decoder.push(sample(10_000, STATES[2])).step().unwrap();
-    assert_eq!((forward.edge, forward.position, forward.interval), (2, 2, 1000));
+    assert_eq!(
+        (forward.edge, forward.position, forward.interval),
+        (2, 2, 1000)
+    );
     let back = decoder.push(sample(40_000, STATES[1])).step().unwrap();
-    assert_eq!((back.edge, back.position, back.direction), (2, 1, Direction::Reverse));
+    assert_eq!(
+        (back.edge, back.position, back.direction),
+        (2, 1, Direction::Reverse)
+    );
     assert!(back.flags.contains(Flags::REVERSED) && !back.flags.contains(Flags::FIRST));
 }
 
@@ -324,32 +349,64 @@ fn a_short_pulse_is_withdrawn_and_leaves_no_trace() {
     let before = decoder;
     decoder.push(sample(19_500, STATES[0]));
     let outcome = decoder.push(sample(19_600, STATES[3]));
-    assert_eq!(outcome, Outcome::Glitch(Glitch { ticks: 19_600, edge: 20, position: 19 }));
+    assert_eq!(
+        outcome,
+        Outcome::Glitch(Glitch {
+            ticks: 19_600,
+            edge: 20,
+            position: 19
+        })
+    );
     decoder.push(sample(19_700, STATES[2]));
     let outcome = decoder.push(sample(19_800, STATES[3]));
-    assert_eq!(outcome, Outcome::Glitch(Glitch { ticks: 19_800, edge: 19, position: 19 }));
+    assert_eq!(
+        outcome,
+        Outcome::Glitch(Glitch {
+            ticks: 19_800,
+            edge: 19,
+            position: 19
+        })
+    );
     assert_eq!(decoder.position(), before.position());
     assert_eq!(decoder.direction(), before.direction());
     assert!(!decoder.is_uncertain());
-    assert_eq!(*decoder.faults(), Faults { glitch: 2, ..Faults::new() });
+    assert_eq!(
+        *decoder.faults(),
+        Faults {
+            glitch: 2,
+            ..Faults::new()
+        }
+    );
     let next = run(&mut decoder, 20, 1).step().unwrap();
-    assert_eq!((next.interval, next.edge, next.flags), (1000, 20, Flags::NONE));
+    assert_eq!(
+        (next.interval, next.edge, next.flags),
+        (1000, 20, Flags::NONE)
+    );
 }
 
 #[test]
 fn the_index_references_then_counts_lost_edges_then_agrees() {
     let mut decoder = decoder(8);
     run(&mut decoder, 0, 12);
-    let index = decoder.push(sample(12_000, STATES[0] | Levels::Z)).step().unwrap();
+    let index = decoder
+        .push(sample(12_000, STATES[0] | Levels::Z))
+        .step()
+        .unwrap();
     assert_eq!((index.position, index.resync), (0, 0));
     assert!(index.flags.contains(Flags::INDEX.with(Flags::REFERENCED)));
     run(&mut decoder, 13, 27);
-    let index = decoder.push(sample(40_000, STATES[0] | Levels::Z)).step().unwrap();
+    let index = decoder
+        .push(sample(40_000, STATES[0] | Levels::Z))
+        .step()
+        .unwrap();
     assert_eq!((index.position, index.edge, index.resync), (0, 0, 4));
     assert!(index.flags.contains(Flags::TURN_SUSPECT) && decoder.is_uncertain());
     assert_eq!((decoder.faults().lost, decoder.faults().extra), (4, 0));
     run(&mut decoder, 41, 31);
-    let index = decoder.push(sample(72_000, STATES[0] | Levels::Z)).step().unwrap();
+    let index = decoder
+        .push(sample(72_000, STATES[0] | Levels::Z))
+        .step()
+        .unwrap();
     assert!(index.flags.contains(Flags::TURN_SUSPECT) && index.resync == 0);
     assert!(!decoder.is_uncertain());
 }
@@ -359,7 +416,9 @@ fn an_index_within_the_sector_is_found_at_the_change_of_z() {
     let mut decoder = decoder(8);
     run(&mut decoder, 0, 13);
     let outcome = decoder.push(sample(12_500, STATES[0] | Levels::Z));
-    let Outcome::Index(index) = outcome else { panic!("{outcome:?}") };
+    let Outcome::Index(index) = outcome else {
+        panic!("{outcome:?}")
+    };
     assert_eq!((index.position, index.resync), (0, 0));
     assert_eq!(decoder.push(sample(12_600, STATES[0])), Outcome::Idle);
     assert_eq!(decoder.faults().total(), 0);
@@ -370,6 +429,9 @@ fn impossible_settings_are_refused() {
     let refused = |config| QuadratureDecoder::new(config).unwrap_err();
     assert_eq!(refused(DecoderConfig::new(0)), SensorError::Slots);
     assert_eq!(refused(DecoderConfig::new(u32::MAX)), SensorError::Slots);
-    let config = DecoderConfig { glitch_gate: 1, ..DecoderConfig::new(8) };
+    let config = DecoderConfig {
+        glitch_gate: 1,
+        ..DecoderConfig::new(8)
+    };
     assert_eq!(refused(config), SensorError::Gate);
 }

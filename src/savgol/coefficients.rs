@@ -42,7 +42,11 @@ const fn gram(window: usize, n: usize) -> [i128; MAX_ORDER + 1] {
     let mut i = 0;
     while i <= n {
         let size = binomial(window - 1 - i, n - i) * binomial(n + i, n);
-        terms[i] = if (n - i).is_multiple_of(2) { size } else { -size };
+        terms[i] = if (n - i).is_multiple_of(2) {
+            size
+        } else {
+            -size
+        };
         i += 1;
     }
     terms
@@ -62,7 +66,10 @@ const fn evaluate(terms: &[i128; MAX_ORDER + 1], u: usize) -> i128 {
 /// leave fewer than 24 bits for the input.
 pub(super) const fn plan(window: usize, order: usize) -> Plan {
     assert!(window % 2 == 1, "the window must be odd");
-    assert!(order <= MAX_ORDER && order < window, "the order is too high");
+    assert!(
+        order <= MAX_ORDER && order < window,
+        "the order is too high"
+    );
     let mut sum = [0i128; MAX_ORDER + 1];
     let mut denominator = 1i128;
     // Odd polynomials are 0 in the middle.
@@ -87,7 +94,8 @@ pub(super) const fn plan(window: usize, order: usize) -> Plan {
         let multiple = denominator / gcd(denominator, norm) * norm;
         let mut i = 0;
         while i <= MAX_ORDER {
-            sum[i] = sum[i] * (multiple / denominator) + terms[i] * middle / common * (multiple / norm);
+            sum[i] =
+                sum[i] * (multiple / denominator) + terms[i] * middle / common * (multiple / norm);
             i += 1;
         }
         denominator = multiple;
@@ -132,8 +140,15 @@ const fn bound(window: usize, binomials: [i64; MAX_ORDER + 1], denominator: i128
     }
     // Numerator, offset and rounding together stay below 2^63.
     let most = ((1i128 << 61) - 1) / size;
-    plan.input_max = if most > i32::MAX as i128 { i32::MAX } else { most as i32 };
-    assert!(plan.input_max >= 1 << 24, "window and order leave too little range");
+    plan.input_max = if most > i32::MAX as i128 {
+        i32::MAX
+    } else {
+        most as i32
+    };
+    assert!(
+        plan.input_max >= 1 << 24,
+        "window and order leave too little range"
+    );
     plan.offset = (size * plan.input_max as i128 / denominator as i128) as u64 + 1;
     plan.inverse = (((1u128 << (64 + plan.shift)) - 1) / denominator as u128) as u64;
     plan

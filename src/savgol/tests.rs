@@ -39,7 +39,10 @@ fn agrees_with_least_squares<const W: usize, const O: usize>(input: &[i32]) {
     for (window, output) in input.windows(W).zip(outputs) {
         let window: Vec<f64> = window.iter().map(|&x| f64::from(x)).collect();
         let exact = least_squares(&window, O);
-        assert!((f64::from(output) - exact).abs() <= 0.5 + 1e-4, "{W}/{O}: {output} for {exact}");
+        assert!(
+            (f64::from(output) - exact).abs() <= 0.5 + 1e-4,
+            "{W}/{O}: {output} for {exact}"
+        );
     }
 }
 
@@ -106,7 +109,10 @@ fn an_impulse_gives_the_coefficients() {
     assert_eq!(denominator, 9889);
     let mut input = vec![0; 91];
     input[45] = denominator as i32;
-    let taps: Vec<i64> = outputs::<31, 5>(&input)[15..46].iter().map(|&y| i64::from(y)).collect();
+    let taps: Vec<i64> = outputs::<31, 5>(&input)[15..46]
+        .iter()
+        .map(|&y| i64::from(y))
+        .collect();
     let coefficients: Vec<i64> = (0..31).map(SavGol::<31, 5>::coefficient).collect();
     assert_eq!(taps, coefficients);
     assert_eq!(coefficients.iter().sum::<i64>(), 9889);
@@ -115,7 +121,9 @@ fn an_impulse_gives_the_coefficients() {
 
 #[test]
 fn the_alternating_frequency_passes_with_the_known_gain() {
-    let input: Vec<i32> = (0..200).map(|k| if k % 2 == 0 { 1_000_000 } else { -1_000_000 }).collect();
+    let input: Vec<i32> = (0..200)
+        .map(|k| if k % 2 == 0 { 1_000_000 } else { -1_000_000 })
+        .collect();
     // Output n belongs to sample n + 15, which is odd for even n.
     let first = outputs::<31, 5>(&input)[0];
     assert_eq!(f64::from(first) / -1e6, -0.061381);
@@ -134,7 +142,13 @@ fn an_impulse_leaves_nothing_behind_after_a_million_samples() {
 #[test]
 fn overshoot_saturates() {
     let input: Vec<i32> = (0..31)
-        .map(|u| if SavGol::<31, 5>::coefficient(u) > 0 { i32::MAX } else { -i32::MAX })
+        .map(|u| {
+            if SavGol::<31, 5>::coefficient(u) > 0 {
+                i32::MAX
+            } else {
+                -i32::MAX
+            }
+        })
         .collect();
     assert_eq!(outputs::<31, 5>(&input), [i32::MAX]);
     assert_eq!(SavGol::<31, 5>::INPUT_MAX, i32::MAX);

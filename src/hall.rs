@@ -1,0 +1,307 @@
+//! Three Hall sensors: six states a pole pair, forward 001, 011, 010, 110, 100, 101 (A, B, C).
+//!
+//! There is no index: position counts from pole pair 0 wherever the shaft starts. Its state within the pole pair, position
+//! mod 6, always agrees with the levels; after a fault the pole pair may be another one than before. Such steps carry
+//! [`Flags::TURN_SUSPECT`] for one turn, after which whoever keeps a pattern of the turn has to align it anew.
+//!
+//! | event | what comes next | what is done |
+//! |---|---|---|
+//! | 1 to 3 edges lost | a jump over 1 to 3 states | steps on in settled motion, else the shorter way, suspect |
+//! | 4 edges lost | a step back, no slowing down | abrupt reversal, suspect |
+//! | 5 edges lost | the same levels | suspect |
+//! | 6 edges lost | a step on after 7 intervals | interval spike, suspect |
+//! | all sensors alike | 000 or 111 | illegal, no step, suspect |
+
+use crate::counter::Counter;
+use crate::edge::{Direction, Levels, Sample};
+use crate::motion::Motion;
+use crate::step::{Faults, Flags, MAX_SLOTS, Outcome, SensorError, Step, count};
+
+/// State 0..6 of the sensors in forward order, none for 000 and 111.
+#[inline]
+#[must_use]
+pub const fn state_of(levels: Levels) -> Option<u32> {
+    // Bit 0 is A, 1 is B, 2 is C.
+    match levels.0 & 7 {
+        0b100 => Some(0),
+        0b110 => Some(1),
+        0b010 => Some(2),
+        0b011 => Some(3),
+        0b001 => Some(4),
+        0b101 => Some(5),
+        _ => None,
+    }
+}
+
+/// Decoder state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct HallDecoder {
+    motion: Motion,
+    counter: Counter,
+    faults: Faults,
+    /// State the sensors showed last, 0..6.
+    state: u32,
+    /// Edges for which the turn stays suspect.
+    suspect: u32,
+    started: bool,
+    moved: bool,
+}
+
+impl HallDecoder {
+    /// A decoder for a motor of `pole_pairs`: 6 edges each.
+    ///
+    /// # Errors
+    /// [`SensorError::Slots`] for no pole pairs or more than 2^28 edges.
+    pub const fn new(pole_pairs: u32) -> Result<Self, SensorError> {
+        if pole_pairs > MAX_SLOTS / 6 {
+            return Err(SensorError::Slots);
+        }
+        let counter = match Counter::new(pole_pairs * 6) {
+            Ok(counter) => counter,
+            Err(error) => return Err(error),
+        };
+        Ok(Self {
+            motion: Motion::new(),
+            counter,
+            faults: Faults::new(),
+            state: 0,
+            suspect: 0,
+            started: false,
+            moved: false,
+        })
+    }
+
+    /// Present position, `0..6 pole_pairs`.
+    #[inline]
+    #[must_use]
+    pub const fn position(&self) -> u32 {
+        self.counter.position()
+    }
+
+    /// Edges in a turn.
+    #[inline]
+    #[must_use]
+    pub const fn slots(&self) -> u32 {
+        self.counter.slots()
+    }
+
+    /// Whether a fault of the last turn may have moved the count by pole pairs.
+    #[inline]
+    #[must_use]
+    pub const fn is_uncertain(&self) -> bool {
+        self.suspect != 0
+    }
+
+    /// Faults so far.
+    #[inline]
+    #[must_use]
+    pub const fn faults(&self) -> &Faults {
+        &self.faults
+    }
+
+    /// Takes one sample: levels of A, B and C after a change.
+    #[inline]
+    pub fn push(&mut self, sample: Sample) -> Outcome {
+        let Some(state) = state_of(sample.levels) else {
+            count(&mut self.faults.illegal);
+            self.suspect();
+            return Outcome::Idle;
+        };
+        if !self.started {
+            self.started = true;
+            self.state = state;
+            self.counter.set(state);
+            self.motion.last = sample.ticks;
+            return Outcome::Idle;
+        }
+        let ahead = if state >= self.state {
+            state - self.state
+        } else {
+            state + 6 - self.state
+        };
+        self.state = state;
+        match ahead {
+            0 => self.repeat(sample),
+            1 => self.step(sample, Direction::Forward, 1),
+            5 => self.step(sample, Direction::Reverse, 1),
+            _ => {
+                let (direction, advance) = self.likely_jump(ahead);
+                self.jump(sample, direction, advance)
+            }
+        }
+    }
+
+    fn repeat(&mut self, sample: Sample) -> Outcome {
+        count(&mut self.faults.repeated);
+        let interval = self.motion.interval(sample.ticks);
+        if self.moved && !self.motion.is_harmless_repeat(interval) {
+            self.suspect();
+        }
+        Outcome::Idle
+    }
+
+    /// Way to a state `ahead` (2 to 4): on in settled motion, else the shorter way.
+    fn likely_jump(&self, ahead: u32) -> (Direction, u16) {
+        let settled = self.motion.settled_direction();
+        let direction = match ahead {
+            _ if self.motion.is_settled() => settled,
+            2 => Direction::Forward,
+            4 => Direction::Reverse,
+            _ => settled,
+        };
+        let edges = match direction {
+            Direction::Forward => ahead,
+            Direction::Reverse => 6 - ahead,
+        };
+        (direction, edges as u16)
+    }
+
+    fn jump(&mut self, sample: Sample, direction: Direction, advance: u16) -> Outcome {
+        count(&mut self.faults.illegal);
+        let outcome = self.step(sample, direction, advance);
+        self.suspect();
+        match outcome {
+            Outcome::Step(step) => Outcome::Step(Step {
+                flags: step.flags.with(Flags::ILLEGAL).with(Flags::TURN_SUSPECT),
+                ..step
+            }),
+            other => other,
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, sample: Sample, direction: Direction, advance: u16) -> Outcome {
+        let mut interval = self.motion.interval(sample.ticks);
+        let mut flags = Flags::NONE;
+        if !self.moved {
+            self.moved = true;
+            self.motion.direction = direction;
+            flags = Flags::FIRST;
+            interval = u32::MAX;
+        } else if direction != self.motion.direction {
+            flags = Flags::REVERSED;
+            let abrupt = self.motion.is_abrupt(interval);
+            self.motion.reverse();
+            if abrupt {
+                count(&mut self.faults.abrupt_reversal);
+                self.suspect();
+                flags = flags.with(Flags::ABRUPT);
+            }
+        } else if self.motion.is_long(interval) && self.motion.is_spike(interval) {
+            count(&mut self.faults.interval_spike);
+            self.suspect();
+            flags = Flags::SPIKE;
+        }
+        self.motion.push(sample.ticks, interval);
+        let edge = self.counter.advance(direction, advance);
+        if self.suspect != 0 {
+            self.suspect -= 1;
+            flags = flags.with(Flags::TURN_SUSPECT);
+        }
+        Outcome::Step(Step {
+            ticks: sample.ticks,
+            edge,
+            position: self.counter.position(),
+            interval,
+            resync: 0,
+            advance,
+            flags,
+            direction,
+        })
+    }
+
+    fn suspect(&mut self) {
+        self.suspect = self.counter.slots();
+        self.motion.unsettle();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const STATES: [u8; 6] = [0b100, 0b110, 0b010, 0b011, 0b001, 0b101];
+
+    fn at(k: u64) -> Sample {
+        Sample {
+            ticks: k * 1000,
+            levels: Levels(STATES[(k % 6) as usize]),
+        }
+    }
+
+    fn running(edges: u64) -> HallDecoder {
+        let mut decoder = HallDecoder::new(2).unwrap();
+        (0..edges).for_each(|k| {
+            decoder.push(at(k));
+        });
+        decoder
+    }
+
+    #[test]
+    fn the_forward_order_counts_up_and_the_other_down() {
+        let mut decoder = running(14);
+        assert_eq!((decoder.position(), decoder.faults().total()), (1, 0));
+        let back = Sample {
+            ticks: 60_000,
+            ..at(12)
+        };
+        let step = decoder.push(back).step().unwrap();
+        assert_eq!((step.edge, step.position, step.interval), (1, 0, 47_000));
+        assert_eq!(step.flags, Flags::REVERSED);
+    }
+
+    #[test]
+    fn one_to_six_lost_edges_are_never_silent() {
+        for lost in 1..=6 {
+            let mut decoder = running(20);
+            decoder.push(at(20 + lost));
+            assert!(decoder.is_uncertain(), "{lost} lost");
+            let right = (20 + lost) % 12 == u64::from(decoder.position());
+            assert!(right || lost > 3, "{lost} lost");
+            (21 + lost..34 + lost).for_each(|k| {
+                decoder.push(at(k));
+            });
+            assert!(!decoder.is_uncertain());
+        }
+    }
+
+    #[test]
+    fn all_sensors_alike_is_counted_and_takes_no_step() {
+        let mut decoder = running(20);
+        let position = decoder.position();
+        for levels in [0, 7] {
+            let outcome = decoder.push(Sample {
+                ticks: 19_500,
+                levels: Levels(levels),
+            });
+            assert_eq!(outcome, Outcome::Idle);
+        }
+        assert_eq!(
+            (decoder.faults().illegal, decoder.position()),
+            (2, position)
+        );
+        assert!(decoder.is_uncertain());
+    }
+
+    #[test]
+    fn too_many_pole_pairs_are_refused() {
+        assert_eq!(HallDecoder::new(0).unwrap_err(), SensorError::Slots);
+        assert_eq!(HallDecoder::new(u32::MAX).unwrap_err(), SensorError::Slots);
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_samples_keep_the_state(rows in prop::collection::vec((0u64..1 << 34, any::<u8>()), 1..300), pairs in 1u32..9) {
+            let mut decoder = HallDecoder::new(pairs).unwrap();
+            for (ticks, levels) in rows {
+                decoder.push(Sample { ticks, levels: Levels(levels) });
+                prop_assert!(decoder.position() < 6 * pairs);
+                if let Some(state) = state_of(Levels(levels)) {
+                    prop_assert_eq!(decoder.position() % 6, state);
+                }
+            }
+        }
+    }
+}
