@@ -168,18 +168,15 @@ impl QuadratureDecoder {
     pub fn push(&mut self, sample: Sample) -> Outcome {
         let class = class_of(sample.levels);
         let turned = class.wrapping_sub(self.counter.position()) & 3;
-        if !self.moved || self.spike_limit != 0 {
+        let on = turned == self.turn_of_direction();
+        if !on || !self.moved || self.spike_limit != 0 {
             return self.push_watchful(sample, class, turned);
         }
-        match turned {
-            1 => self.step(sample, class, Direction::Forward),
-            3 => self.step(sample, class, Direction::Reverse),
-            0 => self.stay(sample, class),
-            _ => self.jump(sample, class),
-        }
+        self.step_on(sample, class)
     }
 
-    /// The first samples, and the one after a long interval.
+    /// Whatever is not one more step in the same direction: the first samples, changes of Z, reversals, faults, and the step
+    /// after a long interval.
     #[cold]
     #[inline(never)]
     fn push_watchful(&mut self, sample: Sample, class: u32, turned: u32) -> Outcome {
@@ -209,13 +206,14 @@ impl QuadratureDecoder {
             self.spike_limit = 0;
         }
         match turned {
-            1 => self.step(sample, class, Direction::Forward),
-            3 => self.step(sample, class, Direction::Reverse),
             0 => self.stay(sample, class),
-            _ => self.jump(sample, class),
+            2 => self.jump(sample, class),
+            _ if turned == self.turn_of_direction() => self.step_on(sample, class),
+            _ => self.step_back(sample, class),
         }
     }
 
+    #[inline]
     fn turn_of_direction(&self) -> u32 {
         match self.motion.direction {
             Direction::Forward => 1,
@@ -239,12 +237,10 @@ impl QuadratureDecoder {
         self.accept(sample, class, u32::MAX, advance, flags)
     }
 
+    /// One more step in the same direction.
     #[inline]
-    fn step(&mut self, sample: Sample, class: u32, direction: Direction) -> Outcome {
+    fn step_on(&mut self, sample: Sample, class: u32) -> Outcome {
         let interval = self.motion.interval(sample.ticks);
-        if direction != self.motion.direction {
-            return self.step_back(sample, class, interval);
-        }
         if self.motion.is_long(interval) && self.motion.is_spike(interval) {
             self.spike_limit = self.motion.steady_limit();
         }
@@ -256,7 +252,8 @@ impl QuadratureDecoder {
     /// A step against the direction of motion: a glitch, a reversal or lost edges.
     #[cold]
     #[inline(never)]
-    fn step_back(&mut self, sample: Sample, class: u32, interval: u32) -> Outcome {
+    fn step_back(&mut self, sample: Sample, class: u32) -> Outcome {
+        let interval = self.motion.interval(sample.ticks);
         let gate = self.motion.typical_before_last() >> self.gate;
         if interval < gate
             && self
@@ -325,7 +322,6 @@ impl QuadratureDecoder {
     }
 
     /// A and B as before: a change of Z, or no change at all.
-    #[inline(never)]
     fn stay(&mut self, sample: Sample, class: u32) -> Outcome {
         let interval = self.motion.interval(sample.ticks);
         let late = if sample.levels.z() == self.z {

@@ -66,26 +66,6 @@ impl IntervalConfig {
     }
 }
 
-/// Error differences between the edge and earlier ones, e(edge) - e(earlier); all 0 without a table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Correction {
-    /// Against the previous edge.
-    pub x4: TurnDelta32,
-    /// Against the edge before that.
-    pub x2: TurnDelta32,
-}
-
-/// Speeds that one edge yields, each the mean over its interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Ias {
-    /// Over the last interval; none at the first edge or over one that is too long.
-    pub x4: Option<Speed>,
-    /// Over the last two; none across a reversal or an illegal change.
-    pub x2: Option<Speed>,
-}
-
 /// One accepted interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -109,6 +89,7 @@ const UNKNOWN: Passed = Passed {
 pub struct Interval {
     config: IntervalConfig,
     last: Ticks,
+    direction: Direction,
     newest: Passed,
     /// The one before, to come back to when a step is withdrawn.
     older: Passed,
@@ -121,14 +102,18 @@ impl Interval {
         Self {
             config,
             last: 0,
+            direction: Direction::Forward,
             newest: UNKNOWN,
             older: UNKNOWN,
         }
     }
 
-    /// Takes an accepted step. A reversal crosses the same edge twice, so the speed over it is 0.
+    /// Takes an accepted step and returns its speed at x4, the mean over the last interval; none at the first edge or over an
+    /// interval that is too long. A reversal crosses the same edge twice, so the speed over it is 0.
+    ///
+    /// `correction` is e(this edge) - e(previous edge), 0 without a table.
     #[inline]
-    pub fn push(&mut self, step: &Step, correction: Correction) -> Ias {
+    pub fn push(&mut self, step: &Step, correction: TurnDelta32) -> Option<Speed> {
         let forward = matches!(step.direction, Direction::Forward);
         let reversed = step.flags.contains(Flags::REVERSED);
         let grid = self.config.step;
@@ -142,28 +127,36 @@ impl Interval {
         let moved = if forward { moved } else { -moved };
         let known = step.interval != u32::MAX;
         let speed = if known && !(reversed && step.advance == 1) {
-            Speed::over(moved.wrapping_sub(widen(correction.x4)), step.interval)
+            Speed::over(moved.wrapping_sub(widen(correction)), step.interval)
         } else {
             Speed::ZERO
         };
-        let both = step.interval.saturating_add(self.newest.ticks);
-        let x2 = if plain && self.newest.plain && both != u32::MAX {
-            let two = if forward { 2 * grid } else { -2 * grid };
-            Some(Speed::over(two.wrapping_sub(widen(correction.x2)), both))
-        } else {
-            None
-        };
         self.last = step.ticks;
+        self.direction = step.direction;
         self.older = self.newest;
         self.newest = Passed {
             ticks: step.interval,
             plain,
             speed,
         };
-        Ias {
-            x4: known.then_some(speed),
-            x2,
+        known.then_some(speed)
+    }
+
+    /// Speed at x2, the mean over the last two intervals; none across a reversal or an illegal change.
+    ///
+    /// `correction` is e(last edge) - e(the edge two before), 0 without a table.
+    #[inline]
+    #[must_use]
+    pub fn x2(&self, correction: TurnDelta32) -> Option<Speed> {
+        let both = self.newest.ticks.saturating_add(self.older.ticks);
+        if !self.newest.plain || !self.older.plain || both == u32::MAX {
+            return None;
         }
+        let two = match self.direction {
+            Direction::Forward => 2 * self.config.step,
+            Direction::Reverse => -2 * self.config.step,
+        };
+        Some(Speed::over(two.wrapping_sub(widen(correction)), both))
     }
 
     /// Takes the last step back (after a [`crate::step::Glitch`]). One step can be taken back, not several in a row; the
@@ -231,12 +224,10 @@ mod tests {
             let ticks = (CLOCK * 60.0 / rpm / 10_000.0f64).round() as u32;
             let exact = CLOCK * 60.0 / 10_000.0 / f64::from(ticks);
             let mut interval = interval(10_000);
-            interval.push(&step(1_000_000, ticks), Correction::default());
-            let ias = interval.push(
-                &step(1_000_000 + u64::from(ticks), ticks),
-                Correction::default(),
-            );
-            for speed in [ias.x4, ias.x2] {
+            interval.push(&step(1_000_000, ticks), TurnDelta32(0));
+            let next = step(1_000_000 + u64::from(ticks), ticks);
+            let x4 = interval.push(&next, TurnDelta32(0));
+            for speed in [x4, interval.x2(TurnDelta32(0))] {
                 let error = speed.unwrap().rpm(CLOCK) / exact - 1.0;
                 assert!(error.abs() < 1.01 * Recip::ERROR, "{rpm}: {error:e}");
             }
@@ -245,42 +236,25 @@ mod tests {
 
     #[test]
     fn known_edge_errors_leave_the_speed_as_it_is() {
-        // Grid step 2^22 in Turn32; edge 1 comes early by an eighth of a step.
+        // Grid step 2^22 in Turn32; the middle edge comes early by an eighth of a step.
         let mut interval = interval(1024);
         let early = TurnDelta32(1 << 19);
-        interval.push(&step(0, u32::MAX), Correction::default());
-        let short = interval.push(
-            &step(7000, 7000),
-            Correction {
-                x4: early,
-                x2: early,
-            },
-        );
-        let long = interval.push(
-            &step(16_000, 9000),
-            Correction {
-                x4: TurnDelta32(-early.0),
-                x2: TurnDelta32(0),
-            },
-        );
+        interval.push(&step(0, u32::MAX), TurnDelta32(0));
+        let short = interval.push(&step(7000, 7000), early);
+        assert_eq!(interval.x2(early), None);
+        let long = interval.push(&step(16_000, 9000), TurnDelta32(-early.0));
         let exact = (1i64 << 50) / 8000;
-        for speed in [short.x4, long.x4, long.x2] {
-            assert!(
-                (speed.unwrap().0 - exact).abs() <= exact >> 28,
-                "{speed:?} {exact}"
-            );
+        for speed in [short, long, interval.x2(TurnDelta32(0))] {
+            let speed = speed.unwrap().0;
+            assert!((speed - exact).abs() <= exact >> 28, "{speed} {exact}");
         }
-        assert_eq!(short.x2, None);
     }
 
     #[test]
     fn a_stopped_shaft_slows_down_as_one_over_time_and_then_stands() {
         let mut interval = interval(1000);
-        interval.push(&step(1000, u32::MAX), Correction::default());
-        let speed = interval
-            .push(&step(2000, 1000), Correction::default())
-            .x4
-            .unwrap();
+        interval.push(&step(1000, u32::MAX), TurnDelta32(0));
+        let speed = interval.push(&step(2000, 1000), TurnDelta32(0)).unwrap();
         assert_eq!(interval.speed_at(2900), speed);
         let later = interval.speed_at(2000 + 4000);
         assert!((later.0 * 4 - speed.0).abs() <= speed.0 >> 27);
@@ -290,33 +264,33 @@ mod tests {
     #[test]
     fn a_reversal_has_no_mean_speed_and_reverse_motion_a_negative_one() {
         let mut interval = interval(1000);
-        interval.push(&step(1000, 1000), Correction::default());
+        interval.push(&step(1000, 1000), TurnDelta32(0));
         let back = Step {
             flags: Flags::REVERSED,
             direction: Direction::Reverse,
             ..step(3000, 2000)
         };
-        let ias = interval.push(&back, Correction::default());
-        assert_eq!((ias.x4, ias.x2), (Some(Speed::ZERO), None));
+        assert_eq!(interval.push(&back, TurnDelta32(0)), Some(Speed::ZERO));
+        assert_eq!(interval.x2(TurnDelta32(0)), None);
         let on = Step {
             direction: Direction::Reverse,
             ..step(4000, 1000)
         };
-        let ias = interval.push(&on, Correction::default());
-        assert!(ias.x4.unwrap() < Speed::ZERO && ias.x2.is_none());
+        assert!(interval.push(&on, TurnDelta32(0)).unwrap() < Speed::ZERO);
+        assert_eq!(interval.x2(TurnDelta32(0)), None);
     }
 
     #[test]
     fn a_withdrawn_step_leaves_the_speed_before_it() {
         let mut interval = interval(1000);
-        interval.push(&step(1000, 1000), Correction::default());
-        interval.push(&step(2000, 1000), Correction::default());
+        interval.push(&step(1000, 1000), TurnDelta32(0));
+        interval.push(&step(2000, 1000), TurnDelta32(0));
         let before = interval.speed_at(2500);
-        interval.push(&step(2100, 100), Correction::default());
+        interval.push(&step(2100, 100), TurnDelta32(0));
         interval.withdraw();
         assert_eq!(interval.speed_at(2500), before);
-        let next = interval.push(&step(3000, 1000), Correction::default());
-        assert_eq!(next.x4, Some(before));
+        let next = interval.push(&step(3000, 1000), TurnDelta32(0));
+        assert_eq!(next, Some(before));
     }
 
     proptest! {
@@ -329,7 +303,8 @@ mod tests {
                 let direction = if error < 0 { Direction::Reverse } else { Direction::Forward };
                 let step = Step { advance, flags: Flags(flags), direction, ..step(ticks, duration) };
                 let error = TurnDelta32(error);
-                interval.push(&step, Correction { x4: error, x2: error });
+                interval.push(&step, error);
+                let _ = interval.x2(error);
                 let later = ticks.wrapping_add(u64::from(duration));
                 let _ = interval.speed_at(later);
                 interval.withdraw();

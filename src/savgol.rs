@@ -42,18 +42,20 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
     /// The middle value of an even window polynomial: an odd top degree adds nothing there.
     const DEGREE: usize = ORDER / 2 * 2;
 
-    const COEFFICIENTS: [i64; WINDOW] = {
+    const COEFFICIENTS: [i32; WINDOW] = {
         let mut taps = [0; WINDOW];
         let mut u = 0;
         while u < WINDOW {
-            taps[u] = Self::PLAN.coefficient(u);
+            let tap = Self::PLAN.coefficient(u);
+            assert!(tap as i32 as i64 == tap, "a coefficient does not fit");
+            taps[u] = tap as i32;
             u += 1;
         }
         taps
     };
 
     /// Window from which on the recursive form takes fewer instructions on a Cortex-M4.
-    pub const BREAK_EVEN: usize = 3 * (Self::DEGREE + 1);
+    pub const BREAK_EVEN: usize = 2 * Self::DEGREE + 1;
 
     const RECURSIVE: bool = WINDOW >= Self::BREAK_EVEN;
 
@@ -80,7 +82,7 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
     /// Coefficient of the sample `u` (0 is the oldest) as a numerator over [`SavGol::DENOMINATOR`]; 0 outside the window.
     #[must_use]
     pub fn coefficient(u: usize) -> i64 {
-        Self::COEFFICIENTS.get(u).copied().unwrap_or(0)
+        Self::COEFFICIENTS.get(u).map_or(0, |&tap| i64::from(tap))
     }
 
     /// Forgets all samples.
@@ -103,7 +105,7 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
             }
         }
         let numerator = if Self::RECURSIVE {
-            self.from_moments()
+            self.indirect()
         } else {
             self.direct()
         };
@@ -147,7 +149,7 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
     }
 
     #[inline]
-    fn from_moments(&self) -> i64 {
+    fn indirect(&self) -> i64 {
         self.moments
             .iter()
             .zip(Self::PLAN.binomials)
@@ -166,7 +168,7 @@ impl<const WINDOW: usize, const ORDER: usize> SavGol<WINDOW, ORDER> {
             .chain(newer)
             .zip(&Self::COEFFICIENTS)
             .fold(0, |sum: i64, (&x, &c)| {
-                sum.wrapping_add(c.wrapping_mul(i64::from(x)))
+                sum.wrapping_add(i64::from(c) * i64::from(x))
             })
     }
 }
