@@ -28,6 +28,10 @@
 //! - Whole turns lost, and a first index that is false (the second one finds it).
 //!
 //! Z must be narrower than one line, or the index fires twice in a pass.
+//!
+//! # Cost
+//! 112 instructions for one more step in the same direction, the outcome's copy included (Cortex-M4, opt-level 3, counted in
+//! QEMU netduinoplus2 with icount); no calls but for the rare paths.
 
 mod rare;
 

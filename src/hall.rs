@@ -188,7 +188,8 @@ impl HallDecoder {
                 self.suspect();
                 flags = flags.with(Flags::ABRUPT);
             }
-        } else if self.motion.is_long(interval) && self.motion.is_spike(interval) {
+        } else if self.motion.is_spike(interval / 5 * 3) {
+            // Six lost edges make seven intervals; cogging alone reaches three, so the limit is five here.
             count(&mut self.faults.interval_spike);
             self.suspect();
             flags = Flags::SPIKE;

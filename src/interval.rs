@@ -10,6 +10,9 @@
 //! less than 1 LSB. One tick of the capture is 2.98e-5 of an interval at 15 r/min and N = 10000: the arithmetic adds
 //! nothing.
 //!
+//! One edge at x4 takes 99 instructions, 45 of them the reciprocal (Cortex-M4, opt-level 3, counted in QEMU netduinoplus2
+//! with icount).
+//!
 //! # Stopping
 //! Between edges the shaft can't have moved further than one grid step, so the speed's size is at most a step over
 //! the time since the last edge; after the timeout it is 0.

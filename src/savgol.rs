@@ -28,6 +28,7 @@ pub const MAX_ORDER: usize = 7;
 
 /// Smoother over `WINDOW` samples (odd) with a polynomial of degree `ORDER` (at most [`MAX_ORDER`]).
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SavGol<const WINDOW: usize = 31, const ORDER: usize = 5> {
     ring: [i32; WINDOW],
     /// Slot of the oldest sample.

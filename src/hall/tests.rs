@@ -49,6 +49,17 @@ fn one_to_six_lost_edges_are_never_silent() {
 }
 
 #[test]
+fn an_interval_stretched_by_cogging_is_no_fault() {
+    let mut decoder = running(20);
+    let stretched = Sample {
+        ticks: 19_000 + 3500,
+        ..at(20)
+    };
+    decoder.push(stretched);
+    assert_eq!(decoder.faults().total(), 0);
+}
+
+#[test]
 fn all_sensors_alike_is_counted_and_takes_no_step() {
     let mut decoder = running(20);
     let position = decoder.position();
