@@ -9,8 +9,8 @@ pub mod corrector;
 pub mod counter;
 pub mod decoder;
 pub mod edge;
-pub mod estimate;
-pub mod log2;
+pub mod hall;
+pub mod interval;
 mod motion;
 pub mod recip;
 pub mod replay;
@@ -22,6 +22,7 @@ pub mod table;
 pub mod timebase;
 pub mod trig;
 pub mod units;
+pub mod wheel;
 
 #[cfg(test)]
 extern crate std;

@@ -1,6 +1,7 @@
 //! The decoder against a simulated shaft whose true position is known.
 
 use super::*;
+use crate::step::Glitch;
 use proptest::prelude::*;
 use std::vec::Vec;
 
