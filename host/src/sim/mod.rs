@@ -118,9 +118,10 @@ pub struct Simulation {
     noise_push: f64,
     shaft: Shaft,
     capture: Capture,
-    time: LongSum,
-    segment_s: f64,
+    segment_start_s: f64,
     segment_end_s: f64,
+    /// Time since the segment's start, s: small, so that rounding it moves no edge.
+    within_s: LongSum,
     piece: Piece,
     piece_travel: f64,
     /// First place above the shaft's angle: the next one going forward.
@@ -181,9 +182,9 @@ impl Simulation {
                 start_speed,
             ),
             capture: Capture::new(twin),
-            time: LongSum::default(),
-            segment_s: 0.0,
+            segment_start_s: 0.0,
             segment_end_s: 0.0,
+            within_s: LongSum::default(),
             piece: Piece::rest(0.0),
             piece_travel: 0.0,
             travelled: LongSum::default(),
@@ -244,7 +245,7 @@ impl Simulation {
 
     /// The change of level at a place `way` from the piece's start; none if the capture loses it.
     fn capture_crossing(&mut self, place: i64, direction: Direction, way: f64) -> Option<Crossing> {
-        let time_s = self.time.plus(self.piece.time_of(way));
+        let time_s = self.segment_start_s + self.within_s.plus(self.piece.time_of(way));
         let stamp = self.capture.stamp(time_s);
         let mark = *self.disc.mark(place);
         if let Some(k) = mark.edge {
@@ -274,15 +275,16 @@ impl Simulation {
             self.shaft.finish(&self.piece);
         }
         self.travelled.add(self.piece_travel.abs());
-        self.time.add(length);
-        let mut rest = self.segment_end_s - self.time.plus(0.0);
+        self.within_s.add(length);
+        let mut segment_s = self.segment_end_s - self.segment_start_s;
+        let mut rest = segment_s - self.within_s.plus(0.0);
         // A rest this short is rounding: the segment is over.
-        if rest <= 1e-12 * self.segment_s {
-            self.time = LongSum::new(self.segment_end_s);
+        if rest <= 1e-12 * segment_s {
             self.start_segment();
-            rest = self.segment_s;
+            segment_s = self.segment_end_s - self.segment_start_s;
+            rest = segment_s;
         }
-        let now = self.time.plus(0.0);
+        let now = self.segment_start_s + self.within_s.plus(0.0);
         if now >= self.end_s || self.travelled.plus(0.0) >= self.travel_end {
             self.done = true;
             return;
@@ -293,7 +295,7 @@ impl Simulation {
             slope: knot.slope,
             damping: knot.damping,
         };
-        self.piece = self.shaft.next_piece(drive, rest, self.segment_s);
+        self.piece = self.shaft.next_piece(drive, rest, segment_s);
         self.piece_travel = self.piece.travel(self.piece.length_s);
         // Torques so large that the motion overflows end the run.
         self.done = !self.piece_travel.is_finite();
@@ -323,8 +325,9 @@ impl Simulation {
             }
             end = end.min(speed_loop.next_s());
         }
-        self.segment_s = end - now;
+        self.segment_start_s = now;
         self.segment_end_s = end;
+        self.within_s = LongSum::default();
     }
 }
 

@@ -45,7 +45,7 @@ pub(super) struct Shaft {
     /// Coulomb friction as an acceleration, rad/s^2.
     coulomb: f64,
     angle: LongSum,
-    speed: f64,
+    speed: LongSum,
     /// Sign of the motion that friction acts against; 0 at standstill.
     motion: f64,
 }
@@ -56,7 +56,7 @@ impl Shaft {
             integrator,
             coulomb,
             angle: LongSum::new(angle_rad),
-            speed,
+            speed: LongSum::new(speed),
             motion: sign(speed),
         }
     }
@@ -91,7 +91,9 @@ impl Shaft {
             slope: drive.slope,
             damping: drive.damping,
         };
-        let mut piece = self.integrator.step(angle, self.speed, push, longest);
+        let mut piece = self
+            .integrator
+            .step(angle, self.speed.plus(0.0), push, longest);
         if let Some(stop_s) = first_stop(&piece, self.motion) {
             piece.length_s = stop_s;
         }
@@ -119,13 +121,11 @@ impl Shaft {
     /// Goes to the end of a piece.
     pub(super) fn finish(&mut self, piece: &Piece) {
         self.angle.add(piece.travel(piece.length_s));
-        let speed = piece.speed(piece.length_s);
-        let stopped = self.motion == 0.0 || speed * self.motion <= 0.0;
-        (self.speed, self.motion) = if stopped {
-            (0.0, 0.0)
-        } else {
-            (speed, self.motion)
-        };
+        self.speed.add(piece.speed_gain(piece.length_s));
+        if self.motion == 0.0 || self.speed.plus(0.0) * self.motion <= 0.0 {
+            self.speed = LongSum::new(0.0);
+            self.motion = 0.0;
+        }
     }
 }
 

@@ -52,7 +52,7 @@ fn largest_angle_difference(twin: &Twin, fastest_r_min: f64) -> f64 {
         events += 1;
     }
     assert_eq!(fine.next(), None);
-    assert!(events > 20_000, "only {events} events");
+    assert!(events > 10_000, "only {events} events");
     largest
 }
 
@@ -93,7 +93,6 @@ fn ten_times_finer_steps_move_no_edge_by_1e_minus_10_rad() {
             ("run-down", run_down),
         ] {
             let largest = largest_angle_difference(&twin, r_min);
-            println!("{name} at {r_min} r/min: {largest:e} rad");
             assert!(largest <= 1e-10, "{name} at {r_min} r/min: {largest:e} rad");
         }
     }
@@ -113,7 +112,6 @@ fn a_speed_loop_captures_identical_ticks_with_ten_times_finer_steps() {
         };
         assert!(rows(1) == rows(10), "the ticks differ at {r_min} r/min");
         let largest = largest_angle_difference(&twin, r_min);
-        println!("loop at {r_min} r/min: {largest:e} rad");
         assert!(largest <= 1e-10, "{largest:e} rad at {r_min} r/min");
     }
 }
@@ -208,7 +206,7 @@ fn a_ramp_through_zero_returns_over_the_same_edges_at_the_same_angles() {
     let events: Vec<Event> = Simulation::new(&twin).unwrap().collect();
     let top = events.iter().map(|e| e.truth.angle_rad).fold(0.0, f64::max);
     assert!(
-        (top - 30.0 * RAD_S / 2.0).abs() < TAU / 10_000.0,
+        (top - 30.0 * RAD_S / 2.0).abs() < 2.0 * TAU / 10_000.0,
         "turned back at {top} rad"
     );
     let turn = events.len() / 2;
@@ -423,5 +421,37 @@ fn open_loop_steps_settle_with_the_time_constant_of_friction_and_stiffness() {
         let t = (event.truth.time_s - 1.0).max(0.0);
         let expected = w * event.truth.time_s.min(1.0) + w * (0.2 * (1.0 - (-t / 0.1).exp()) - t);
         assert!((event.truth.angle_rad - expected).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn an_error_list_is_read_from_csv_and_its_faults_are_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("errors.csv");
+    let run = |rows: &str| {
+        std::fs::write(&path, format!("k,e_rad\n{rows}")).unwrap();
+        let mut twin = plain(15.0, 1.0);
+        twin.encoder = Encoder::Wheel {
+            teeth: 2,
+            missing: 0,
+        };
+        twin.errors.csv = Some("errors.csv".into());
+        twin.folder = folder.path().to_owned();
+        Simulation::new(&twin).map(|simulation| simulation.true_errors())
+    };
+    assert_eq!(
+        run("1,0.1\n0,-2e-3\n3,0\n2, 0.25\n").unwrap(),
+        [-2e-3, 0.1, 0.25, 0.0]
+    );
+    for (rows, line, says) in [
+        ("0,0\n1,x\n", 3, "header k,e_rad"),
+        ("0,0\n1,0\n1,0\n", 4, "k = 1 comes a second time"),
+        ("0,0\n4,0\n", 3, "k = 4: allowed is 0 to 3"),
+        ("0,0\n1,0\n2,0\n", 4, "k = 3 is missing"),
+        ("0,nan\n", 2, "e_rad = NaN"),
+    ] {
+        let shown = run(rows).unwrap_err().to_string();
+        assert!(shown.contains(&format!("errors.csv:{line}: ")), "{shown}");
+        assert!(shown.contains(says), "{shown}");
     }
 }
