@@ -29,7 +29,7 @@ impl LongSum {
 
 /// Everything that pushes the shaft but friction and ripple, over one segment of time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drive {
+pub(super) struct Forcing {
     /// Acceleration now, rad/s^2.
     pub(super) level: f64,
     /// Its rate, rad/s^3.
@@ -72,24 +72,24 @@ impl Shaft {
     }
 
     /// The motion from now on, at most to `rest_s`, the end of a segment `segment_s` long. It turns nowhere within.
-    pub(super) fn next_piece(&mut self, drive: Drive, rest_s: f64, segment_s: f64) -> Piece {
+    pub(super) fn next_piece(&mut self, forcing: Forcing, rest_s: f64, segment_s: f64) -> Piece {
         let longest = rest_s.min(self.integrator.share_of(segment_s));
         let angle = self.angle.plus(0.0);
         if self.motion == 0.0 {
-            let pull = drive.level + self.integrator.ripple_at(angle);
-            if let Some(rest) = self.standstill(pull, drive.slope, longest) {
+            let pull = forcing.level + self.integrator.ripple_at(angle);
+            if let Some(rest) = self.standstill(pull, forcing.slope, longest) {
                 return rest;
             }
             self.motion = if pull == 0.0 {
-                sign(drive.slope)
+                sign(forcing.slope)
             } else {
                 sign(pull)
             };
         }
         let push = Push {
-            level: drive.level - self.coulomb * self.motion,
-            slope: drive.slope,
-            damping: drive.damping,
+            level: forcing.level - self.coulomb * self.motion,
+            slope: forcing.slope,
+            damping: forcing.damping,
         };
         let mut piece = self
             .integrator
