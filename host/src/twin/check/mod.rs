@@ -95,6 +95,14 @@ impl Twin {
     }
 
     fn check_capture(&self, c: &mut Checker<'_>) {
+        let largest = i64::MAX.unsigned_abs();
+        c.require(
+            self.seed <= largest,
+            "seed",
+            self.seed,
+            &format!("0 to {largest}"),
+            "TOML holds no larger number",
+        );
         let t = &self.timer;
         c.require(
             (1..=1_000_000_000_000).contains(&t.clock_hz),
