@@ -14,6 +14,7 @@ mod capture;
 mod disc;
 mod drive;
 mod error_list;
+mod event;
 mod plant;
 mod random;
 mod shaft;
@@ -25,77 +26,17 @@ use std::f64::consts::TAU;
 
 use quadcal::edge::{Direction, Levels};
 
-use crate::recording::{Channels, Header, Row};
-use crate::twin::{Drive, Duration, Encoder, Twin, TwinError};
+use crate::recording::Header;
+use crate::twin::{Duration, Twin, TwinError};
+
+pub use event::{Class, Event, Truth};
 
 use capture::Capture;
 use disc::Disc;
 use drive::{Knot, Noise, SpeedLoop};
 use plant::Plant;
-use shaft::{LongSum, Shaft};
+use shaft::{Forcing, LongSum, Shaft};
 use taylor::{Integrator, Piece};
-
-/// What changed at an event, named as it looks going forward: an [`Class::ARise`] passed in reverse makes A fall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Class {
-    /// A rises.
-    ARise,
-    /// B rises.
-    BRise,
-    /// A falls.
-    AFall,
-    /// B falls.
-    BFall,
-    /// The third Hall sensor rises.
-    CRise,
-    /// The third Hall sensor falls.
-    CFall,
-    /// The index rises.
-    IndexRise,
-    /// The index falls.
-    IndexFall,
-    /// Start or end of a glitch.
-    Glitch,
-}
-
-impl Class {
-    /// The channel's level bit, and whether it rises.
-    const fn bit_and_rise(self) -> (u8, bool) {
-        match self {
-            Self::ARise => (Levels::A, true),
-            Self::AFall => (Levels::A, false),
-            Self::BRise => (Levels::B, true),
-            Self::BFall => (Levels::B, false),
-            Self::CRise => (Levels::C, true),
-            Self::CFall => (Levels::C, false),
-            Self::IndexRise => (Levels::Z, true),
-            Self::IndexFall => (Levels::Z, false),
-            Self::Glitch => (0, false),
-        }
-    }
-}
-
-/// What really happened at an event.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Truth {
-    /// Exact time, s.
-    pub time_s: f64,
-    /// True shaft angle, rad, through all turns; at a glitch that of the change before it.
-    pub angle_rad: f64,
-    /// Number k of the edge on the grid; none for index and glitch rows.
-    pub edge: Option<u32>,
-    /// What changed.
-    pub class: Class,
-}
-
-/// One change of level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
-    /// The row as captured: all that a recording may hold.
-    pub row: Row,
-    /// The truth, for checks only.
-    pub truth: Truth,
-}
 
 /// A change of level on its way to its row.
 #[derive(Clone, Copy, Debug)]
@@ -118,9 +59,10 @@ pub struct Simulation {
     noise_push: f64,
     shaft: Shaft,
     capture: Capture,
-    time: LongSum,
-    segment_s: f64,
+    segment_start_s: f64,
     segment_end_s: f64,
+    /// Time since the segment's start, s: small, so that rounding it moves no edge.
+    within_s: LongSum,
     piece: Piece,
     piece_travel: f64,
     /// First place above the shaft's angle: the next one going forward.
@@ -143,8 +85,7 @@ impl Simulation {
         Self::with_finer_steps(twin, 1)
     }
 
-    /// As [`Self::new`], with integration steps `finer` times shorter; drive, noise and loop keep their instants. For checks of
-    /// the integration's accuracy.
+    /// As [`Self::new`], with integration steps `finer` times shorter, to check accuracy; drive, noise and loop keep their instants.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -164,10 +105,9 @@ impl Simulation {
             }
             Duration::Seconds(seconds) => (f64::INFINITY, seconds),
         };
-        let place = disc.place_above(angle);
         Ok(Self {
-            header: header_of(twin),
-            place,
+            header: event::header_of(twin),
+            place: disc.place_above(angle),
             knots,
             knot: 0,
             speed_loop: SpeedLoop::new(twin, &plant),
@@ -181,9 +121,9 @@ impl Simulation {
                 start_speed,
             ),
             capture: Capture::new(twin),
-            time: LongSum::default(),
-            segment_s: 0.0,
+            segment_start_s: 0.0,
             segment_end_s: 0.0,
+            within_s: LongSum::default(),
             piece: Piece::rest(0.0),
             piece_travel: 0.0,
             travelled: LongSum::default(),
@@ -244,7 +184,7 @@ impl Simulation {
 
     /// The change of level at a place `way` from the piece's start; none if the capture loses it.
     fn capture_crossing(&mut self, place: i64, direction: Direction, way: f64) -> Option<Crossing> {
-        let time_s = self.time.plus(self.piece.time_of(way));
+        let time_s = self.segment_start_s + self.within_s.plus(self.piece.time_of(way));
         let stamp = self.capture.stamp(time_s);
         let mark = *self.disc.mark(place);
         if let Some(k) = mark.edge {
@@ -269,31 +209,31 @@ impl Simulation {
 
     /// Ends the current piece and starts the next.
     fn advance(&mut self) {
-        let length = self.piece.length_s;
-        if length > 0.0 {
+        if self.piece.length_s > 0.0 {
             self.shaft.finish(&self.piece);
         }
         self.travelled.add(self.piece_travel.abs());
-        self.time.add(length);
-        let mut rest = self.segment_end_s - self.time.plus(0.0);
+        self.within_s.add(self.piece.length_s);
+        let mut segment_s = self.segment_end_s - self.segment_start_s;
+        let mut rest = segment_s - self.within_s.plus(0.0);
         // A rest this short is rounding: the segment is over.
-        if rest <= 1e-12 * self.segment_s {
-            self.time = LongSum::new(self.segment_end_s);
+        if rest <= 1e-12 * segment_s {
             self.start_segment();
-            rest = self.segment_s;
+            segment_s = self.segment_end_s - self.segment_start_s;
+            rest = segment_s;
         }
-        let now = self.time.plus(0.0);
+        let now = self.segment_start_s + self.within_s.plus(0.0);
         if now >= self.end_s || self.travelled.plus(0.0) >= self.travel_end {
             self.done = true;
             return;
         }
         let knot = self.knots[self.knot];
-        let drive = shaft::Drive {
+        let forcing = Forcing {
             level: knot.level + knot.slope * (now - knot.from_s) + self.noise_push + self.loop_push,
             slope: knot.slope,
             damping: knot.damping,
         };
-        self.piece = self.shaft.next_piece(drive, rest, self.segment_s);
+        self.piece = self.shaft.next_piece(forcing, rest, segment_s);
         self.piece_travel = self.piece.travel(self.piece.length_s);
         // Torques so large that the motion overflows end the run.
         self.done = !self.piece_travel.is_finite();
@@ -323,8 +263,9 @@ impl Simulation {
             }
             end = end.min(speed_loop.next_s());
         }
-        self.segment_s = end - now;
+        self.segment_start_s = now;
         self.segment_end_s = end;
+        self.within_s = LongSum::default();
     }
 }
 
@@ -354,28 +295,5 @@ impl Iterator for Simulation {
             row: self.capture.row(stamp, levels),
             truth,
         })
-    }
-}
-
-fn header_of(twin: &Twin) -> Header {
-    let (channels, count) = match twin.encoder {
-        Encoder::Quadrature { lines, index } => (Channels::Quadrature { index }, ("lines", lines)),
-        Encoder::Hall { pole_pairs } => (Channels::Hall, ("pole_pairs", pole_pairs)),
-        Encoder::Wheel { teeth, .. } => (Channels::Wheel, ("teeth", teeth)),
-    };
-    let mut notes = vec![
-        ("source".to_owned(), "simulated by quadcal".to_owned()),
-        (count.0.to_owned(), count.1.to_string()),
-    ];
-    if let Drive::SpeedLoop { .. } = twin.drive {
-        notes.push(("drive".to_owned(), "speed loop".to_owned()));
-    }
-    if twin.timer.raw_captures {
-        notes.push(("timer_bits".to_owned(), twin.timer.bits.to_string()));
-    }
-    Header {
-        clock_hz: twin.timer.clock_hz,
-        channels,
-        notes,
     }
 }

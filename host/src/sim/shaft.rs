@@ -29,7 +29,7 @@ impl LongSum {
 
 /// Everything that pushes the shaft but friction and ripple, over one segment of time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drive {
+pub(super) struct Forcing {
     /// Acceleration now, rad/s^2.
     pub(super) level: f64,
     /// Its rate, rad/s^3.
@@ -45,7 +45,7 @@ pub(super) struct Shaft {
     /// Coulomb friction as an acceleration, rad/s^2.
     coulomb: f64,
     angle: LongSum,
-    speed: f64,
+    speed: LongSum,
     /// Sign of the motion that friction acts against; 0 at standstill.
     motion: f64,
 }
@@ -56,7 +56,7 @@ impl Shaft {
             integrator,
             coulomb,
             angle: LongSum::new(angle_rad),
-            speed,
+            speed: LongSum::new(speed),
             motion: sign(speed),
         }
     }
@@ -72,26 +72,28 @@ impl Shaft {
     }
 
     /// The motion from now on, at most to `rest_s`, the end of a segment `segment_s` long. It turns nowhere within.
-    pub(super) fn next_piece(&mut self, drive: Drive, rest_s: f64, segment_s: f64) -> Piece {
+    pub(super) fn next_piece(&mut self, forcing: Forcing, rest_s: f64, segment_s: f64) -> Piece {
         let longest = rest_s.min(self.integrator.share_of(segment_s));
         let angle = self.angle.plus(0.0);
         if self.motion == 0.0 {
-            let pull = drive.level + self.integrator.ripple_at(angle);
-            if let Some(rest) = self.standstill(pull, drive.slope, longest) {
+            let pull = forcing.level + self.integrator.ripple_at(angle);
+            if let Some(rest) = self.standstill(pull, forcing.slope, longest) {
                 return rest;
             }
             self.motion = if pull == 0.0 {
-                sign(drive.slope)
+                sign(forcing.slope)
             } else {
                 sign(pull)
             };
         }
         let push = Push {
-            level: drive.level - self.coulomb * self.motion,
-            slope: drive.slope,
-            damping: drive.damping,
+            level: forcing.level - self.coulomb * self.motion,
+            slope: forcing.slope,
+            damping: forcing.damping,
         };
-        let mut piece = self.integrator.step(angle, self.speed, push, longest);
+        let mut piece = self
+            .integrator
+            .step(angle, self.speed.plus(0.0), push, longest);
         if let Some(stop_s) = first_stop(&piece, self.motion) {
             piece.length_s = stop_s;
         }
@@ -119,13 +121,11 @@ impl Shaft {
     /// Goes to the end of a piece.
     pub(super) fn finish(&mut self, piece: &Piece) {
         self.angle.add(piece.travel(piece.length_s));
-        let speed = piece.speed(piece.length_s);
-        let stopped = self.motion == 0.0 || speed * self.motion <= 0.0;
-        (self.speed, self.motion) = if stopped {
-            (0.0, 0.0)
-        } else {
-            (speed, self.motion)
-        };
+        self.speed.add(piece.speed_gain(piece.length_s));
+        if self.motion == 0.0 || self.speed.plus(0.0) * self.motion <= 0.0 {
+            self.speed = LongSum::new(0.0);
+            self.motion = 0.0;
+        }
     }
 }
 

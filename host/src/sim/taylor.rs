@@ -71,10 +71,16 @@ impl Piece {
 
     /// Speed, rad/s.
     pub(super) fn speed(&self, tau: f64) -> f64 {
-        self.omega[..self.terms]
+        self.omega[0] + self.speed_gain(tau)
+    }
+
+    /// Speed gained since the step's start, rad/s.
+    pub(super) fn speed_gain(&self, tau: f64) -> f64 {
+        let sum = self.omega[1..self.terms]
             .iter()
             .rev()
-            .fold(0.0, |sum, c| sum * tau + c)
+            .fold(0.0, |sum, c| sum * tau + c);
+        sum * tau
     }
 
     /// Acceleration, rad/s^2.

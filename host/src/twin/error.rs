@@ -141,8 +141,8 @@ pub enum TwinError {
         /// The grid's step.
         step_rad: f64,
     },
-    /// The twin holds a number TOML can't.
-    #[error("can't write the twin: {0}; seed and clock_hz go up to 2^63 - 1")]
+    /// The twin can't be written as TOML.
+    #[error("can't write the twin: {0}")]
     Write(#[from] toml::ser::Error),
 }
 

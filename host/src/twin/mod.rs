@@ -159,8 +159,9 @@ impl Twin {
     /// This twin as TOML that [`Twin::parse`] reads back to an equal twin.
     ///
     /// # Errors
-    /// [`TwinError::Write`] for a number TOML can't hold (a `seed` or `clock_hz` above 2^63 - 1).
+    /// As [`Twin::check`]; [`TwinError::Write`] where the TOML writer fails.
     pub fn to_toml(&self) -> Result<String, TwinError> {
+        self.check()?;
         Ok(toml::to_string(self)?)
     }
 

@@ -160,3 +160,15 @@ fn every_number_that_is_not_finite_is_refused() {
     }
     assert!(tried > 15, "only {tried} numbers were found to try");
 }
+
+#[test]
+fn a_seed_that_toml_cannot_hold_is_an_error_and_not_another_seed() {
+    let twin = Twin {
+        seed: u64::MAX,
+        ..Twin::paper()
+    };
+    match twin.to_toml() {
+        Err(TwinError::Value(bad)) => assert_eq!(bad.key, "seed"),
+        other => panic!("{other:?}"),
+    }
+}

@@ -1,0 +1,156 @@
+//! Ranges and conflicts of the encoder and its errors.
+
+use std::f64::consts::PI;
+
+use super::{ANGLE_ADVICE, Checker};
+use crate::twin::{Encoder, Errors, Position, Twin};
+
+impl Twin {
+    pub(super) fn check_encoder(&self, c: &mut Checker<'_>) {
+        match self.encoder {
+            Encoder::Quadrature { lines, .. } => {
+                c.count(
+                    "encoder.quadrature.lines",
+                    lines,
+                    1,
+                    1_000_000,
+                    "give the grating lines of one turn",
+                );
+            }
+            Encoder::Hall { pole_pairs } => {
+                c.count(
+                    "encoder.hall.pole_pairs",
+                    pole_pairs,
+                    1,
+                    10_000,
+                    "give the magnet pole pairs of one turn",
+                );
+            }
+            Encoder::Wheel { teeth, missing } => {
+                c.count(
+                    "encoder.wheel.teeth",
+                    teeth,
+                    1,
+                    1_000_000,
+                    "give the tooth places of one turn",
+                );
+                c.count(
+                    "encoder.wheel.missing",
+                    missing,
+                    0,
+                    teeth.saturating_sub(1),
+                    "leave at least one tooth on the wheel",
+                );
+            }
+        }
+    }
+
+    pub(super) fn check_errors(&self, c: &mut Checker<'_>) {
+        let e = &self.errors;
+        match e.position {
+            Some(Position::Uniform { amplitude_rad, .. }) => {
+                c.between(
+                    "errors.position.uniform.amplitude_rad",
+                    amplitude_rad,
+                    0.0,
+                    PI,
+                    ANGLE_ADVICE,
+                );
+            }
+            Some(Position::Normal { rms_rad, .. }) => {
+                c.between(
+                    "errors.position.normal.rms_rad",
+                    rms_rad,
+                    0.0,
+                    PI,
+                    ANGLE_ADVICE,
+                );
+            }
+            None => {}
+        }
+        let hall = matches!(self.encoder, Encoder::Hall { .. });
+        let quadrature = matches!(self.encoder, Encoder::Quadrature { .. });
+        for (key, value, has_channel) in [
+            ("errors.width_a_rad", e.width_a_rad, true),
+            ("errors.width_b_rad", e.width_b_rad, hall || quadrature),
+            ("errors.width_c_rad", e.width_c_rad, hall),
+            ("errors.quadrature_rad", e.quadrature_rad, quadrature),
+            ("errors.shift_b_rad", e.shift_b_rad, hall),
+            ("errors.shift_c_rad", e.shift_c_rad, hall),
+        ] {
+            c.between(key, value, -PI, PI, ANGLE_ADVICE);
+            c.require(
+                has_channel || value == 0.0,
+                key,
+                value,
+                "0 for this kind of encoder",
+                "take it out, or change the encoder's kind",
+            );
+        }
+        for (key, harmonic) in [
+            ("errors.eccentricity", e.eccentricity),
+            ("errors.tilt", e.tilt),
+        ] {
+            if let Some(h) = harmonic {
+                c.between(
+                    &format!("{key}.amplitude_rad"),
+                    h.amplitude_rad,
+                    0.0,
+                    PI,
+                    ANGLE_ADVICE,
+                );
+                c.between(
+                    &format!("{key}.phase_rad"),
+                    h.phase_rad,
+                    -1e3,
+                    1e3,
+                    ANGLE_ADVICE,
+                );
+            }
+        }
+        self.check_error_list(c);
+    }
+
+    fn check_error_list(&self, c: &mut Checker<'_>) {
+        let e = &self.errors;
+        let whole = if e.csv.is_some() {
+            "errors.csv"
+        } else {
+            "errors.list_rad"
+        };
+        if e.csv.is_none() && e.list_rad.is_empty() {
+            return;
+        }
+        let parts = Errors {
+            list_rad: Vec::new(),
+            csv: None,
+            ..e.clone()
+        };
+        c.require(
+            parts == Errors::default() && (e.csv.is_none() || e.list_rad.is_empty()),
+            whole,
+            "given together with other errors",
+            "a list alone, or the parts alone",
+            "a list is the whole of e: take out the other keys of [errors]",
+        );
+        if e.csv.is_none() {
+            let edges = self.encoder.grid_edges() as usize;
+            c.require(
+                e.list_rad.len() == edges,
+                whole,
+                format_args!("{} numbers", e.list_rad.len()),
+                &format!("{edges} numbers, one for each edge of a turn"),
+                "give every edge its error",
+            );
+            for (k, value) in e.list_rad.iter().enumerate() {
+                c.between(
+                    &format!("errors.list_rad[{k}]"),
+                    *value,
+                    -PI,
+                    PI,
+                    ANGLE_ADVICE,
+                );
+            }
+        }
+    }
+}
