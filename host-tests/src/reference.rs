@@ -163,7 +163,12 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
             }
         }
     }
-    let mut residual = common_count as f64 * left_over(common_weight, common_size, noise.common);
+    let mut residual = common_count as f64
+        * left_over(
+            common_weight,
+            common_size.max(26.0 / 256.0 * noise.common),
+            noise.common,
+        );
     let mut weights = vec![0.0; single];
     for order in (1..=single).filter(|&m| !is_class(m)) {
         let (size, doubt) = (

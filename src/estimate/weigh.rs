@@ -58,8 +58,10 @@ pub(super) fn weigh(
     let products = products(plan, &standing, one_speed_turn.unwrap_or(0));
 
     let common = wiener(common_size, noise.common);
-    let mut residual =
-        u128::from(left_over(common, common_size, noise.common)) * plan.common_count() as u128;
+    // Geometry that the margin hides may be there all the same.
+    let hidden = margin(noise.common, COMMON_MARGIN_Q8 - 256);
+    let left_common = left_over(common, common_size.max(hidden), noise.common);
+    let mut residual = u128::from(left_common) * plan.common_count() as u128;
     let mut single = [0; ORDERS_MAX];
     for order in single_orders(plan) {
         let index = order - 1;
@@ -138,10 +140,14 @@ fn margin_q8(count: usize) -> u64 {
     exp2(exponent + 8 * Q)
 }
 
-/// `power - margin x noise`, not below zero.
-fn excess(power: u64, noise: u64, margin_q8: u64) -> u64 {
-    let margin = (u128::from(noise) * u128::from(margin_q8)) >> 8;
-    u64::try_from(u128::from(power).saturating_sub(margin)).unwrap_or(u64::MAX)
+/// `factor x noise`.
+fn margin(noise: u64, factor_q8: u64) -> u64 {
+    u64::try_from((u128::from(noise) * u128::from(factor_q8)) >> 8).unwrap_or(u64::MAX)
+}
+
+/// `power - factor x noise`, not below zero.
+fn excess(power: u64, noise: u64, factor_q8: u64) -> u64 {
+    power.saturating_sub(margin(noise, factor_q8))
 }
 
 /// Wiener's weight, Q15, drawn linearly to zero at 0.3.

@@ -1,164 +1,249 @@
-//! The smoother against least squares in f64 and against its own direct form.
+extern crate std;
 
-use super::*;
-use proptest::prelude::*;
-use std::vec;
 use std::vec::Vec;
 
-/// Middle value of the least-squares polynomial through `x`, by modified Gram-Schmidt on scaled powers.
-fn least_squares(x: &[f64], order: usize) -> f64 {
-    let half = (x.len() / 2) as f64;
-    let at = |u: usize| (u as f64 - half) / half;
+use proptest::prelude::*;
+
+use super::*;
+
+/// Weights of the least-squares fit at the centre by modified Gram-Schmidt on the powers of `j / half`, orthogonalised twice.
+fn reference(window: usize, order: usize) -> Vec<f64> {
+    let half = (window / 2) as f64;
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    let mut value = 0.0;
-    for degree in 0..=order {
-        let mut column: Vec<f64> = (0..x.len()).map(|u| at(u).powi(degree as i32)).collect();
+    for power in 0..=order {
+        let mut column: Vec<f64> = (0..window)
+            .map(|i| ((i as f64 - half) / half).powi(power as i32))
+            .collect();
         for _ in 0..2 {
             for unit in &basis {
-                let dot: f64 = unit.iter().zip(&column).map(|(a, b)| a * b).sum();
-                column.iter_mut().zip(unit).for_each(|(c, u)| *c -= dot * u);
+                let along: f64 = unit.iter().zip(&column).map(|(u, c)| u * c).sum();
+                column
+                    .iter_mut()
+                    .zip(unit)
+                    .for_each(|(c, u)| *c -= along * u);
             }
         }
-        let norm = column.iter().map(|c| c * c).sum::<f64>().sqrt();
-        column.iter_mut().for_each(|c| *c /= norm);
-        let part: f64 = column.iter().zip(x).map(|(a, b)| a * b).sum();
-        value += part * column[x.len() / 2];
+        let length = column.iter().map(|c| c * c).sum::<f64>().sqrt();
+        column.iter_mut().for_each(|c| *c /= length);
         basis.push(column);
     }
-    value
+    (0..window)
+        .map(|i| basis.iter().map(|unit| unit[window / 2] * unit[i]).sum())
+        .collect()
 }
 
-fn outputs<const W: usize, const O: usize>(input: &[i32]) -> Vec<i32> {
-    let mut filter = SavGol::<W, O>::new();
-    input.iter().filter_map(|&x| filter.push(x)).collect()
+/// A stretch of pseudo-random samples, arithmetic-shifted right by `shift`.
+fn noise(seed: u64, length: usize, shift: u32) -> impl Iterator<Item = i32> {
+    let mut state = seed | 1;
+    (0..length).map(move |_| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        ((state >> 32) as i32) >> shift
+    })
 }
 
-fn agrees_with_least_squares<const W: usize, const O: usize>(input: &[i32]) {
-    let outputs = outputs::<W, O>(input);
-    assert_eq!(outputs.len(), input.len() - W + 1);
-    for (window, output) in input.windows(W).zip(outputs) {
-        let window: Vec<f64> = window.iter().map(|&x| f64::from(x)).collect();
-        let exact = least_squares(&window, O);
-        assert!(
-            (f64::from(output) - exact).abs() <= 0.5 + 1e-4,
-            "{W}/{O}: {output} for {exact}"
-        );
+fn agrees_with_the_fit<const W: usize, const O: usize>() {
+    let weights = reference(W, O);
+    for seed in 1..4 {
+        let samples: Vec<i32> = noise(seed, 3 * W, 2).collect();
+        let mut filter = SavGol::<W, O>::new();
+        for (i, &sample) in samples.iter().enumerate() {
+            let smoothed = filter.push(sample);
+            assert_eq!(smoothed.is_some(), i + 1 >= W);
+            let Some(smoothed) = smoothed else { continue };
+            let window = &samples[i + 1 - W..=i];
+            let fit: f64 = weights
+                .iter()
+                .zip(window)
+                .map(|(w, &x)| w * f64::from(x))
+                .sum();
+            assert!((f64::from(smoothed) - fit).abs() < 0.501, "{W}/{O} at {i}");
+        }
     }
 }
 
-/// The numerator as a plain sum over the window.
-fn direct<const W: usize, const O: usize>(filter: &SavGol<W, O>, taps: &[i64]) -> i64 {
-    let (newer, older) = filter.ring.split_at(filter.oldest);
-    let samples = older.iter().chain(newer);
-    samples.zip(taps).map(|(&x, c)| c * i64::from(x)).sum()
+#[test]
+fn output_is_within_half_a_digit_of_the_f64_least_squares_fit() {
+    agrees_with_the_fit::<3, 0>();
+    agrees_with_the_fit::<5, 2>();
+    agrees_with_the_fit::<5, 4>();
+    agrees_with_the_fit::<7, 3>();
+    agrees_with_the_fit::<31, 5>();
+    agrees_with_the_fit::<101, 5>();
+    agrees_with_the_fit::<301, 5>();
+    agrees_with_the_fit::<701, 5>();
 }
 
-fn forms_agree<const W: usize, const O: usize>(input: &[i32]) {
+fn reproduces<const W: usize, const O: usize>(scale: i64) {
     let mut filter = SavGol::<W, O>::new();
-    let taps: Vec<i64> = (0..W).map(SavGol::<W, O>::coefficient).collect();
-    for &x in input {
-        let x = x.clamp(-SavGol::<W, O>::INPUT_MAX, SavGol::<W, O>::INPUT_MAX);
-        let leaving = filter.replace_oldest(x);
-        filter.slide(leaving, x);
-        assert_eq!(filter.numerator(), direct(&filter, &taps), "{W}/{O}");
+    let half = (W / 2) as i64;
+    // Binomials are integers of degree k; alternating signs keep every order in play.
+    let polynomial = |i: i64| {
+        let x = i - half;
+        let mut binomial = 1;
+        let mut value = 7;
+        for k in 1..=O as i64 {
+            binomial = binomial * (x - k + 1) / k;
+            value += if k % 2 == 0 { binomial } else { -binomial };
+        }
+        i32::try_from(value * scale).unwrap()
+    };
+    for i in 0..2 * W as i64 {
+        if let Some(smoothed) = filter.push(polynomial(i)) {
+            assert_eq!(smoothed, polynomial(i - half), "{W}/{O} at {i}");
+        }
     }
 }
 
-fn input(size: i32) -> impl Strategy<Value = Vec<i32>> {
-    prop::collection::vec(-size..=size, 320..500)
+#[test]
+fn polynomials_up_to_the_order_pass_exactly() {
+    reproduces::<5, 2>(1000);
+    reproduces::<7, 3>(1000);
+    reproduces::<31, 5>(100);
+    reproduces::<101, 4>(1);
+    reproduces::<301, 3>(1);
+}
+
+#[test]
+fn odd_order_is_the_even_one_below() {
+    let (mut odd, mut even) = (SavGol::<31, 5>::new(), SavGol::<31, 4>::new());
+    for sample in noise(5, 500, 0) {
+        assert_eq!(odd.push(sample), even.push(sample));
+    }
+}
+
+#[test]
+fn default_turns_the_alternating_frequency_round_at_six_percent() {
+    let mut filter = DefaultSavGol::new();
+    let amplitude = 1 << 24;
+    for i in 0..100 {
+        let at = |i: usize| {
+            if i.is_multiple_of(2) {
+                amplitude
+            } else {
+                -amplitude
+            }
+        };
+        if let Some(smoothed) = filter.push(at(i)) {
+            let response = f64::from(smoothed) / f64::from(at(i - DefaultSavGol::delay()));
+            assert!((response + 0.0614).abs() < 1e-4, "{response}");
+        }
+    }
+}
+
+fn holds_a_constant<const W: usize, const O: usize>() {
+    for constant in [i32::MIN, -1, 0, 1, 123_456_789, i32::MAX] {
+        let mut filter = SavGol::<W, O>::new();
+        let last = (0..2 * W)
+            .filter_map(|_| filter.push(constant))
+            .collect::<Vec<_>>();
+        assert_eq!(last.len(), W + 1);
+        assert!(last.iter().all(|&smoothed| smoothed == constant));
+    }
+}
+
+#[test]
+fn constant_comes_out_exactly() {
+    holds_a_constant::<5, 2>();
+    holds_a_constant::<31, 5>();
+    holds_a_constant::<101, 5>();
+    holds_a_constant::<301, 5>();
+}
+
+#[test]
+fn million_samples_leave_no_drift() {
+    let mut used = SavGol::<301, 5>::new();
+    let mut narrow = SavGol::<101, 5>::new();
+    for sample in noise(11, 1_000_000, 0) {
+        used.push_recursive(sample);
+        narrow.push_recursive(sample);
+    }
+    let (mut fresh, mut fresh_narrow) = (SavGol::<301, 5>::new(), SavGol::<101, 5>::new());
+    for sample in noise(12, 1000, 0) {
+        let smoothed = (used.push_recursive(sample), narrow.push_recursive(sample));
+        if let Some(expected) = fresh.push_direct(sample) {
+            assert_eq!(smoothed.0, Some(expected));
+        }
+        if let Some(expected) = fresh_narrow.push_direct(sample) {
+            assert_eq!(smoothed.1, Some(expected));
+        }
+    }
+}
+
+#[test]
+fn reset_forgets_everything() {
+    let mut filter = DefaultSavGol::new();
+    noise(3, 100, 0).for_each(|sample| {
+        filter.push(sample);
+    });
+    filter.reset();
+    let outputs: Vec<_> = (0..31).map(|_| filter.push(-9)).collect();
+    assert!(outputs[..30].iter().all(Option::is_none));
+    assert_eq!(outputs[30], Some(-9));
+}
+
+/// Both forms give the same, which is the exact rational sum rounded, or saturated beyond `i32`.
+fn forms_agree<const W: usize, const O: usize>(samples: &[i32]) -> Result<(), TestCaseError> {
+    let weights = Weights::new(W, O);
+    let numerators: Vec<i128> = (0..W as i128).map(|age| weights.at(age)).collect();
+    let (mut recursive, mut direct) = (SavGol::<W, O>::new(), SavGol::<W, O>::new());
+    for (i, &sample) in samples.iter().enumerate() {
+        let smoothed = recursive.push_recursive(sample);
+        prop_assert_eq!(smoothed, direct.push_direct(sample));
+        let Some(smoothed) = smoothed else { continue };
+        let window = samples[i + 1 - W..=i].iter().rev();
+        let sum: i128 = numerators
+            .iter()
+            .zip(window)
+            .map(|(n, &x)| n * i128::from(x))
+            .sum();
+        let limit = |end: i32| i128::from(end) * weights.denominator;
+        let off = i128::from(smoothed) * weights.denominator
+            - sum.clamp(limit(i32::MIN), limit(i32::MAX));
+        // 0.5 + 2^-25 of the denominator.
+        prop_assert!(off.abs() << 25 <= weights.denominator * ((1 << 24) + 1));
+    }
+    Ok(())
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn output_is_the_rounded_least_squares_value(input in input(1 << 26)) {
-        agrees_with_least_squares::<5, 3>(&input);
-        agrees_with_least_squares::<7, 5>(&input);
-        agrees_with_least_squares::<31, 3>(&input);
-        agrees_with_least_squares::<31, 5>(&input);
-        agrees_with_least_squares::<31, 7>(&input);
-        agrees_with_least_squares::<101, 5>(&input);
-        agrees_with_least_squares::<301, 5>(&input);
-    }
-
-    #[test]
-    fn recursive_and_direct_form_agree_to_the_bit(input in input(i32::MAX)) {
-        forms_agree::<5, 3>(&input);
-        forms_agree::<31, 5>(&input);
-        forms_agree::<31, 7>(&input);
-        forms_agree::<101, 5>(&input);
-        forms_agree::<301, 5>(&input);
-    }
-
-    #[test]
-    fn division_rounds_to_nearest_halves_up(value: i32, part in 0u64..9889, whole in 0i64..2) {
-        let plan = SavGol::<31, 5>::PLAN;
-        let numerator = (i64::from(value) + whole) * 9889 + part as i64;
-        let exact = (numerator + 9889 / 2).div_euclid(9889);
-        prop_assert_eq!(i64::from(plan.divide(numerator)), exact.clamp(i32::MIN.into(), i32::MAX.into()));
+    fn recursive_and_direct_are_bit_equal_over_all_of_i32(
+        samples in prop::collection::vec(
+            prop_oneof![any::<i32>(), Just(i32::MIN), Just(i32::MAX)],
+            700,
+        ),
+    ) {
+        forms_agree::<3, 2>(&samples)?;
+        forms_agree::<5, 2>(&samples)?;
+        forms_agree::<7, 3>(&samples)?;
+        forms_agree::<31, 5>(&samples)?;
+        forms_agree::<101, 5>(&samples)?;
+        forms_agree::<301, 5>(&samples)?;
     }
 }
 
+/// Samples at the ends of `i32` with the signs of the weights make the largest sum there can be.
 #[test]
-fn polynomials_up_to_the_order_pass_unchanged() {
-    let cubic = |x: i64| (x * x * x * x * x - 700 * x * x * x + 31 * x * x - 5) as i32;
-    let input: Vec<i32> = (-50..50).map(cubic).collect();
-    let expected: Vec<i32> = input[15..85].to_vec();
-    assert_eq!(outputs::<31, 5>(&input), expected);
-    let line: Vec<i32> = (0..100).map(|x| 3 * x - 40).collect();
-    assert_eq!(outputs::<31, 3>(&line), line[15..85]);
-    assert_eq!(outputs::<5, 1>(&line), line[2..98]);
-}
-
-#[test]
-fn an_impulse_gives_the_coefficients() {
-    let denominator = SavGol::<31, 5>::DENOMINATOR;
-    assert_eq!(denominator, 9889);
-    let mut input = vec![0; 91];
-    input[45] = denominator as i32;
-    let taps: Vec<i64> = outputs::<31, 5>(&input)[15..46]
-        .iter()
-        .map(|&y| i64::from(y))
-        .collect();
-    let coefficients: Vec<i64> = (0..31).map(SavGol::<31, 5>::coefficient).collect();
-    assert_eq!(taps, coefficients);
-    assert_eq!(coefficients.iter().sum::<i64>(), 9889);
-    assert!((0..31).all(|u| coefficients[u] == coefficients[30 - u]));
-}
-
-#[test]
-fn the_alternating_frequency_passes_with_the_known_gain() {
-    let input: Vec<i32> = (0..200)
-        .map(|k| if k % 2 == 0 { 1_000_000 } else { -1_000_000 })
-        .collect();
-    // Output n belongs to sample n + 15, which is odd for even n.
-    let first = outputs::<31, 5>(&input)[0];
-    assert_eq!(f64::from(first) / -1e6, -0.061381);
-}
-
-#[test]
-fn an_impulse_leaves_nothing_behind_after_a_million_samples() {
-    let mut filter = SavGol::<31, 5>::new();
-    filter.push(i32::MAX);
-    filter.push(i32::MIN);
-    let last = (0..1_000_000).map(|_| filter.push(0)).last();
-    assert_eq!(last, Some(Some(0)));
-    assert_eq!(filter.moments, [0; MAX_ORDER + 1]);
-}
-
-#[test]
-fn overshoot_saturates() {
-    let input: Vec<i32> = (0..31)
-        .map(|u| {
-            if SavGol::<31, 5>::coefficient(u) > 0 {
-                i32::MAX
-            } else {
-                -i32::MAX
+fn worst_signs_saturate_in_both_forms() {
+    fn worst<const W: usize, const O: usize>() {
+        let weights = Weights::new(W, O);
+        let (mut recursive, mut direct) = (SavGol::<W, O>::new(), SavGol::<W, O>::new());
+        for sign in [1, -1] {
+            let mut last = (None, None);
+            for age in (0..W as i128).rev() {
+                let up = weights.at(age) * sign > 0;
+                let sample = if up { i32::MAX } else { i32::MIN };
+                last = (recursive.push_recursive(sample), direct.push_direct(sample));
             }
-        })
-        .collect();
-    assert_eq!(outputs::<31, 5>(&input), [i32::MAX]);
-    assert_eq!(SavGol::<31, 5>::INPUT_MAX, i32::MAX);
-    assert_eq!(SavGol::<101, 5>::INPUT_MAX, i32::MAX);
+            let expected = if sign > 0 { i32::MAX } else { i32::MIN };
+            assert_eq!(last, (Some(expected), Some(expected)));
+        }
+    }
+    worst::<31, 5>();
+    worst::<101, 5>();
+    worst::<301, 5>();
 }
