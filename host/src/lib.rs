@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod buffers;
+pub mod cli;
 pub mod recording;
 pub mod report;
 pub mod survey;
