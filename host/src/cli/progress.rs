@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 
 use crate::recording::{ReadError, Recording, Row};
 
@@ -65,8 +65,12 @@ impl Progress {
         let bar = self
             .bar
             .get_or_insert_with(|| bar(&self.what, self.unit, self.total, elapsed));
-        bar.set_message(remark(elapsed));
+        let left = self.total.and_then(|total| remaining(elapsed, done, total));
+        let left = left.map_or_else(String::new, |left| {
+            format!("  {} left", HumanDuration(left))
+        });
         bar.set_position(done);
+        bar.set_message(remark(elapsed) + &left);
     }
 
     /// Passes the items of `items` on and counts them.
@@ -88,6 +92,13 @@ impl Drop for Progress {
     }
 }
 
+/// Time that is left at the mean rate so far; the bar itself would measure its rate only from the moment it appears.
+fn remaining(elapsed: Duration, done: u64, total: u64) -> Option<Duration> {
+    #[allow(clippy::cast_precision_loss)]
+    let share = total.saturating_sub(done) as f64 / done as f64;
+    Duration::try_from_secs_f64(elapsed.as_secs_f64() * share).ok()
+}
+
 fn bar(what: &str, unit: Unit, total: Option<u64>, elapsed: Duration) -> ProgressBar {
     let counts = match (unit, total) {
         (Unit::Bytes, Some(_)) => "{bytes} of {total_bytes}".to_owned(),
@@ -96,7 +107,7 @@ fn bar(what: &str, unit: Unit, total: Option<u64>, elapsed: Duration) -> Progres
         (Unit::Steps(unit), None) => format!("{{human_pos}} {unit}"),
     };
     let template = match total {
-        Some(_) => format!("{{prefix}} [{{bar:30}}] {{percent}}%  {counts}  {{msg}}  {{eta}} left"),
+        Some(_) => format!("{{prefix}} [{{bar:30}}] {{percent}}%  {counts}  {{msg}}"),
         None => format!("{{prefix}} {{spinner}} {counts}  {{msg}}"),
     };
     let style = ProgressStyle::with_template(&template)
@@ -182,6 +193,14 @@ mod tests {
         let mut hidden = progress(None);
         hidden.reach(5, |_| String::new());
         assert!(hidden.bar.is_none());
+    }
+
+    #[test]
+    fn the_time_left_follows_the_mean_rate() {
+        let second = Duration::from_secs(1);
+        assert_eq!(remaining(second, 25, 100), Some(3 * second));
+        assert_eq!(remaining(second, 100, 100), Some(Duration::ZERO));
+        assert_eq!(remaining(second, 0, 100), None);
     }
 
     #[test]
