@@ -3,6 +3,7 @@
 
 pub mod buffers;
 pub mod calibrate;
+pub mod cli;
 pub mod recording;
 pub mod report;
 pub mod sensor;

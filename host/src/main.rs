@@ -1,4 +1,8 @@
 //! The `quadcal` command.
 #![forbid(unsafe_code)]
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    quadcal_host::cli::run()
+}

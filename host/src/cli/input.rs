@@ -1,0 +1,107 @@
+//! Options with which every command reads a recording.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use crate::recording::{self, Format, ListKind, Mapping, ReadOptions, Recording};
+
+use super::failure::Failure;
+use super::output::Target;
+
+/// A recording and how to read it.
+#[derive(Clone, Debug, Args)]
+pub struct InputArgs {
+    /// Recording of edges: native CSV, logic-analyser CSV, VCD, or one column of seconds
+    #[arg(value_name = "REC")]
+    pub recording: PathBuf,
+    /// Format of REC, where its content does not tell
+    #[arg(long, value_enum, help_heading = "Reading")]
+    format: Option<FormatName>,
+    /// Column or VCD signal of a channel (time, a, b, z or c), as in 'a=Channel 0'; repeatable
+    #[arg(long, value_name = "CHANNEL=NAME", help_heading = "Reading")]
+    map: Vec<Mapping>,
+    /// What the numbers of a one-column list are; 'auto' if not given
+    #[arg(
+        long,
+        value_enum,
+        value_name = "KIND",
+        default_value = "auto",
+        hide_default_value = true,
+        help_heading = "Reading"
+    )]
+    list: ListName,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FormatName {
+    /// CSV with '# clock_hz = ...' and a ticks column
+    Native,
+    /// CSV of a logic analyser, with a column 'Time [s]'
+    Logic,
+    /// Value change dump
+    Vcd,
+    /// One number a line, in seconds
+    List,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ListName {
+    /// Times if the first 64 numbers rise, else intervals
+    Auto,
+    /// Seconds from pulse to pulse
+    Intervals,
+    /// Seconds at which the pulses came
+    Times,
+}
+
+impl InputArgs {
+    /// The options as the readers take them.
+    #[must_use]
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            format: self.format.map(|name| match name {
+                FormatName::Native => Format::Native,
+                FormatName::Logic => Format::Logic,
+                FormatName::Vcd => Format::Vcd,
+                FormatName::List => Format::List,
+            }),
+            map: self.map.clone(),
+            list: match self.list {
+                ListName::Auto => ListKind::Auto,
+                ListName::Intervals => ListKind::Intervals,
+                ListName::Times => ListKind::Times,
+            },
+        }
+    }
+
+    /// Opens the recording.
+    ///
+    /// # Errors
+    /// As [`recording::open`].
+    pub fn open(&self) -> Result<Recording, Failure> {
+        Ok(recording::open(&self.recording, &self.options())?)
+    }
+
+    /// Refuses an output that would take the recording's place.
+    ///
+    /// # Errors
+    /// [`Failure::OverInput`].
+    pub fn spare(&self, target: &Target) -> Result<(), Failure> {
+        match target {
+            Target::File(path) if same_file(&self.recording, path) => Err(Failure::OverInput {
+                target: target.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether both paths lead to one regular file, through links or not.
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b && a.is_file(),
+        _ => false,
+    }
+}

@@ -1,0 +1,117 @@
+//! The `quadcal` command line: what can be asked for, one file a command, and the pieces they share.
+
+mod completions;
+mod convert;
+pub mod failure;
+mod info;
+pub mod input;
+pub mod output;
+pub mod progress;
+mod tally;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+/// What holds for every command, shown below its options.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  the result fails its check, or an output cannot be written
+  2  the input or the command line is wrong; no output file is written";
+
+/// Examples of the whole tool.
+const EXAMPLES: &str = "\
+Examples:
+  quadcal info spindle.csv                    what a recording holds
+  quadcal convert capture.vcd -o capture.csv  from one format to another
+
+'quadcal COMMAND --help' explains a command, with examples.";
+
+/// Make an incremental encoder as good as its own edges allow.
+///
+/// Learns an encoder's own errors from the times of its edges and removes them from angle and speed.
+#[derive(Debug, Parser)]
+#[command(
+    name = "quadcal",
+    version,
+    max_term_width = 100,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    after_help = [EXAMPLES, "\n\n", EXIT_CODES].concat()
+)]
+pub struct Cli {
+    #[command(flatten)]
+    globals: Globals,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options of every command.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Globals {
+    /// Print results and errors only: no progress bar, no remarks
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Info(info::Info),
+    Convert(convert::Convert),
+    Completions(completions::Completions),
+}
+
+/// Runs the command this process was started with and says how it ended: 0 done, 1 the result fails its check or an output cannot
+/// be written, 2 the input or the command line is wrong.
+#[must_use]
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help goes to stdout and may meet a closed pipe, which is no failure.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    match cli.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+impl Cli {
+    fn run(self) -> Result<(), Failure> {
+        let globals = self.globals;
+        match self.command {
+            Command::Info(command) => command.run(globals),
+            Command::Convert(command) => command.run(globals),
+            Command::Completions(command) => command.run(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_shows_examples_and_exit_codes() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string);
+            let help = help.unwrap_or_default();
+            let name = command.get_name();
+            assert!(help.contains(&format!("quadcal {name} ")), "{name}: {help}");
+            assert!(help.contains("Exit codes:"), "{name}: {help}");
+        }
+    }
+}
