@@ -19,6 +19,8 @@ pub struct CalibrateOptions {
     pub turns: Option<u32>,
     /// Use the recording up to this tick only.
     pub until: Option<u64>,
+    /// Missing teeth of a wheel.
+    pub missing: u16,
     /// Calibrate a quadrature recording without an index, relative to its first edge.
     pub without_index: bool,
 }
@@ -41,6 +43,21 @@ pub enum CalibrateError {
     /// The number of lines is neither given nor to be found.
     #[error("the number of lines can't be found in this recording; give it with --lines or --twin")]
     LinesUnknown,
+    /// The intervals repeat after another number of edges.
+    #[error(
+        "the intervals repeat every {repeat} edges, so the sensor has {likely} {name}, not {given}; use --lines {likely}",
+        repeat = likely * classes
+    )]
+    WrongTurn {
+        /// As declared.
+        given: u32,
+        /// As the intervals show.
+        likely: u32,
+        /// Edges a line.
+        classes: u32,
+        /// What is counted as lines.
+        name: &'static str,
+    },
     /// The recording shows another number of lines.
     #[error("{found} edges lie between index pulses: the encoder has {likely} lines, not {given}; use --lines {likely}", found = 4 * likely)]
     WrongLines {
@@ -133,8 +150,46 @@ pub fn plan(survey: &Survey, options: &CalibrateOptions) -> Result<SensorPlan, C
                 lines,
             })
         }
-        Channels::Hall | Channels::Wheel | Channels::Pulses => Err(CalibrateError::LinesUnknown),
+        channels => plan_by_pattern(
+            survey,
+            SensorKind::of(channels, None, options.missing),
+            options.lines,
+        ),
     }
+}
+
+/// A sensor without an index: its turn is the one after which the intervals repeat.
+fn plan_by_pattern(
+    survey: &Survey,
+    kind: SensorKind,
+    given: Option<u32>,
+) -> Result<SensorPlan, CalibrateError> {
+    let classes = kind.classes();
+    // A gap is no interval like the others; the decoder finds the turn by it.
+    let gap = matches!(kind, SensorKind::Wheel { missing: 1.., .. });
+    let found = if gap { None } else { survey.repeat(classes) };
+    let likely = found
+        .and_then(|repeat| u32::try_from(repeat.edges).ok())
+        .map(|edges| edges / classes);
+    let lines = match (given, likely) {
+        (Some(given), Some(likely)) if given % likely != 0 => {
+            let fits = survey
+                .repeat_at(given.saturating_mul(classes))
+                .is_some_and(|repeat| found.is_none_or(|found| repeat.left < 1.5 * found.left));
+            if !fits {
+                return Err(CalibrateError::WrongTurn {
+                    given,
+                    likely,
+                    classes,
+                    name: kind.line_name(),
+                });
+            }
+            given
+        }
+        (Some(lines), _) | (None, Some(lines)) => lines,
+        (None, None) => return Err(CalibrateError::LinesUnknown),
+    };
+    Ok(SensorPlan { kind, lines })
 }
 
 /// Learns from a recording that was surveyed before.

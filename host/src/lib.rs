@@ -4,6 +4,7 @@
 pub mod buffers;
 pub mod calibrate;
 pub mod cli;
+pub mod pattern;
 pub mod recording;
 pub mod report;
 pub mod sensor;

@@ -3,9 +3,13 @@
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::edge::{Levels, Sample};
 use quadcal::estimate::Anchor;
-use quadcal::shape::{EncoderShape, ShapeError};
+use quadcal::hall::HallDecoder;
+use quadcal::shape::EncoderShape;
 use quadcal::step::{Faults, Outcome, SensorError};
+use quadcal::wheel::{WheelConfig, WheelDecoder};
 use thiserror::Error;
+
+use crate::recording::Channels;
 
 /// A sensor as it is declared or was found in a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,14 +28,87 @@ pub enum SensorKind {
         /// State of A and B in which a high Z marks line 0; none where there is no index.
         index_state: Option<Levels>,
     },
+    /// Three Hall sensors.
+    Hall,
+    /// One channel.
+    Wheel {
+        /// Whether both edges of a tooth count.
+        both_edges: bool,
+        /// Missing teeth at the reference gap, 0 for none.
+        missing: u16,
+    },
 }
 
 /// A plan that the core can't work with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum PlanError {
     /// Out of the core's range.
-    #[error("{0} lines are out of range: a turn may have 3 to 65536 edges")]
+    #[error("{0} lines a turn are out of range: 3 to 65536 edges can be kept apart")]
     Lines(u32),
+    /// More teeth missing than a wheel can miss.
+    #[error(
+        "a wheel of {teeth} teeth can't miss {missing} of them: at least half, and four, must be there"
+    )]
+    Missing {
+        /// Teeth, missing ones counted.
+        teeth: u32,
+        /// Missing teeth.
+        missing: u16,
+    },
+}
+
+impl SensorKind {
+    /// Edge classes: kinds of edges with an error of their own.
+    #[must_use]
+    pub fn classes(self) -> u32 {
+        match self {
+            Self::Quadrature { .. } => 4,
+            Self::Hall => 6,
+            Self::Wheel { both_edges, .. } => 1 + u32::from(both_edges),
+        }
+    }
+
+    /// The kind that a recording's channels show.
+    #[must_use]
+    pub fn of(channels: Channels, index_state: Option<Levels>, missing: u16) -> Self {
+        match channels {
+            Channels::Quadrature { .. } => Self::Quadrature { index_state },
+            Channels::Hall => Self::Hall,
+            Channels::Wheel => Self::Wheel {
+                both_edges: true,
+                missing,
+            },
+            Channels::Pulses => Self::Wheel {
+                both_edges: false,
+                missing,
+            },
+        }
+    }
+
+    /// Names of the edge classes, in order.
+    #[must_use]
+    pub fn class_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Quadrature { .. } => &["A rise", "B rise", "A fall", "B fall"],
+            Self::Hall => &["C fall", "A rise", "B fall", "C rise", "A fall", "B rise"],
+            Self::Wheel {
+                both_edges: true, ..
+            } => &["rise", "fall"],
+            Self::Wheel {
+                both_edges: false, ..
+            } => &["pulse"],
+        }
+    }
+
+    /// What is counted as lines.
+    #[must_use]
+    pub fn line_name(self) -> &'static str {
+        match self {
+            Self::Quadrature { .. } => "lines",
+            Self::Hall => "pole pairs",
+            Self::Wheel { .. } => "teeth",
+        }
+    }
 }
 
 impl SensorPlan {
@@ -40,15 +117,12 @@ impl SensorPlan {
     /// # Errors
     /// [`PlanError::Lines`] when the core has no room for that many edges.
     pub fn shape(self) -> Result<EncoderShape, PlanError> {
-        let classes = match self.kind {
-            SensorKind::Quadrature { .. } => 4,
-        };
-        let out_of_range = |_: ShapeError| PlanError::Lines(self.lines);
+        let classes = self.kind.classes();
         let edges = self
             .lines
             .checked_mul(classes)
             .ok_or(PlanError::Lines(self.lines))?;
-        EncoderShape::new(edges, classes).map_err(out_of_range)
+        EncoderShape::new(edges, classes).map_err(|_| PlanError::Lines(self.lines))
     }
 
     /// Where edge 0 is.
@@ -58,33 +132,53 @@ impl SensorPlan {
             SensorKind::Quadrature {
                 index_state: Some(_),
             } => Anchor::Index,
-            SensorKind::Quadrature { index_state: None } => Anchor::FirstEdge,
+            SensorKind::Wheel { missing, .. } if missing > 0 => Anchor::Index,
+            _ => Anchor::FirstEdge,
         }
     }
 
     /// The decoder.
     ///
     /// # Errors
-    /// [`PlanError::Lines`] when the number of lines is out of range.
+    /// [`PlanError`] when a number is out of range.
     pub fn decoder(self) -> Result<Decoder, PlanError> {
-        let out_of_range = |_: SensorError| PlanError::Lines(self.lines);
-        match self.kind {
+        let result = match self.kind {
             SensorKind::Quadrature { index_state } => {
                 let mut config = DecoderConfig::new(self.lines);
                 config.index_state = index_state.unwrap_or(config.index_state);
-                QuadratureDecoder::new(config)
-                    .map(Decoder::Quadrature)
-                    .map_err(out_of_range)
+                QuadratureDecoder::new(config).map(Decoder::Quadrature)
             }
-        }
+            SensorKind::Hall => HallDecoder::new(self.lines).map(Decoder::Hall),
+            SensorKind::Wheel {
+                both_edges,
+                missing,
+            } => {
+                let config = WheelConfig {
+                    missing,
+                    both_edges,
+                    ..WheelConfig::new(self.lines)
+                };
+                WheelDecoder::new(config).map(Decoder::Wheel)
+            }
+        };
+        result.map_err(|error| match (error, self.kind) {
+            (SensorError::Missing, SensorKind::Wheel { missing, .. }) => PlanError::Missing {
+                teeth: self.lines,
+                missing,
+            },
+            _ => PlanError::Lines(self.lines),
+        })
     }
 }
 
 /// A decoder of any kind.
-#[allow(clippy::large_enum_variant)]
 pub enum Decoder {
     /// Quadrature.
     Quadrature(QuadratureDecoder),
+    /// Three Hall sensors.
+    Hall(HallDecoder),
+    /// One channel.
+    Wheel(WheelDecoder),
 }
 
 impl Decoder {
@@ -93,6 +187,8 @@ impl Decoder {
     pub fn push(&mut self, sample: Sample) -> Outcome {
         match self {
             Self::Quadrature(decoder) => decoder.push(sample),
+            Self::Hall(decoder) => decoder.push(sample),
+            Self::Wheel(decoder) => decoder.push(sample),
         }
     }
 
@@ -101,6 +197,8 @@ impl Decoder {
     pub fn faults(&self) -> Faults {
         match self {
             Self::Quadrature(decoder) => *decoder.faults(),
+            Self::Hall(decoder) => *decoder.faults(),
+            Self::Wheel(decoder) => *decoder.faults(),
         }
     }
 }

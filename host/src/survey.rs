@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use quadcal::edge::Levels;
 
+use crate::pattern::{INTERVALS_MAX, Repeat};
 use crate::recording::{Channels, Header, ReadError, Row};
 
 /// What a recording shows of itself.
@@ -23,6 +24,8 @@ pub struct Survey {
     index_votes: [u64; 4],
     /// Quadrature edges between index pulses in the same direction, and how often each number was found.
     spans: HashMap<u32, u64>,
+    /// The latest intervals between rows, of a sensor without an index.
+    intervals: Vec<f64>,
 }
 
 impl Survey {
@@ -43,12 +46,17 @@ impl Survey {
             index_pulses: 0,
             index_votes: [0; 4],
             spans: HashMap::new(),
+            intervals: Vec::new(),
         };
         let mut counter = IndexCounter::default();
         for row in rows {
             let row = row?;
             if survey.rows == 0 {
                 survey.first = row.ticks;
+            }
+            #[allow(clippy::cast_precision_loss)]
+            if !quadrature && survey.rows > 0 && survey.intervals.len() < INTERVALS_MAX {
+                survey.intervals.push((row.ticks - survey.last) as f64);
             }
             survey.rows += 1;
             survey.last = row.ticks;
@@ -89,6 +97,25 @@ impl Survey {
             .max_by_key(|&(&edges, &found)| (found, edges))?;
         let all: u64 = self.spans.values().sum();
         (edges > 0 && edges.is_multiple_of(4) && 2 * found >= all).then_some(edges / 4)
+    }
+
+    /// How the intervals of a sensor without an index repeat, at the shortest turn that explains them; edges come in
+    /// multiples of `classes`.
+    #[must_use]
+    pub fn repeat(&self, classes: u32) -> Option<Repeat> {
+        const EDGES_MOST: usize = 360;
+        Repeat::shortest(self.settled(), classes as usize, EDGES_MOST)
+    }
+
+    /// How the intervals repeat at a given number of edges.
+    #[must_use]
+    pub fn repeat_at(&self, edges: u32) -> Option<Repeat> {
+        Repeat::of(self.settled(), edges as usize)
+    }
+
+    /// The intervals without a first eighth, in which a shaft often starts.
+    fn settled(&self) -> &[f64] {
+        &self.intervals[self.intervals.len() / 8..]
     }
 
     /// State of A and B that marks the index: A high and B low, where edge 0 of the grid has just passed, or, if Z is never
