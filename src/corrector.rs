@@ -1,6 +1,7 @@
 //! What the servo loop gets: the corrected angle at every edge and, by extrapolation from the last two, between edges.
 
 use crate::edge::Direction;
+use crate::estimate::Anchor;
 use crate::recip::Recip;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
@@ -36,17 +37,19 @@ struct Last {
 pub struct Corrector<'a, E: Entry = i16> {
     grid: Grid,
     table: Option<ErrorTable<'a, E>>,
+    anchor: Anchor,
     last: Option<Last>,
     before: Option<Last>,
 }
 
 impl<'a, E: Entry> Corrector<'a, E> {
-    /// Corrects with `table`.
+    /// Corrects with `table`, whose edge 0 is at `anchor`: all of it applies once the decoder's count starts there too.
     #[must_use]
-    pub const fn new(table: ErrorTable<'a, E>) -> Self {
+    pub const fn new(table: ErrorTable<'a, E>, anchor: Anchor) -> Self {
         Self {
             grid: Grid::new(table.shape()),
             table: Some(table),
+            anchor,
             last: None,
             before: None,
         }
@@ -58,6 +61,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
         Self {
             grid,
             table: None,
+            anchor: Anchor::Index,
             last: None,
             before: None,
         }
@@ -82,7 +86,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let referenced = step.flags.contains(Flags::REFERENCED);
+        let referenced = self.anchor == Anchor::FirstEdge || step.flags.contains(Flags::REFERENCED);
         let angle = self.angle_of(step.edge, referenced);
         // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
         let comparable = step.resync == 0 && !step.flags.contains(Flags::FIRST);
@@ -196,7 +200,7 @@ mod tests {
     fn corrector() -> Corrector<'static> {
         let shape = EncoderShape::new(8, 4).unwrap();
         let table = ErrorTable::new(shape, [TurnDelta32(0); CLASSES_MAX], &ENTRIES, 8).unwrap();
-        Corrector::new(table)
+        Corrector::new(table, Anchor::Index)
     }
 
     #[test]

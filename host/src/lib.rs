@@ -11,3 +11,4 @@ pub mod sensor;
 pub mod sim;
 pub mod survey;
 pub mod twin;
+pub mod verify;

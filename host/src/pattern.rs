@@ -15,56 +15,92 @@ pub struct Repeat {
 }
 
 impl Repeat {
-    /// Of `intervals` at a period of `edges`. Each interval is held against the mean of the whole turn around it, which holds
-    /// no pattern of that period. None with fewer than three turns.
+    /// Of relative intervals (see [`relative`]) at a period of `edges`. None with fewer than four turns.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
-    pub fn of(intervals: &[f64], edges: usize) -> Option<Self> {
-        if edges < 2 || intervals.len() < 4 * edges {
+    pub fn of(relative: &[f64], edges: usize) -> Option<Self> {
+        if edges < 2 || relative.len() < 4 * edges {
             return None;
         }
-        let mut times = Vec::with_capacity(intervals.len() + 1);
-        times.push(0.0);
-        for interval in intervals {
-            times.push(times[times.len() - 1] + interval);
-        }
-        let before = edges / 2;
-        let relative: Vec<f64> = (before..intervals.len() + before + 1 - edges)
-            .map(|k| {
-                intervals[k] * edges as f64 / (times[k - before + edges] - times[k - before]) - 1.0
-            })
-            .collect();
-        let mut sums = vec![(0.0, 0.0); edges];
-        for (k, y) in relative.iter().enumerate() {
-            sums[k % edges].0 += y;
-            sums[k % edges].1 += 1.0;
-        }
-        let mean = |k: usize| sums[k % edges].0 / sums[k % edges].1;
-        let freedom = (relative.len() - edges).max(1) as f64;
-        let left = relative
+        // Starts and stops make a few wild intervals; neither they nor their squares may decide.
+        let medians = slot_medians(relative, edges);
+        let rest: Vec<f64> = relative
             .iter()
             .enumerate()
-            .map(|(k, y)| (y - mean(k)).powi(2))
-            .sum::<f64>()
-            / freedom;
-        let total = relative.iter().map(|y| y * y).sum::<f64>() / relative.len() as f64;
+            .map(|(k, y)| (y - medians[k % edges]).powi(2))
+            .collect();
+        let freedom = (relative.len() - edges) as f64 / relative.len() as f64;
+        let left = trimmed_mean(rest) / freedom;
+        let total = trimmed_mean(relative.iter().map(|y| y * y).collect());
         Some(Self { edges, left, total })
     }
 
-    /// The shortest period, among multiples of `unit` up to `most`, that leaves hardly more than the best one does; none if no
-    /// period explains half of the variance.
+    /// The shortest period, among multiples of `unit` up to `most`, on which no longer one improves beyond chance; none if it
+    /// does not explain half of the variance.
     #[must_use]
-    pub fn shortest(intervals: &[f64], unit: usize, most: usize) -> Option<Self> {
-        let all: Vec<Self> = (1..=most / unit)
-            .filter_map(|multiple| Self::of(intervals, multiple * unit))
-            .collect();
-        let best = all
-            .iter()
-            .map(|repeat| repeat.left)
-            .fold(f64::INFINITY, f64::min);
-        all.into_iter()
-            .find(|repeat| repeat.left <= 1.1 * best && repeat.left < 0.5 * repeat.total)
+    pub fn shortest(relative: &[f64], unit: usize, most: usize) -> Option<Self> {
+        let all = (1..=most / unit).filter_map(|multiple| Self::of(relative, multiple * unit));
+        let best = all.reduce(|best, next| {
+            if next.improves(&best, relative.len()) {
+                next
+            } else {
+                best
+            }
+        })?;
+        (best.left < 0.5 * best.total).then_some(best)
     }
+
+    /// Whether a longer period explains more of `count` intervals than its extra edges would by chance: the likelihood ratio is
+    /// then chi-squared with as many degrees of freedom as there are extra edges, and six of its deviations are asked for.
+    #[allow(clippy::cast_precision_loss)]
+    fn improves(&self, shorter: &Self, count: usize) -> bool {
+        let extra = (self.edges - shorter.edges) as f64;
+        let count = count as f64;
+        let squares = |repeat: &Self| repeat.left * (count - repeat.edges as f64);
+        count * (squares(shorter) / squares(self)).ln() - extra > 6.0 * (2.0 * extra).sqrt()
+    }
+}
+
+fn slot_medians(values: &[f64], edges: usize) -> Vec<f64> {
+    let slot = |slot: usize| {
+        values
+            .iter()
+            .skip(slot)
+            .step_by(edges)
+            .copied()
+            .collect::<Vec<_>>()
+    };
+    (0..edges).map(|k| median(slot(k))).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let half = values.len() / 2;
+    *values.select_nth_unstable_by(half, f64::total_cmp).1
+}
+
+/// Mean of the smaller nine tenths.
+#[allow(clippy::cast_precision_loss)]
+fn trimmed_mean(mut values: Vec<f64>) -> f64 {
+    let kept = values.len() * 9 / 10;
+    values.select_nth_unstable_by(kept, f64::total_cmp);
+    values[..kept].iter().sum::<f64>() / kept as f64
+}
+
+/// Each interval over the mean of the few around it, less one: what is left of a slow change of speed is small, and a
+/// pattern that repeats after any number of edges still does.
+#[must_use]
+#[allow(clippy::cast_precision_loss)]
+pub fn relative(intervals: &[f64]) -> Vec<f64> {
+    const REACH: usize = 3;
+    intervals
+        .windows(2 * REACH + 1)
+        .map(|window| {
+            // Half weight at the ends makes the mean one of 2 REACH intervals, centred.
+            let ends = (window[0] + window[2 * REACH]) / 2.0;
+            let mean = (window[1..2 * REACH].iter().sum::<f64>() + ends) / (2 * REACH) as f64;
+            window[REACH] / mean - 1.0
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -89,13 +125,16 @@ mod tests {
         let pattern = [
             0.1, -0.05, 0.02, -0.1, 0.06, -0.03, 0.0, 0.04, -0.02, 0.03, -0.06, 0.01,
         ];
-        let found = Repeat::shortest(&intervals(&pattern, 200), 6, 60).unwrap();
+        let found = Repeat::shortest(&relative(&intervals(&pattern, 200)), 6, 60).unwrap();
         assert_eq!(found.edges, 12);
         assert!(found.left < 0.05 * found.total);
     }
 
     #[test]
     fn even_intervals_show_no_turn() {
-        assert_eq!(Repeat::shortest(&intervals(&[0.0; 6], 300), 6, 60), None);
+        assert_eq!(
+            Repeat::shortest(&relative(&intervals(&[0.0; 6], 300)), 6, 60),
+            None
+        );
     }
 }

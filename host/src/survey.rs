@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use quadcal::edge::Levels;
 
-use crate::pattern::{INTERVALS_MAX, Repeat};
+use crate::pattern::{INTERVALS_MAX, Repeat, relative};
 use crate::recording::{Channels, Header, ReadError, Row};
 
 /// What a recording shows of itself.
@@ -100,17 +100,18 @@ impl Survey {
     }
 
     /// How the intervals of a sensor without an index repeat, at the shortest turn that explains them; edges come in
-    /// multiples of `classes`.
+    /// multiples of `classes`. Up to 30 lines are looked for: in longer ones, rhythms of the machine's work look like a turn.
     #[must_use]
     pub fn repeat(&self, classes: u32) -> Option<Repeat> {
-        const EDGES_MOST: usize = 360;
-        Repeat::shortest(self.settled(), classes as usize, EDGES_MOST)
+        const LINES_MOST: usize = 30;
+        let classes = classes as usize;
+        Repeat::shortest(&relative(self.settled()), classes, LINES_MOST * classes)
     }
 
     /// How the intervals repeat at a given number of edges.
     #[must_use]
     pub fn repeat_at(&self, edges: u32) -> Option<Repeat> {
-        Repeat::of(self.settled(), edges as usize)
+        Repeat::of(&relative(self.settled()), edges as usize)
     }
 
     /// The intervals without a first eighth, in which a shaft often starts.
