@@ -90,16 +90,18 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
             .filter(|&m| !is_class(m))
             .collect()
     };
+    let flattened = |m: usize| noise.single[m - 1].log2() + 4.0 * (m as f64).log2();
+    let mean = |orders: Vec<usize>| {
+        orders.iter().map(|&m| flattened(m)).sum::<f64>() / orders.len().max(1) as f64
+    };
     let smooth: Vec<f64> = (1..=single)
         .map(|order| {
-            let near = neighbours(order);
-            let mean = near
-                .iter()
-                .map(|&m| noise.single[m - 1].log2() + 4.0 * (m as f64).log2())
-                .sum::<f64>()
-                / near.len().max(1) as f64;
-            let level = (mean - 4.0 * (order as f64).log2() + 0.577_215_664_9 / LN_2).exp2();
-            level.max(noise.single[order - 1] / 2.0)
+            let above = (order + 24).max(order + order / 3).min(single);
+            let above = mean((order..=above).filter(|&m| !is_class(m)).collect());
+            let level = mean(neighbours(order)).max(above) - 4.0 * (order as f64).log2();
+            (level + 0.577_215_664_9 / LN_2)
+                .exp2()
+                .max(noise.single[order - 1] / 2.0)
         })
         .collect();
 
@@ -125,7 +127,7 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
         carried = if with_neighbours {
             let mut near: Vec<f64> = neighbours(order)
                 .iter()
-                .map(|&m| signal.single[m - 1])
+                .map(|&m| signal.single[m - 1] / smooth[m - 1])
                 .collect();
             near.sort_by(f64::total_cmp);
             let half = near.len() / 2;
@@ -134,7 +136,7 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
             } else {
                 near[half]
             };
-            let level = median / LN_2;
+            let level = median * noise / LN_2;
             let margin = (10.4 / (near.len() as f64).sqrt()).exp2();
             (level - margin * noise).max(0.0).max(carried.min(level))
         } else {

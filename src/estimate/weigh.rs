@@ -93,16 +93,16 @@ pub(super) fn weigh(
 fn sizes(
     plan: OrderPlan,
     signal: &Powers,
-    noise: &Powers,
+    noise_levels: &Powers,
     common_size: u64,
     scratch: &mut [i32; ORDERS_MAX],
 ) -> [u64; ORDERS_MAX] {
     let mut sizes = [0; ORDERS_MAX];
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
-        let (power, noise) = (signal.single[order - 1], noise.single[order - 1]);
+        let (power, noise) = (signal.single[order - 1], noise_levels.single[order - 1]);
         let size = if plan.has_neighbours() {
-            let (level, count) = neighbourhood_level(plan, &signal.single, order, scratch);
+            let (level, count) = neighbourhood_level(plan, signal, noise_levels, order, scratch);
             excess(level, noise, margin_q8(count)).max(carried.min(level))
         } else {
             excess(power, noise, LONE_MARGIN_Q8)
@@ -178,49 +178,66 @@ fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
     (first..=last).filter(move |&n| !plan.is_class_order(n))
 }
 
-/// Median power of the neighbours, as the mean of an exponential distribution with that median, and their number.
-/// The median, because torque ripple puts lines there.
+/// Level of the signal at an order, and the number of neighbours it rests on: the median over the neighbours of signal over
+/// noise, times the noise here. The ratio, because noise alone rises steeply to low orders and would look like geometry;
+/// the median, because torque ripple puts lines there.
 fn neighbourhood_level(
     plan: OrderPlan,
-    powers: &[u64],
+    signal: &Powers,
+    noise: &Powers,
     order: usize,
     scratch: &mut [i32; ORDERS_MAX],
 ) -> (u64, usize) {
     let mut count = 0;
     for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
-        *cell = log2(powers[n - 1].into());
+        *cell = log2(signal.single[n - 1].into()) - log2(noise.single[n - 1].into());
         count += 1;
     }
-    let logs = &mut scratch[..count];
-    logs.sort_unstable();
+    let ratios = &mut scratch[..count];
+    ratios.sort_unstable();
     let median = if count.is_multiple_of(2) {
-        i32::midpoint(logs[count / 2 - 1], logs[count / 2])
+        i32::midpoint(ratios[count / 2 - 1], ratios[count / 2])
     } else {
-        logs[count / 2]
+        ratios[count / 2]
     };
     // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
     const MEAN_OVER_MEDIAN: i32 = 34_654;
-    (exp2(median + MEAN_OVER_MEDIAN), count)
+    let here = log2(noise.single[order - 1].into());
+    (exp2(here + median + MEAN_OVER_MEDIAN), count)
 }
 
 /// Replaces the noise at every single order by its level: geometric mean over the neighbours with the slope of the fourth
-/// power taken out, and not below half of what the order itself shows.
+/// power taken out. Nor may it lie below the same mean over at least [`ORDERS_ABOVE`] orders from there up, as few
+/// neighbours are no good judge of noise, nor below half of what the order itself shows.
 fn smooth_noise(plan: OrderPlan, noise: &mut Powers, scratch: &mut [i32; ORDERS_MAX]) {
     // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
     const MEAN_OVER_LOG_MEAN: i64 = 54_574;
-    for (power, log) in noise.single.iter().zip(scratch.iter_mut()) {
-        *log = log2((*power).into());
+    for order in single_orders(plan) {
+        scratch[order - 1] = log2(noise.single[order - 1].into()) + 4 * log2(order as u128);
     }
     for order in single_orders(plan) {
-        let (mut sum, mut count) = (0_i64, 0_i64);
-        for n in neighbours(plan, order) {
-            sum += i64::from(scratch[n - 1]) + 4 * i64::from(log2(n as u128));
-            count += 1;
-        }
-        let mean = sum / count.max(1) - 4 * i64::from(log2(order as u128)) + MEAN_OVER_LOG_MEAN;
+        let mean = |orders: &mut dyn Iterator<Item = usize>| {
+            let (mut sum, mut count) = (0_i64, 0_i64);
+            for n in orders {
+                sum += i64::from(scratch[n - 1]);
+                count += 1;
+            }
+            sum / count.max(1)
+        };
+        let above = (order + ORDERS_ABOVE)
+            .max(order + order / 3)
+            .min(plan.single);
+        let level = mean(&mut neighbours(plan, order)).max(mean(
+            &mut (order..=above).filter(|&n| !plan.is_class_order(n)),
+        )) - 4 * i64::from(log2(order as u128))
+            + MEAN_OVER_LOG_MEAN;
         #[allow(clippy::cast_possible_truncation)]
-        let level = exp2(mean.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
+        let level = exp2(level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
         let power = &mut noise.single[order - 1];
-        *power = level.max(*power / 2);
+        // At least the smallest number, so that ratios to it mean something.
+        *power = level.max(*power / 2).max(1);
     }
 }
+
+/// Orders that the noise at an order is judged from at the least.
+const ORDERS_ABOVE: usize = 24;
