@@ -96,12 +96,11 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
     };
     let smooth: Vec<f64> = (1..=single)
         .map(|order| {
-            let above = (order + 24).max(order + order / 3).min(single);
-            let above = mean((order..=above).filter(|&m| !is_class(m)).collect());
+            let last = (order + 24).max(order + order / 3).min(single);
+            let first = order.min(last.saturating_sub(24)).max(1);
+            let above = mean((first..=last).filter(|&m| !is_class(m)).collect());
             let level = mean(neighbours(order)).max(above) - 4.0 * (order as f64).log2();
-            (level + 0.577_215_664_9 / LN_2)
-                .exp2()
-                .max(noise.single[order - 1] / 2.0)
+            (level + 0.577_215_664_9 / LN_2).exp2()
         })
         .collect();
 
@@ -125,18 +124,12 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
     for order in (1..=single).rev().filter(|&m| !is_class(m)) {
         let (power, noise) = (signal.single[order - 1], smooth[order - 1]);
         carried = if with_neighbours {
-            let mut near: Vec<f64> = neighbours(order)
-                .iter()
-                .map(|&m| signal.single[m - 1] / smooth[m - 1])
-                .collect();
-            near.sort_by(f64::total_cmp);
-            let half = near.len() / 2;
-            let median = if near.len().is_multiple_of(2) {
-                (near[half - 1] * near[half]).sqrt()
-            } else {
-                near[half]
-            };
-            let level = median * noise / LN_2;
+            let near = neighbours(order);
+            let ratio = median_log(near.iter().map(|&m| signal.single[m - 1] / smooth[m - 1]));
+            let plain = median_log(near.iter().map(|&m| signal.single[m - 1]));
+            let by_ratio = ratio + noise.log2();
+            let signal_rules = ((ratio - 5.0) / 2.0).clamp(0.0, 1.0);
+            let level = (by_ratio + (plain - by_ratio) * signal_rules).exp2() / LN_2;
             let margin = (10.4 / (near.len() as f64).sqrt()).exp2();
             (level - margin * noise).max(0.0).max(carried.min(level))
         } else {
@@ -173,10 +166,8 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
         );
     let mut weights = vec![0.0; single];
     for order in (1..=single).filter(|&m| !is_class(m)) {
-        let (size, doubt) = (
-            sizes[order - 1],
-            smooth[order - 1] + f64::powi(products[order - 1], 2),
-        );
+        let level = smooth[order - 1].max(noise.single[order - 1] / 2.0);
+        let (size, doubt) = (sizes[order - 1], level + f64::powi(products[order - 1], 2));
         let mut weight = wiener(size, doubt);
         if suspect_torque {
             weight *= (4.0 - height(order, doubt)).clamp(0.0, 1.0);
@@ -205,6 +196,13 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
         weights,
         locked,
     }
+}
+
+/// Median of the base-2 logarithms.
+fn median_log(values: impl Iterator<Item = f64>) -> f64 {
+    let mut logs: Vec<f64> = values.map(f64::log2).collect();
+    logs.sort_by(f64::total_cmp);
+    f64::midpoint(logs[(logs.len() - 1) / 2], logs[logs.len() / 2])
 }
 
 struct Powers {

@@ -25,30 +25,28 @@ pub(super) fn close_sum(sum: &mut [i32], totals: &Totals) {
 pub(super) fn close_contrast<B: EdgeBuffers>(buffers: &mut B, totals: &Totals) {
     let edges = buffers.edges();
     let count = edges as i64;
-    let mut end = 0_i64;
-    for cells in &buffers.work()[1..] {
-        end += i64::from(cells[1]);
-    }
-    end += i64::from(buffers.work()[0][1]);
-    let turns = i64::from(totals.turns) << CONTRAST_SHIFT;
+    let turns = i64::from(totals.turns);
+    let end: i64 = buffers.work().iter().map(|cells| i64::from(cells[1])).sum();
     let mut run = 0_i64;
     for edge in 0..edges {
         let position = edge as i64;
+        // Slot 0 is the last interval of the turn, as in the sum.
         run += if edge == 0 {
             0
         } else {
             i64::from(buffers.work()[edge][1])
         };
-        let bend = rounded_quotient(
-            totals.bend_contrast * position * (count - position),
-            (count * count) << CONTRAST_SHIFT,
-        );
-        let closed = rounded_quotient(end * position, count) - bend - run;
+        let trend = rounded_quotient((end * position) << CONTRAST_SHIFT, count)
+            - rounded_quotient(
+                totals.bend_contrast * position * (count - position),
+                count * count,
+            );
         let pattern = rounded_quotient(
             i64::from(totals.sign_sum) * i64::from(buffers.sum()[edge]),
             turns,
         );
-        buffers.work().set(edge, saturated(closed - pattern));
+        let error = trend - (run << CONTRAST_SHIFT) - pattern;
+        buffers.work().set(edge, saturated(error));
     }
 }
 

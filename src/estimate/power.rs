@@ -1,7 +1,6 @@
 //! Power of every single order, and of all orders above together.
 
 use super::Totals;
-use super::fold::CONTRAST_SHIFT;
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::spectrum::{Coefficient, Sequence, coefficient, decimate, undo_decimation};
 use crate::trig::sin_cos;
@@ -74,7 +73,7 @@ fn step_gain_q58(order: usize, edges: usize) -> u64 {
 pub(super) fn scale_contrast(noise: &mut Powers, totals: &Totals) {
     let turns = u128::from(totals.turns);
     let sigma = u128::from(totals.sign_sum.unsigned_abs());
-    let numerator = (turns * turns) << (2 * CONTRAST_SHIFT);
+    let numerator = turns * turns;
     let denominator = turns * turns - sigma * sigma;
     for power in noise
         .single

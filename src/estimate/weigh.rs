@@ -36,7 +36,7 @@ pub(super) fn weigh(
     one_speed_turn: Option<u64>,
 ) -> Weights {
     let mut scratch = [0_i32; ORDERS_MAX];
-    smooth_noise(plan, noise, &mut scratch);
+    let own_noise = smooth_noise(plan, noise, &mut scratch);
     let common_size = excess(signal.common, noise.common, COMMON_MARGIN_Q8);
     let sizes = sizes(plan, signal, noise, common_size, &mut scratch);
 
@@ -66,9 +66,9 @@ pub(super) fn weigh(
     for order in single_orders(plan) {
         let index = order - 1;
         let size = sizes[index];
-        let doubt = u64::from(products[index])
-            .pow(2)
-            .saturating_add(noise.single[index]);
+        // Not below half of what the order itself shows, for a line that comes and goes.
+        let doubt = noise.single[index].max(exp2(own_noise[index]) / 2);
+        let doubt = doubt.saturating_add(u64::from(products[index]).pow(2));
         let mut weight = wiener(size, doubt);
         if suspect_torque {
             let gate = (STANDING_HEIGHT - height(signal.single[index], size, doubt)).clamp(0, Q);
@@ -178,9 +178,10 @@ fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
     (first..=last).filter(move |&n| !plan.is_class_order(n))
 }
 
-/// Level of the signal at an order, and the number of neighbours it rests on: the median over the neighbours of signal over
-/// noise, times the noise here. The ratio, because noise alone rises steeply to low orders and would look like geometry;
-/// the median, because torque ripple puts lines there.
+/// Level of the signal at an order, and the number of neighbours it rests on: a median over the neighbours, because torque
+/// ripple puts lines there. Where noise rules, it is the median of signal over noise, times the noise here, because noise
+/// alone rises steeply to low orders and would look like geometry; where the signal stands 32 to 128 times above, it goes
+/// over to the median of the signal, which no roughness of the noise can disturb.
 fn neighbourhood_level(
     plan: OrderPlan,
     signal: &Powers,
@@ -188,32 +189,47 @@ fn neighbourhood_level(
     order: usize,
     scratch: &mut [i32; ORDERS_MAX],
 ) -> (u64, usize) {
-    let mut count = 0;
-    for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
-        *cell = log2(signal.single[n - 1].into()) - log2(noise.single[n - 1].into());
-        count += 1;
-    }
-    let ratios = &mut scratch[..count];
-    ratios.sort_unstable();
-    let median = if count.is_multiple_of(2) {
-        i32::midpoint(ratios[count / 2 - 1], ratios[count / 2])
-    } else {
-        ratios[count / 2]
+    let mut median = |value: &dyn Fn(usize) -> i32| {
+        let mut count = 0;
+        for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
+            *cell = value(n);
+            count += 1;
+        }
+        let values = &mut scratch[..count];
+        values.sort_unstable();
+        let above = values[count / 2];
+        let below = values[(count - 1) / 2];
+        (i32::midpoint(below, above), count)
     };
+    let signal_log = |n: usize| log2(signal.single[n - 1].into());
+    let noise_log = |n: usize| log2(noise.single[n - 1].into());
+    let (ratio, count) = median(&|n| signal_log(n) - noise_log(n));
+    let (plain, _) = median(&signal_log);
+    let by_ratio = ratio + noise_log(order);
+    let signal_rules = i64::from((ratio - 5 * Q).clamp(0, 2 * Q));
+    let over = i64::from(plain - by_ratio) * signal_rules / i64::from(2 * Q);
     // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
     const MEAN_OVER_MEDIAN: i32 = 34_654;
-    let here = log2(noise.single[order - 1].into());
-    (exp2(here + median + MEAN_OVER_MEDIAN), count)
+    #[allow(clippy::cast_possible_truncation)]
+    let level = by_ratio + over as i32 + MEAN_OVER_MEDIAN;
+    (exp2(level), count)
 }
 
-/// Replaces the noise at every single order by its level: geometric mean over the neighbours with the slope of the fourth
-/// power taken out. Nor may it lie below the same mean over at least [`ORDERS_ABOVE`] orders from there up, as few
-/// neighbours are no good judge of noise, nor below half of what the order itself shows.
-fn smooth_noise(plan: OrderPlan, noise: &mut Powers, scratch: &mut [i32; ORDERS_MAX]) {
+/// Replaces the noise at every single order by its level and returns the logarithms of what was there. The level is the
+/// geometric mean over the neighbours with the slope of the fourth power taken out, and not below the same mean over
+/// [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
+fn smooth_noise(
+    plan: OrderPlan,
+    noise: &mut Powers,
+    scratch: &mut [i32; ORDERS_MAX],
+) -> [i32; ORDERS_MAX] {
     // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
     const MEAN_OVER_LOG_MEAN: i64 = 54_574;
+    let slope = |order: usize| 4 * log2(order as u128);
+    let mut own = [0; ORDERS_MAX];
     for order in single_orders(plan) {
-        scratch[order - 1] = log2(noise.single[order - 1].into()) + 4 * log2(order as u128);
+        own[order - 1] = log2(noise.single[order - 1].into());
+        scratch[order - 1] = own[order - 1] + slope(order);
     }
     for order in single_orders(plan) {
         let mean = |orders: &mut dyn Iterator<Item = usize>| {
@@ -224,19 +240,19 @@ fn smooth_noise(plan: OrderPlan, noise: &mut Powers, scratch: &mut [i32; ORDERS_
             }
             sum / count.max(1)
         };
-        let above = (order + ORDERS_ABOVE)
+        let last = (order + ORDERS_ABOVE)
             .max(order + order / 3)
             .min(plan.single);
-        let level = mean(&mut neighbours(plan, order)).max(mean(
-            &mut (order..=above).filter(|&n| !plan.is_class_order(n)),
-        )) - 4 * i64::from(log2(order as u128))
+        let first = order.min(last.saturating_sub(ORDERS_ABOVE)).max(1);
+        let above = mean(&mut (first..=last).filter(|&n| !plan.is_class_order(n)));
+        let level = mean(&mut neighbours(plan, order)).max(above) - i64::from(slope(order))
             + MEAN_OVER_LOG_MEAN;
         #[allow(clippy::cast_possible_truncation)]
         let level = exp2(level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
-        let power = &mut noise.single[order - 1];
         // At least the smallest number, so that ratios to it mean something.
-        *power = level.max(*power / 2).max(1);
+        noise.single[order - 1] = level.max(1);
     }
+    own
 }
 
 /// Orders that the noise at an order is judged from at the least.
