@@ -166,7 +166,11 @@ fn ten_figures_of_a_million_noisy_samples_stay_near_a_megabyte() {
     let mut report = Report::new("size", "");
     for style in [Series::line, Series::step, Series::points] {
         report.figure(
-            Xy::new(Axis::new("x", "s"), Axis::new("y", "rad")).series(style("a".to_owned(), &x, &y)),
+            Xy::new(Axis::new("x", "s"), Axis::new("y", "rad")).series(style(
+                "a".to_owned(),
+                &x,
+                &y,
+            )),
             "",
         );
     }
