@@ -53,7 +53,7 @@ impl Bars {
         let values = self
             .bars
             .iter()
-            .map(|b| text_width(&si(b.1, unit)))
+            .map(|b| 1.15 * text_width(&si(b.1, unit)))
             .fold(0.0, f64::max)
             + 10.0;
         // Where names would take too much of a small canvas they stand above their bars.
@@ -70,18 +70,18 @@ impl Bars {
                     path.grid d={ "M" (Px(along(tick.at))) " 0v" (Px(height)) } {}
                     text.tick.mid x=(Px(along(tick.at).max(text_width(&tick.text) / 2.0 - left))) y=(Px(height + 15.0)) { (tick.text) }
                 }
+                path.frame d={ "M0 0v" (Px(height)) } {}
                 @for (i, (name, value, colour)) in self.bars.iter().enumerate() {
                     @let top = step * i as f64 + (step - BAR) / 2.0 + if stacked { 8.0 } else { 0.0 };
                     @let long = if usable(*value) && *value > 0.0 { along(*value).max(1.0) } else { 0.0 };
                     @if stacked {
-                        text.bar-name x="0" y=(Px(top - 5.0)) { (name) }
+                        text.bar-name.halo x="3" y=(Px(top - 5.0)) { (name) }
                     } @else {
                         text.bar-name.end x="-8" y=(Px(top + BAR / 2.0 + 4.0)) { (name) }
                     }
                     rect.fill.(colour.class()) x="0" y=(Px(top)) width=(Px(long)) height=(Px(BAR)) rx="2" {}
                     text.bar-value x=(Px(long + 6.0)) y=(Px(top + BAR / 2.0 + 4.0)) { (si(*value, unit)) }
                 }
-                path.frame d={ "M0 0v" (Px(height)) } {}
                 text.axis-label.end x=(Px(width - left)) y=(Px(height + 32.0)) { (scale.label) }
             }
         };

@@ -3,7 +3,7 @@
 use maud::{Markup, Render, html};
 
 use super::decimate::Place;
-use super::plot::{Colour, Key, Mark, Plot};
+use super::plot::{Colour, Key, Mark};
 use super::scale::Scale;
 
 /// A length or position in pixels, written to a tenth.
@@ -265,34 +265,5 @@ pub(super) fn rule(frame: &Frame, at: f64, vertical: bool, text: &str) -> Markup
                 text.note.end x=(Px(w - 4.0)) y=(Px(if p < 16.0 { p + 13.0 } else { p - 4.0 })) { (text) }
             }
         }
-    }
-}
-
-impl Plot {
-    pub(super) fn keys(&self) -> Vec<Key> {
-        match self {
-            Self::Xy(p) => p.keys(),
-            Self::Spectrum(p) => p.keys(),
-            Self::Strip(_) => Vec::new(),
-            Self::Polar(p) => p.keys(),
-            Self::Histogram(p) => p.keys(),
-            Self::Bars(_) => Vec::new(),
-        }
-    }
-
-    pub(super) fn draw(&self, canvas: Canvas, label: &str) -> Markup {
-        match self {
-            Self::Xy(p) => p.draw(canvas, label),
-            Self::Spectrum(p) => p.draw(canvas, label),
-            Self::Strip(p) => p.draw(canvas, label),
-            Self::Polar(p) => p.draw(label),
-            Self::Histogram(p) => p.draw(canvas, label),
-            Self::Bars(p) => p.draw(canvas, label),
-        }
-    }
-
-    /// Whether one drawing serves every width.
-    pub(super) fn is_round(&self) -> bool {
-        matches!(self, Self::Polar(_))
     }
 }

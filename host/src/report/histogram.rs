@@ -68,7 +68,7 @@ impl Histogram {
                         @if let Some(top) = frame.at_y(*share).filter(|_| *share > 0.0) {
                             rect x=(Px(bin as f64 * wide)) y=(Px(top)) width=(Px(wide)) height=(Px(frame.height - top)) {
                                 @if bins * self.series.len() <= 200 && !self.x.log {
-                                    title { (name) ": " (format!("{share:.1}")) "%, " (tip(&self.x, edge(bin))) " to " (tip(&Axis::new("", self.x.unit.clone()), edge(bin + 1))) }
+                                    title { (name) ": " (format!("{share:.1}")) "\u{a0}%, " (tip(&self.x, edge(bin))) " to " (tip(&Axis::new("", self.x.unit.clone()), edge(bin + 1))) }
                                 }
                             }
                         }

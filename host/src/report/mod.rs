@@ -25,8 +25,10 @@ mod parts;
 pub mod plot;
 mod polar;
 mod scale;
+mod source;
 mod spectrum;
 mod strip;
+mod ticks;
 mod xy;
 
 use std::fs::{self, File};
@@ -34,8 +36,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 pub use number::{si, si_digits, si_parts};
-pub use parts::{Body, Cell, Footer, InputFile, Level, Tile};
+pub use parts::{Body, Cell, Level, Tile};
 pub use plot::{Colour, Plot};
+pub use source::{Footer, InputFile};
 
 /// The outcome in one line and the figures that carry it.
 #[derive(Clone, Debug)]

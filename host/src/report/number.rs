@@ -61,7 +61,8 @@ pub fn si_digits(value: f64, unit: &str, digits: usize) -> (String, String) {
     if takes_prefix(unit) {
         let thousand = (exponent.div_euclid(3) * 3).clamp(-24, 24);
         let shift = exponent - thousand;
-        let number = grouped(mantissa * 10f64.powi(shift), decimals(shift));
+        // Below the smallest prefix the shift is negative, and more decimals would say nothing.
+        let number = grouped(mantissa * 10f64.powi(shift), decimals(shift.max(0)));
         (number, format!("{}{unit}", prefix(thousand)))
     } else if (-3..6).contains(&exponent) {
         let number = grouped(mantissa * 10f64.powi(exponent), decimals(exponent));
@@ -81,7 +82,6 @@ pub fn si(value: f64, unit: &str) -> String {
     let (number, unit) = si_parts(value, unit);
     match unit.as_str() {
         "" => number,
-        "%" => format!("{number}%"),
         _ => format!("{number}\u{a0}{unit}"),
     }
 }
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn plain_units_keep_their_size() {
-        assert_eq!(si(98.9, "%"), "98.9%");
+        assert_eq!(si(98.9, "%"), "98.9\u{a0}%");
         assert_eq!(si(15.0, "r/min"), "15.0\u{a0}r/min");
         assert_eq!(si(123456.0, ""), "123\u{202f}000");
         assert_eq!(si(1.2e-5, ""), "1.20×10⁻⁵");

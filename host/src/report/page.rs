@@ -4,7 +4,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::draw::{Canvas, legend};
 use super::number::si;
-use super::parts::{Block, Body, Cell, Figure, Footer, Level, Tile};
+use super::parts::{Block, Body, Cell, Figure, Level, Tile};
+use super::source::Footer;
 use super::{Report, Verdict};
 
 const STYLE: &str = include_str!("style.css");
@@ -97,8 +98,6 @@ fn figure(figure: &Figure, canvas: Canvas) -> Markup {
             (legend(&plot.keys()))
             @if plot.is_round() {
                 div.round { (plot.draw(canvas, caption)) }
-            } @else if canvas == Canvas::Half {
-                (plot.draw(canvas, caption))
             } @else {
                 div.wide { (plot.draw(canvas, caption)) }
                 div.narrow { (plot.draw(Canvas::Narrow, caption)) }

@@ -1,10 +1,4 @@
-//! The parts of a report's text: tiles, table cells, blocks and the footer.
-
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::Path;
-
-use sha2::{Digest, Sha256};
+//! The parts of a report: tiles, table cells and blocks.
 
 use super::number::{si, si_digits, si_parts};
 use super::plot::Plot;
@@ -69,6 +63,12 @@ impl Cell {
         Self::Number(si(value, unit))
     }
 
+    /// A value with an SI prefix and `digits` significant digits (1 to 9).
+    pub fn si_digits(value: f64, unit: &str, digits: usize) -> Self {
+        let (number, unit) = si_digits(value, unit, digits);
+        Self::Number(format!("{number}\u{a0}{unit}").trim_end().to_owned())
+    }
+
     /// A value with fixed decimals.
     pub fn fixed(value: f64, decimals: usize) -> Self {
         if value.is_finite() {
@@ -109,9 +109,11 @@ impl From<String> for Cell {
 }
 
 impl From<f64> for Cell {
-    /// Four significant digits; empty where not finite.
+    /// Whole numbers as they are, others to four significant digits; empty where not finite.
     fn from(value: f64) -> Self {
-        if value.is_finite() {
+        if value.fract() == 0.0 && value.abs() < 1e15 {
+            Self::fixed(value, 0)
+        } else if value.is_finite() {
             Self::Number(si_digits(value, "", 4).0)
         } else {
             Self::Empty
@@ -217,54 +219,6 @@ impl Body {
     }
 }
 
-/// Where a report comes from.
-#[derive(Clone, Debug, Default)]
-pub struct Footer {
-    /// Name and version of the program.
-    pub version: String,
-    /// The command line as typed.
-    pub command: String,
-    /// What was read.
-    pub inputs: Vec<InputFile>,
-}
-
-/// An input file, named so that it can be told from every other.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct InputFile {
-    /// Its path as given.
-    pub name: String,
-    /// Its size.
-    pub bytes: u64,
-    /// SHA-256 in hexadecimal.
-    pub sha256: String,
-}
-
-impl InputFile {
-    /// Reads the file once, in pieces, for its size and hash.
-    ///
-    /// # Errors
-    /// Whatever opening or reading it says.
-    pub fn read(path: &Path) -> io::Result<Self> {
-        let mut file = File::open(path)?;
-        let mut hash = Sha256::new();
-        let mut piece = vec![0; 1 << 16];
-        let mut bytes = 0;
-        loop {
-            let n = file.read(&mut piece)?;
-            if n == 0 {
-                break;
-            }
-            hash.update(&piece[..n]);
-            bytes += n as u64;
-        }
-        Ok(Self {
-            name: path.display().to_string(),
-            bytes,
-            sha256: hash.finalize().iter().map(|b| format!("{b:02x}")).collect(),
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -279,15 +233,7 @@ mod tests {
         assert_eq!(Cell::with_error(-2.0, 0.5, ""), number("−2.00 ± 0.50"));
         assert_eq!(Cell::with_error(1.0, f64::NAN, "s"), number("1.00\u{a0}s"));
         assert_eq!(Cell::from(f64::INFINITY), Cell::Empty);
-    }
-
-    #[test]
-    fn an_input_file_is_known_by_its_hash() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("abc");
-        std::fs::write(&path, "abc").unwrap();
-        let file = InputFile::read(&path).unwrap();
-        assert_eq!(file.bytes, 3);
-        assert!(file.sha256.starts_with("ba7816bf8f01cfea"));
+        assert_eq!(Cell::from(11.0), number("11"));
+        assert_eq!(Cell::from(0.98765), number("0.9877"));
     }
 }

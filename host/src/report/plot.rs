@@ -1,5 +1,7 @@
 //! What a figure shows, apart from how it is drawn.
 
+use maud::Markup;
+
 pub use super::bars::Bars;
 pub use super::histogram::Histogram;
 pub use super::polar::Polar;
@@ -7,6 +9,8 @@ pub use super::scale::Axis;
 pub use super::spectrum::Spectrum;
 pub use super::strip::Strip;
 pub use super::xy::{Band, Series, Xy};
+
+use super::draw::Canvas;
 
 /// Colours of a figure: the Okabe-Ito set, which the colour-blind tell apart, adjusted for light and dark pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +77,35 @@ macro_rules! into_plot {
     )*};
 }
 into_plot!(Xy, Spectrum, Strip, Polar, Histogram, Bars);
+
+impl Plot {
+    pub(super) fn keys(&self) -> Vec<Key> {
+        match self {
+            Self::Xy(p) => p.keys(),
+            Self::Spectrum(p) => p.keys(),
+            Self::Strip(_) => Vec::new(),
+            Self::Polar(p) => p.keys(),
+            Self::Histogram(p) => p.keys(),
+            Self::Bars(_) => Vec::new(),
+        }
+    }
+
+    pub(super) fn draw(&self, canvas: Canvas, label: &str) -> Markup {
+        match self {
+            Self::Xy(p) => p.draw(canvas, label),
+            Self::Spectrum(p) => p.draw(canvas, label),
+            Self::Strip(p) => p.draw(canvas, label),
+            Self::Polar(p) => p.draw(label),
+            Self::Histogram(p) => p.draw(canvas, label),
+            Self::Bars(p) => p.draw(canvas, label),
+        }
+    }
+
+    /// Whether one drawing serves every width.
+    pub(super) fn is_round(&self) -> bool {
+        matches!(self, Self::Polar(_))
+    }
+}
 
 /// How a legend entry is marked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

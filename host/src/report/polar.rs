@@ -2,7 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::draw::{Px, path, svg};
+use super::decimate::polyline;
+use super::draw::{Px, path, svg, text_width};
 use super::plot::{Axis, Colour, Key, Mark};
 use super::scale::{Extent, Scale, usable};
 
@@ -10,13 +11,16 @@ const SIZE: f64 = 430.0;
 /// Radius of the outermost ring in pixels; the degrees stand outside it.
 const OUTER: f64 = 178.0;
 /// Directions drawn, enough that a neighbour is under two pixels away on the outer ring.
-const SECTORS: usize = 720;
+const SECTORS: f64 = 720.0;
+
+/// Name, points (degrees, value) and colour.
+type Trace = (String, Vec<(f64, f64)>, Colour);
 
 /// A quantity by shaft angle, drawn around a circle.
 #[derive(Clone, Debug)]
 pub struct Polar {
     axis: Axis,
-    series: Vec<(String, Vec<(f64, f64)>, Colour)>,
+    series: Vec<Trace>,
 }
 
 impl Polar {
@@ -28,7 +32,7 @@ impl Polar {
         }
     }
 
-    /// Adds values at shaft angles in degrees. Where several fall into half a degree, the largest in size is drawn.
+    /// Adds values at shaft angles in degrees. Where many fall into half a degree, the lowest and highest are drawn.
     pub fn series(
         mut self,
         name: impl Into<String>,
@@ -60,7 +64,7 @@ impl Polar {
         extent.0 = (largest > 0.0).then_some((-largest, largest));
         let mut axis = self.axis.clone();
         axis.log = false;
-        let scale = Scale::fit(&axis, extent, 0.03, 5);
+        let scale = Scale::fit(&axis, extent, 0.03, 7);
         // The smallest value sits at 40 % of the radius, so that opposite sides stay apart.
         let radius = |v: f64| scale.place(v).map(|f| OUTER * (0.4 + 0.6 * f));
         let middle = SIZE / 2.0;
@@ -73,17 +77,18 @@ impl Polar {
                     text.tick.mid x=(Px(c * (OUTER + 17.0))) y=(Px(-s * (OUTER + 15.0) + 4.0)) { (spoke * 30) "°" }
                 }
                 @for tick in &scale.ticks {
-                    @if let Some(r) = radius(tick.at) {
-                        circle.ring.zero[tick.at.abs() < largest * 1e-9] r=(Px(r)) {}
-                    }
+                    @if let Some(r) = radius(tick.at) { circle.ring r=(Px(r)) {} }
                 }
                 @for (_, points, colour) in &self.series {
-                    path.line.(colour.class()) d=(path(&outline(points, radius))) {}
+                    path.line.dense[points.len() > 720].(colour.class()) d=(path(&outline(points, radius))) {}
                 }
+                @if let Some(r) = radius(0.0) { circle.ring.zero r=(Px(r)) {} }
                 @for tick in &scale.ticks {
                     @if let Some(r) = radius(tick.at) {
-                        @let (s, c) = 15f64.to_radians().sin_cos();
-                        text.tick.mid.halo x=(Px(c * r)) y=(Px(-s * r + 4.0)) { (tick.text) }
+                        @let (s, c) = 75f64.to_radians().sin_cos();
+                        @let half = text_width(&tick.text) / 2.0 + 2.0;
+                        rect.plate x=(Px(c * r - half)) y=(Px(-s * r - 7.0)) width=(Px(2.0 * half)) height="14" rx="2" {}
+                        text.tick.mid x=(Px(c * r)) y=(Px(-s * r + 4.0)) { (tick.text) }
                     }
                 }
             }
@@ -92,24 +97,24 @@ impl Polar {
     }
 }
 
-/// The closed line through the sectors that hold values; an empty sector is a gap unless values are sparse throughout.
+/// The closed line through every value, or through the lowest and highest of each sector where there are many.
 fn outline(points: &[(f64, f64)], radius: impl Fn(f64) -> Option<f64>) -> Vec<Vec<(f64, f64)>> {
-    let mut sectors: Vec<Option<(f64, f64)>> = vec![None; SECTORS];
-    for &(angle, value) in points.iter().filter(|p| usable(p.0) && usable(p.1)) {
-        let turned = angle.rem_euclid(360.0);
-        let sector = &mut sectors[(turned / 360.0 * SECTORS as f64) as usize % SECTORS];
-        if sector.is_none_or(|(_, v)| v.abs() < value.abs()) {
-            *sector = Some((turned, value));
-        }
-    }
-    let mut line: Vec<(f64, f64)> = sectors
-        .into_iter()
-        .flatten()
-        .filter_map(|(angle, value)| {
-            let (s, c) = angle.to_radians().sin_cos();
-            radius(value).map(|r| (c * r, -s * r))
-        })
+    let mut sorted: Vec<(f64, f64)> = points
+        .iter()
+        .filter(|p| usable(p.0) && usable(p.1))
+        .map(|p| (p.0.rem_euclid(360.0), p.1))
         .collect();
-    line.extend(line.first().copied().filter(|_| line.len() > 2));
-    vec![line]
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // In sector units a sector is one pixel column of a straight plot.
+    let places = sorted.iter().map(|p| Some((p.0 / 360.0 * SECTORS, p.1)));
+    let mut lines = polyline(places, SECTORS);
+    for line in &mut lines {
+        for p in line.iter_mut() {
+            let (s, c) = (p.0 / SECTORS * 360.0).to_radians().sin_cos();
+            let r = radius(p.1).unwrap_or(0.0);
+            *p = (c * r, -s * r);
+        }
+        line.extend(line.first().copied().filter(|_| line.len() > 2));
+    }
+    lines
 }

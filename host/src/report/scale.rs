@@ -1,6 +1,7 @@
 //! Axes: extents, linear and logarithmic mapping, round ticks, and numbers with SI prefixes.
 
-use super::number::{MINUS, grouped, prefixed_unit, si, superscript, takes_prefix};
+use super::number::{grouped, prefixed_unit, si, takes_prefix};
+use super::ticks::{log_positions, log_text, round_steps};
 
 /// Values beyond this are no measurement; they are drawn as gaps, like NaN.
 const LARGEST: f64 = 1e100;
@@ -113,6 +114,7 @@ impl Scale {
                 at: v / factor,
                 text: grouped(v, decimals),
             })
+            .filter(|tick| usable(tick.at))
             .collect();
         Self {
             lo,
@@ -125,36 +127,7 @@ impl Scale {
     }
 
     fn log(axis: &Axis, lo: f64, hi: f64, most: usize) -> Self {
-        let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
-        let inside = |v: &f64| *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
-        let decades: Vec<i32> = (first..=last).filter(|e| inside(&10f64.powi(*e))).collect();
-        let digits = |which: &[f64]| -> Vec<f64> {
-            (first..=last)
-                .flat_map(|e| which.iter().map(move |d| d * 10f64.powi(e)))
-                .filter(inside)
-                .collect()
-        };
-        let at: Vec<f64> = if decades.len() >= 3 {
-            let stride = decades.len().div_ceil(most);
-            decades
-                .iter()
-                .step_by(stride)
-                .map(|e| 10f64.powi(*e))
-                .collect()
-        } else {
-            let fine = digits(&[1.0, 2.0, 5.0]);
-            if fine.len() >= 2 {
-                fine
-            } else {
-                let steps = round_steps(lo, hi, most.min(4), false);
-                steps.into_iter().map(|s| s.0).collect()
-            }
-        };
-        let minor = if decades.len() <= 7 {
-            digits(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
-        } else {
-            Vec::new()
-        };
+        let (at, minor) = log_positions(lo, hi, most);
         let prefixed = takes_prefix(&axis.unit);
         let ticks = at
             .into_iter()
@@ -162,6 +135,7 @@ impl Scale {
                 at: v,
                 text: log_text(v, &axis.unit),
             })
+            .filter(|tick| usable(tick.at))
             .collect();
         let unit = if prefixed { "" } else { axis.unit.as_str() };
         Self {
@@ -228,71 +202,13 @@ fn padded_log(lo: f64, hi: f64, pad: f64) -> (f64, f64) {
     (lo / by, hi * by)
 }
 
-fn log_text(v: f64, unit: &str) -> String {
-    if takes_prefix(unit) {
-        let text = si(v, unit);
-        // Ticks are round: 1.00 µrad says no more than 1 µrad.
-        match text.split_once('\u{a0}') {
-            Some((n, u)) if n.contains('.') => {
-                format!("{}\u{a0}{u}", n.trim_end_matches('0').trim_end_matches('.'))
-            }
-            _ => text,
-        }
-    } else if (1e-3..1e6).contains(&v) {
-        let decimals = (-v.log10().floor()).max(0.0) as usize;
-        grouped(v, decimals)
-    } else {
-        let e = v.log10().floor() as i32;
-        let m = (v / 10f64.powi(e)).round();
-        let power = format!("10{}", superscript(e));
-        if m == 1.0 {
-            power
-        } else {
-            format!("{m}×{power}")
-        }
-    }
-}
-
-/// Round positions within `lo..=hi` and the decimals that show them: steps of 1, 2 or 5 times a power of ten; for a wide
-/// span of degrees, parts of a turn.
-fn round_steps(lo: f64, hi: f64, most: usize, degrees: bool) -> Vec<(f64, usize)> {
-    const PARTS_OF_A_TURN: [f64; 6] = [10.0, 15.0, 30.0, 45.0, 90.0, 180.0];
-    let raw = (hi - lo) / most as f64;
-    if !(raw > 0.0 && raw.is_finite()) {
-        return Vec::new();
-    }
-    let part = PARTS_OF_A_TURN.into_iter().find(|s| *s >= raw);
-    let (step, decimals) = match part {
-        Some(part) if degrees && raw > 5.0 => (part, 0),
-        _ => {
-            let exponent = raw.log10().floor() as i32;
-            let m = raw / 10f64.powi(exponent);
-            let (digit, exponent) = match m {
-                m if m <= 1.0 + 1e-9 => (1.0, exponent),
-                m if m <= 2.0 => (2.0, exponent),
-                m if m <= 5.0 => (5.0, exponent),
-                _ => (1.0, exponent + 1),
-            };
-            (
-                digit * 10f64.powi(exponent),
-                exponent.min(0).unsigned_abs() as usize,
-            )
-        }
-    };
-    let (first, last) = ((lo / step - 1e-6).ceil(), (hi / step + 1e-6).floor());
-    let count = (last - first + 1.0).clamp(0.0, 100.0) as usize;
-    (0..count)
-        .map(|i| ((first + i as f64) * step, decimals))
-        .collect()
-}
-
 /// A plain-text form for a signed axis value, used by tool tips.
 pub(super) fn tip(axis: &Axis, v: f64) -> String {
     let text = si(v, &axis.unit);
     if axis.label.is_empty() {
         text
     } else {
-        format!("{} {}", axis.label, text.replace('-', MINUS))
+        format!("{} {}", axis.label, text)
     }
 }
 
@@ -317,19 +233,6 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_one_two_or_five_times_a_power_of_ten() {
-        for i in 0..400 {
-            let span = 1.37f64.powi(i - 200);
-            let steps = round_steps(-span * 0.3, span, 7, false);
-            assert!((2..=9).contains(&steps.len()), "{span}: {}", steps.len());
-            let step = steps[1].0 - steps[0].0;
-            let m = step / 10f64.powf(step.log10().floor());
-            let digit = [1.0, 2.0, 5.0, 10.0].iter().any(|d| (m - d).abs() < 1e-6);
-            assert!(digit, "{span}: step {step}");
-        }
-    }
-
-    #[test]
     fn a_turn_is_divided_into_parts_of_a_turn() {
         let s = Scale::fit(&Axis::turn(), Extent::default(), 0.0, 8);
         assert_eq!(
@@ -344,7 +247,7 @@ mod tests {
         assert_eq!(s.label, "Amplitude");
         assert_eq!(
             texts(&s)[..3],
-            ["1\u{a0}nrad", "10\u{a0}nrad", "100\u{a0}nrad"]
+            ["10\u{a0}nrad", "100\u{a0}nrad", "1\u{a0}µrad"]
         );
         let s = fit(Axis::new("Order", "").log(), 1.0, 5000.0);
         assert_eq!(texts(&s), ["1", "10", "100", "1000"]);

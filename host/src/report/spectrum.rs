@@ -10,6 +10,10 @@ use super::scale::{Extent, Scale};
 
 /// Height of one row of order names, in pixels.
 const ROW: f64 = 15.0;
+/// Most rows of order names.
+const ROWS: usize = 4;
+/// Stems closer together than this, in pixels, are drawn pale under an outline.
+const CLOSE: f64 = 2.5;
 /// Amplitudes smaller than this part of the largest are not shown.
 const DEPTH: f64 = 1e-6;
 
@@ -123,7 +127,12 @@ impl Spectrum {
             @if let Some(band) = &self.band { (band.draw(&frame)) }
             @for s in &self.stems { (s.draw(&frame, &self.unit)) }
             (self.draw_floor(&frame))
-            @for name in &names { (self.draw_name(&frame, name)) }
+            @for name in &names { (self.draw_tip(&frame, name)) }
+            @for name in &names {
+                @if let Some(row) = name.row {
+                    text.note.mid.halo x=(Px(name.middle)) y=(Px(baseline(row))) { (name.text) }
+                }
+            }
         };
         frame.render(label, inside, html! {})
     }
@@ -135,10 +144,12 @@ impl Spectrum {
         } else {
             polyline(self.floor.iter().map(|p| frame.at(p.0, p.1)), frame.width)
         };
-        html! { path.line.dash.grey d=(path(&line)) {} }
+        let d = path(&line);
+        html! { path.casing d=(d) {} path.line.dash.grey d=(d) {} }
     }
 
-    /// Gives every named order a place in a row of its own kind so that no two labels touch.
+    /// Gives every named order a place in one of a few rows so that no two labels touch; one that finds none keeps its
+    /// dot and tool tip.
     fn place_names(&self, frame: &Frame) -> (Vec<Name<'_>>, usize) {
         let mut named: Vec<_> = self.named.iter().collect();
         named.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -150,12 +161,12 @@ impl Spectrum {
             };
             let half = text_width(text) / 2.0 + 3.0;
             let middle = x.min(frame.width - half).max(half);
-            let row = ends
-                .iter()
-                .position(|end| *end < middle - half)
-                .unwrap_or(ends.len());
-            ends.resize(ends.len().max(row + 1), f64::NEG_INFINITY);
-            ends[row] = middle + half;
+            let free = ends.iter().position(|end| *end < middle - half);
+            let row = free.or((ends.len() < ROWS).then_some(ends.len()));
+            if let Some(row) = row {
+                ends.resize(ends.len().max(row + 1), f64::NEG_INFINITY);
+                ends[row] = middle + half;
+            }
             out.push(Name {
                 order: *order,
                 text,
@@ -163,21 +174,23 @@ impl Spectrum {
                 row,
             });
         }
-        (out, ends.len().min(4))
+        (out, ends.len())
     }
 
-    fn draw_name(&self, frame: &Frame, name: &Name<'_>) -> Markup {
+    /// The dot on the named stem, and a thin line from it up to its label.
+    fn draw_tip(&self, frame: &Frame, name: &Name<'_>) -> Markup {
         let tallest = self
             .stems
             .iter()
             .filter_map(|s| Some((s.near(name.order)?, s)))
             .max_by(|a, b| a.0.1.total_cmp(&b.0.1));
-        let baseline = (name.row.min(3) as f64 + 1.0) * ROW - 3.0;
         html! {
-            text.note.mid x=(Px(name.middle)) y=(Px(baseline)) { (name.text) }
             @if let Some(((order, amplitude), stems)) = tallest {
                 @if let Some((x, y)) = frame.at(order, amplitude) {
-                    path.leader d={ "M" (Px(x)) " " (Px(baseline + 3.0)) "V" (Px((y - 5.0).max(baseline + 3.0))) } {}
+                    @if let Some(row) = name.row {
+                        @let from = baseline(row) + 3.0;
+                        path.leader d={ "M" (Px(x)) " " (Px(from)) "V" (Px((y - 5.0).max(from))) } {}
+                    }
                     g.dot.(stems.colour.class()) {
                         circle cx=(Px(x)) cy=(Px(y)) r="3.5" {
                             title { (name.text) ": " (stems.name) " " (si(amplitude, &self.unit)) }
@@ -194,7 +207,11 @@ struct Name<'a> {
     order: f64,
     text: &'a str,
     middle: f64,
-    row: usize,
+    row: Option<usize>,
+}
+
+fn baseline(row: usize) -> f64 {
+    (row as f64 + 1.0) * ROW - 3.0
 }
 
 impl Stems {
@@ -217,12 +234,29 @@ impl Stems {
             .zip(&self.amplitudes)
             .map(|(o, a)| frame.at(*o, *a));
         let tops = crest(places.filter(|p| p.is_some_and(|(_, y)| y < frame.height)));
-        let stems: Vec<_> = tops
-            .iter()
-            .map(|(x, y)| vec![(*x, frame.height), (*x, *y)])
+        // Columns stand side by side where orders crowd: there an outline says more than a solid block.
+        let near = |i: usize, j: usize| match (tops.get(i), tops.get(j)) {
+            (Some(a), Some(b)) => (b.0 - a.0).abs() < CLOSE,
+            _ => false,
+        };
+        let crowded = |i: usize| near(i, i + 1) && (i == 0 || near(i - 1, i));
+        let stems = |close: bool| -> String {
+            let some = (0..tops.len()).filter(|i| crowded(*i) == close);
+            let stem = |i: usize| vec![(tops[i].0, frame.height), tops[i]];
+            path(&some.map(stem).collect::<Vec<_>>())
+        };
+        let outline: Vec<_> = (0..tops.len())
+            .map(|i| crowded(i).then_some(tops[i]))
             .collect();
+        let outline: Vec<Vec<_>> = outline
+            .split(Option::is_none)
+            .map(|piece| piece.iter().flatten().copied().collect())
+            .collect();
+        let colour = self.colour.class();
         html! {
-            path.stem.(self.colour.class()) d=(path(&stems)) {}
+            path.stem.pale.(colour) d=(stems(true)) {}
+            path.line.dense.(colour) d=(path(&outline)) {}
+            path.stem.(colour) d=(stems(false)) {}
             @if self.orders.len() <= 200 {
                 g.touch {
                     @for (o, a) in self.orders.iter().zip(&self.amplitudes) {

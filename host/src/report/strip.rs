@@ -149,14 +149,14 @@ fn shade_path(
         // The first turn is at the foot, as its tick says.
         let top = h * (grid.len() - 1 - r) as f64;
         let mut start = None;
-        for c in 0..=columns {
-            let inside = c < columns && row[c].is_some_and(&belongs);
+        for (c, cell) in row.iter().chain([&None]).enumerate() {
+            let inside = cell.is_some_and(&belongs);
             match (inside, start) {
                 (true, None) => start = Some(c),
                 (false, Some(from)) => {
-                    let (x, wide) = (from as f64 * w, (c - from) as f64 * w);
-                    let (x, wide, h) = (text(x), text(wide), text(h));
-                    d += &format!("M{x} {}h{wide}v{h}h-{wide}z", text(top));
+                    // Absolute corners: neighbours round alike and leave no seam.
+                    let (left, right) = (text(from as f64 * w), text(c as f64 * w));
+                    d += &format!("M{left} {}H{right}V{}H{left}z", text(top), text(top + h));
                     start = None;
                 }
                 _ => {}

@@ -221,6 +221,7 @@ impl Xy {
         let colour = series.colour.unwrap_or(Colour::Blue).class();
         let places = series.points.iter().map(|p| frame.at(p.0, p.1));
         let few = series.points.len() <= FEW;
+        let dense = series.points.len() as f64 > 2.0 * frame.width;
         match series.style {
             Style::Points if few => html! { (self.dots(frame, series, colour, "dot")) },
             Style::Points => {
@@ -237,13 +238,13 @@ impl Xy {
                     })
                     .collect();
                 let lines = polyline(held.into_iter(), frame.width);
-                html! { path.line.(colour) d=(path(&lines)) {} }
+                html! { path.line.dense[dense].(colour) d=(path(&lines)) {} }
             }
             Style::Line | Style::Dashed => {
                 let lines = polyline(places, frame.width);
                 let dashed = series.style == Style::Dashed;
                 html! {
-                    path.line.dash[dashed].(colour) d=(path(&lines)) {}
+                    path.line.dash[dashed].dense[dense].(colour) d=(path(&lines)) {}
                     @if few { (self.dots(frame, series, colour, "touch")) }
                 }
             }
