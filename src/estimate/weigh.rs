@@ -7,7 +7,8 @@
 
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::power::Powers;
-use super::ripple::{Standing, StandingOrders, keep_strongest, products};
+use super::ripple::{Standing, StandingOrders, keep_strongest, product};
+use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
 
 /// One in Q15, the unit of a weight.
@@ -27,23 +28,31 @@ pub(super) struct Weights {
     pub standing: StandingOrders,
 }
 
-/// Weighs `signal` (all turns) against `noise` (contrast, scaled to all turns). `turn` is the length of a turn in the
-/// sequence's unit where all turns were too alike in speed to tell torque ripple from geometry; else none.
+/// Weighs the signal (all turns: `coefficients` of the single orders, `common` power of the others) against `noise`
+/// (contrast, scaled to all turns). `one_speed_turn` is the length of a turn in the sequence's unit where all turns were too
+/// alike in speed to tell torque ripple from geometry; else none.
+///
+/// Not inlined, so that the stack it needs is free again for what comes after.
+#[inline(never)]
 pub(super) fn weigh(
     plan: OrderPlan,
-    signal: &Powers,
+    coefficients: &[Coefficient; ORDERS_MAX],
+    common: u64,
     noise: &mut Powers,
     one_speed_turn: Option<u64>,
 ) -> Weights {
-    let mut scratch = [0_i32; ORDERS_MAX];
-    smooth_noise(plan, noise, &mut scratch);
-    let common_size = excess(signal.common, noise.common, COMMON_MARGIN_Q8);
-    let sizes = sizes(plan, signal, noise, common_size, &mut scratch);
+    let common_size = excess(common, noise.common, COMMON_MARGIN_Q8);
+    let sizes = {
+        // Ends here, as the stack is short.
+        let mut scratch = [0_i32; ORDERS_MAX];
+        smooth_noise(plan, noise, &mut scratch);
+        sizes(plan, coefficients, noise, common_size, &mut scratch)
+    };
 
     let suspect_torque = plan.has_neighbours() && one_speed_turn.is_some();
     let mut standing = StandingOrders::new();
     for order in single_orders(plan).filter(|_| suspect_torque) {
-        let power = signal.single[order - 1];
+        let power = coefficients[order - 1].power();
         if height(power, sizes[order - 1], noise.single[order - 1]) > STANDING_HEIGHT {
             #[allow(clippy::cast_possible_truncation)]
             keep_strongest(
@@ -55,23 +64,24 @@ pub(super) fn weigh(
             );
         }
     }
-    let products = products(plan, &standing, one_speed_turn.unwrap_or(0));
+    let turn = one_speed_turn.unwrap_or(0);
 
-    let common = wiener(common_size, noise.common);
+    let common_weight = wiener(common_size, noise.common);
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(noise.common, COMMON_MARGIN_Q8 - 256);
-    let left_common = left_over(common, common_size.max(hidden), noise.common);
+    let left_common = left_over(common_weight, common_size.max(hidden), noise.common);
     let mut residual = u128::from(left_common) * plan.common_count() as u128;
     let mut single = [0; ORDERS_MAX];
     for order in single_orders(plan) {
         let index = order - 1;
         let size = sizes[index];
-        let doubt = u64::from(products[index])
+        let doubt = u64::from(product(&standing, turn, order))
             .pow(2)
             .saturating_add(noise.single[index]);
         let mut weight = wiener(size, doubt);
         if suspect_torque {
-            let gate = (STANDING_HEIGHT - height(signal.single[index], size, doubt)).clamp(0, Q);
+            let gate =
+                (STANDING_HEIGHT - height(coefficients[index].power(), size, doubt)).clamp(0, Q);
             weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
         }
         residual += 2 * u128::from(left_over(weight, size, doubt));
@@ -82,7 +92,7 @@ pub(super) fn weigh(
     }
     Weights {
         single,
-        common,
+        common: common_weight,
         residual: u64::try_from(residual).unwrap_or(u64::MAX),
         standing,
     }
@@ -92,7 +102,7 @@ pub(super) fn weigh(
 /// order above.
 fn sizes(
     plan: OrderPlan,
-    signal: &Powers,
+    coefficients: &[Coefficient; ORDERS_MAX],
     noise: &Powers,
     common_size: u64,
     scratch: &mut [i32; ORDERS_MAX],
@@ -100,9 +110,9 @@ fn sizes(
     let mut sizes = [0; ORDERS_MAX];
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
-        let (power, noise) = (signal.single[order - 1], noise.single[order - 1]);
+        let (power, noise) = (coefficients[order - 1].power(), noise.single[order - 1]);
         let size = if plan.has_neighbours() {
-            let (level, count) = neighbourhood_level(plan, &signal.single, order, scratch);
+            let (level, count) = neighbourhood_level(plan, coefficients, order, scratch);
             excess(level, noise, margin_q8(count)).max(carried.min(level))
         } else {
             excess(power, noise, LONE_MARGIN_Q8)
@@ -182,13 +192,13 @@ fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
 /// The median, because torque ripple puts lines there.
 fn neighbourhood_level(
     plan: OrderPlan,
-    powers: &[u64],
+    coefficients: &[Coefficient; ORDERS_MAX],
     order: usize,
     scratch: &mut [i32; ORDERS_MAX],
 ) -> (u64, usize) {
     let mut count = 0;
     for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
-        *cell = log2(powers[n - 1].into());
+        *cell = log2(coefficients[n - 1].power().into());
         count += 1;
     }
     let logs = &mut scratch[..count];

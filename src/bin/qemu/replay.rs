@@ -14,7 +14,7 @@ use crate::qemu::output::Output;
 use crate::qemu::semihost::{self, File, IoError, Mode};
 
 /// Bytes that go to or come from the host in one semihosting call, which costs far more than the work on one record.
-const BLOCK: usize = 1024;
+const BLOCK: usize = 512;
 
 /// All memory of an image for `M` lines besides its stack; a `static` of the image.
 pub struct Memory<const M: usize> {
