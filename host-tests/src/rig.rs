@@ -55,7 +55,8 @@ impl Rig {
         }
     }
 
-    /// Forward, back and forward again; one edge lost early in the third turn and one after the second reversal.
+    /// Forward, back and forward again; one edge lost in the third turn and one after the second reversal. Learning ends
+    /// going back, with four turns to spare for those that faults and the reversal spoil.
     fn twin(self) -> Twin {
         let edges = u64::from(4 * self.lines);
         // Errors in parts of a step stay those of the paper's disc.
@@ -66,9 +67,10 @@ impl Rig {
             t_s: turns * turn_s,
             r_min: sign * r_min,
         };
+        let last = f64::from(self.turns) + 9.6;
         let mut twin = Twin::paper();
         twin.seed = self.seed;
-        twin.duration = Duration::Turns(f64::from(self.turns) + 12.0);
+        twin.duration = Duration::Turns(last + 4.0);
         twin.encoder = Encoder::Quadrature {
             lines: self.lines,
             index: true,
@@ -80,16 +82,16 @@ impl Rig {
         twin.errors.width_a_rad *= scale;
         twin.errors.width_b_rad *= scale;
         twin.errors.quadrature_rad *= scale;
-        twin.drive = Drive::Steps(vec![step(0.0, 1.0), step(4.3, -1.0), step(10.6, 1.0)]);
+        twin.drive = Drive::Steps(vec![step(0.0, 1.0), step(4.3, -1.0), step(last, 1.0)]);
         twin.noise = Some(Noise::SpeedWander {
             rms_fraction: 1e-3,
             correlation_rad: Some(0.5),
             hold_s: None,
         });
         twin.faults = Faults {
-            lost_edges: vec![2 * edges + edges / 9, 12 * edges + edges / 7],
+            lost_edges: vec![2 * edges + edges / 9, u64::from(self.turns + 11) * edges],
             // Three a run or so.
-            glitch_probability: 3.0 / (f64::from(self.turns + 12) * edges as f64),
+            glitch_probability: 3.0 / ((last + 4.0) * edges as f64),
             glitch_width_s: 0.02 * turn_s / edges as f64,
             ..Faults::default()
         };

@@ -79,12 +79,6 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
     let file = CorrectedFile::parse(&host.corrected).unwrap();
     assert_eq!(file.faults, host.report.faults);
     assert_eq!(file.edges().len() as u64, number(&output, "corrected"));
-    assert!(file.edges().any(|edge| edge.moved.0 > 0) && file.edges().any(|edge| edge.moved.0 < 0));
-    assert!(
-        file.faults.illegal >= 1 && file.faults.glitch >= 1,
-        "{:?}",
-        file.faults
-    );
     let learned = host.report.learned;
     assert!(
         learned.turns == rig.turns && learned.broken >= 1,
@@ -106,6 +100,12 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
         file.faults,
         fixed + stack,
     );
+    assert!(file.edges().any(|edge| edge.moved.0 > 0) && file.edges().any(|edge| edge.moved.0 < 0));
+    assert!(
+        file.faults.illegal >= 1 && file.faults.glitch >= 1,
+        "{:?}",
+        file.faults
+    );
     assert!(table_gain > gain, "factor {table_gain}");
     assert!(
         sure > 4 * rig.lines as usize && angle_gain > gain,
@@ -117,7 +117,7 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
         "{fixed} bytes of statics, ELF has {size:?}"
     );
     // The paint can't tell how deep a stack goes that fills its whole region.
-    assert!((1000..16 << 10).contains(&stack), "{stack} bytes of stack");
+    assert!((1000..20 << 10).contains(&stack), "{stack} bytes of stack");
     assert!(fixed + stack <= RAM, "{fixed} + {stack} bytes of RAM");
 }
 
@@ -130,7 +130,7 @@ fn ten_thousand_edges_and_a_16_bit_timer_agree_byte_for_byte() {
             turns: 5,
             seed: 1,
         },
-        4.0,
+        10.0,
     );
 }
 
@@ -143,7 +143,7 @@ fn ten_thousand_edges_and_a_32_bit_timer_agree_byte_for_byte() {
             turns: 5,
             seed: 2,
         },
-        4.0,
+        10.0,
     );
 }
 
@@ -157,7 +157,7 @@ fn a_small_encoder_agrees_byte_for_byte_with_either_timer() {
                 turns: 8,
                 seed,
             },
-            4.0,
+            10.0,
         );
     }
 }
@@ -187,10 +187,10 @@ fn every_stage_has_its_price_in_instructions() {
     // What was measured is what a session does.
     assert!(bench.written(SLOT) == session::run(&events).unwrap().slot);
     for (stage, most) in [
-        ("front", 250.0),
-        ("learn", 250.0),
-        ("correct", 250.0),
-        ("angle_at", 250.0),
+        ("front", 200.0),
+        ("learn", 160.0),
+        ("correct", 130.0),
+        ("angle_at", 200.0),
     ] {
         let calls = number(&output, &format!("{stage}_calls"));
         let each = number(&output, &format!("{stage}_instructions")) as f64 / calls as f64;

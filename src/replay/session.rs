@@ -14,6 +14,7 @@ use crate::slot::{self, SlotHeader};
 use crate::step::{Faults, SensorError};
 use crate::table::{ErrorTable, TableError};
 use crate::timebase::{Timebase16, Timebase32};
+use crate::units::Ticks;
 
 /// Turns that are learned where the event file names none.
 pub const TURNS_DEFAULT: u32 = 11;
@@ -197,8 +198,9 @@ where
         0 => TURNS_DEFAULT,
         turns => turns,
     };
-    let estimator = Estimator::new(shape, Anchor::Index, buffers).map_err(SessionError::Shape)?;
-    let (estimator, learned_until) = learn(&mut front, estimator, turns)?;
+    let mut estimator =
+        Estimator::new(shape, Anchor::Index, buffers).map_err(SessionError::Shape)?;
+    let learned_until = learn(&mut front, &mut estimator, turns)?;
     let learned = *estimator.totals();
     let solution = estimator.solve().map_err(SessionError::Solve)?;
     slot::write(
@@ -238,12 +240,12 @@ where
     })
 }
 
-/// Feeds the estimator until it has taken `turns` turns; gives it back with the tick at which it had.
+/// Feeds the estimator until it has taken `turns` turns; returns the tick at which it had.
 fn learn<B, S, F>(
     front: &mut Front<'_, S>,
-    mut estimator: Estimator<B>,
+    estimator: &mut Estimator<B>,
     turns: u32,
-) -> Result<(Estimator<B>, u64), SessionError<F>>
+) -> Result<Ticks, SessionError<F>>
 where
     B: EdgeBuffers,
     S: FnMut(&mut [u8]) -> Result<usize, F>,
@@ -251,13 +253,13 @@ where
     while let Some(sample) = front.next_sample()? {
         let progress = estimator.push(&front.decoder.push(sample));
         if matches!(progress, Progress::TurnTaken(taken) if taken >= turns) {
-            return Ok((estimator, sample.ticks));
+            return Ok(sample.ticks);
         }
     }
     Err(SessionError::TooFewTurns(*estimator.totals()))
 }
 
-fn slot_header<B: EdgeBuffers>(solution: &Solution<B>, learned_until: u64) -> SlotHeader {
+fn slot_header<B: EdgeBuffers>(solution: &Solution<B>, learned_until: Ticks) -> SlotHeader {
     SlotHeader {
         shape: solution.shape(),
         shift: solution.shift(),
