@@ -29,12 +29,18 @@ fn mean_square_step_q16<S: Sequence + ?Sized>(sequence: &S) -> u128 {
 }
 
 impl Powers {
-    /// From the coefficients of the single orders, which are zero where there is none.
-    pub(super) fn new(coefficients: &[Coefficient; ORDERS_MAX], common: u64) -> Self {
-        Self {
-            single: core::array::from_fn(|index| coefficients[index].power()),
-            common,
+    /// None yet.
+    pub(super) const ZERO: Self = Self {
+        single: [0; ORDERS_MAX],
+        common: 0,
+    };
+
+    /// Takes the powers of coefficients, which are zero where there is no single order. In place: the stack is short.
+    pub(super) fn fill(&mut self, coefficients: &[Coefficient; ORDERS_MAX], common: u64) {
+        for (power, coefficient) in self.single.iter_mut().zip(coefficients) {
+            *power = coefficient.power();
         }
+        self.common = common;
     }
 }
 

@@ -31,7 +31,8 @@ impl<B: EdgeBuffers> Estimator<B> {
 
         let mut coefficients = [Coefficient::default(); ORDERS_MAX];
         let common = split_orders(self.buffers.work(), plan, &mut coefficients);
-        let mut noise = Powers::new(&coefficients, common);
+        let mut noise = Powers::ZERO;
+        noise.fill(&coefficients, common);
         scale_contrast(&mut noise, &totals);
         for index in 0..plan.edges {
             let value = self.buffers.sum()[index];

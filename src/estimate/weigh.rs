@@ -50,13 +50,20 @@ pub(super) fn weigh(
     };
 
     let suspect_torque = plan.has_neighbours() && one_speed_turn.is_some();
-    let mut standing = StandingOrders::new();
+    let common_weight = wiener(common_size, noise.common);
+    // Filled in place: the stack is short.
+    let mut weights = Weights {
+        single: [0; ORDERS_MAX],
+        common: common_weight,
+        residual: 0,
+        standing: StandingOrders::new(),
+    };
     for order in single_orders(plan).filter(|_| suspect_torque) {
         let power = coefficients[order - 1].power();
         if height(power, sizes[order - 1], noise.single[order - 1]) > STANDING_HEIGHT {
             #[allow(clippy::cast_possible_truncation)]
             keep_strongest(
-                &mut standing,
+                &mut weights.standing,
                 Standing {
                     order: order as u16,
                     power,
@@ -66,16 +73,14 @@ pub(super) fn weigh(
     }
     let turn = one_speed_turn.unwrap_or(0);
 
-    let common_weight = wiener(common_size, noise.common);
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(noise.common, COMMON_MARGIN_Q8 - 256);
     let left_common = left_over(common_weight, common_size.max(hidden), noise.common);
     let mut residual = u128::from(left_common) * plan.common_count() as u128;
-    let mut single = [0; ORDERS_MAX];
     for order in single_orders(plan) {
         let index = order - 1;
         let size = sizes[index];
-        let doubt = u64::from(product(&standing, turn, order))
+        let doubt = u64::from(product(&weights.standing, turn, order))
             .pow(2)
             .saturating_add(noise.single[index]);
         let mut weight = wiener(size, doubt);
@@ -87,15 +92,11 @@ pub(super) fn weigh(
         residual += 2 * u128::from(left_over(weight, size, doubt));
         #[allow(clippy::cast_possible_truncation)]
         {
-            single[index] = weight as u16;
+            weights.single[index] = weight as u16;
         }
     }
-    Weights {
-        single,
-        common: common_weight,
-        residual: u64::try_from(residual).unwrap_or(u64::MAX),
-        standing,
-    }
+    weights.residual = u64::try_from(residual).unwrap_or(u64::MAX);
+    weights
 }
 
 /// The geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
@@ -202,11 +203,12 @@ fn neighbourhood_level(
         count += 1;
     }
     let logs = &mut scratch[..count];
-    logs.sort_unstable();
+    // Two at least, as an order has neighbours. Selecting, unlike sorting, does not recurse.
+    let (below, &mut middle, _) = logs.select_nth_unstable(count / 2);
     let median = if count.is_multiple_of(2) {
-        i32::midpoint(logs[count / 2 - 1], logs[count / 2])
+        i32::midpoint(below.iter().copied().max().unwrap_or(middle), middle)
     } else {
-        logs[count / 2]
+        middle
     };
     // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
     const MEAN_OVER_MEDIAN: i32 = 34_654;
