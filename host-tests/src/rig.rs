@@ -56,7 +56,7 @@ impl Rig {
     }
 
     /// Forward, back and forward again; one edge lost in the third turn and one after the second reversal. Learning ends
-    /// going back, with four turns to spare for those that faults and the reversal spoil.
+    /// going back, with turns to spare for those that faults and the reversal spoil.
     fn twin(self) -> Twin {
         let edges = u64::from(4 * self.lines);
         // Errors in parts of a step stay those of the paper's disc.
@@ -67,7 +67,7 @@ impl Rig {
             t_s: turns * turn_s,
             r_min: sign * r_min,
         };
-        let last = f64::from(self.turns) + 9.6;
+        let last = f64::from(self.turns) + 12.6;
         let mut twin = Twin::paper();
         twin.seed = self.seed;
         twin.duration = Duration::Turns(last + 4.0);
@@ -89,9 +89,9 @@ impl Rig {
             hold_s: None,
         });
         twin.faults = Faults {
-            lost_edges: vec![2 * edges + edges / 9, u64::from(self.turns + 11) * edges],
-            // Three a run or so.
-            glitch_probability: 3.0 / ((last + 4.0) * edges as f64),
+            lost_edges: vec![2 * edges + edges / 9, u64::from(self.turns + 14) * edges],
+            // Four a run or so.
+            glitch_probability: 4.0 / ((last + 4.0) * edges as f64),
             glitch_width_s: 0.02 * turn_s / edges as f64,
             ..Faults::default()
         };

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use quadcal::replay::TimerWidth;
 use quadcal::replay::corrected::CorrectedFile;
+use quadcal::replay::{Event, TimerWidth};
 use quadcal_host_tests::firmware::{
     FirmwareError, Output, build, offences, reachable, run_qemu, size, symbols,
 };
@@ -62,11 +62,23 @@ fn number(output: &Output, key: &str) -> u64 {
         .unwrap_or_else(|| panic!("no {key} in {}", output.stdout))
 }
 
+/// Wraps, and captures that a late handler found with the wrap pending: made before it, and after it.
+fn races(events: &[Event], timer: TimerWidth) -> [usize; 3] {
+    let pending = |event: &Event, after: bool| matches!(*event, Event::Capture { raw, overflow_pending: true, .. } if (raw <= timer.max() / 2) == after);
+    [
+        events.iter().filter(|e| **e == Event::Overflow).count(),
+        events.iter().filter(|e| pending(e, false)).count(),
+        events.iter().filter(|e| pending(e, true)).count(),
+    ]
+}
+
 /// Replays a rig on image and host. Every byte must be alike; the table must make the encoder's RMS error smaller by `gain`.
 fn image_and_host_agree(rig: Rig, gain: f64) {
     let image_name = format!("qemu_replay_{}", rig.lines);
     let run = rig.run().unwrap();
     let events = run.file();
+    let races = races(&run.events.events, rig.timer);
+    assert!(races.iter().all(|count| *count > 0), "{races:?}");
     let host = session::run(&events).unwrap();
     let bench = Bench::new(&image_name, &events);
     let output = bench.succeed(&[EVENTS, SLOT, CORRECTED]);
@@ -93,7 +105,7 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
         number(&output, "static_bytes"),
     );
     println!(
-        "{rig:?}: {} events, error RMS down by a factor of {table_gain:.1} (table), {angle_gain:.1} ({sure} of {} corrected \
+        "{rig:?}: {} events, wraps and races {races:?}, error RMS down by a factor of {table_gain:.1} (table), {angle_gain:.1} ({sure} of {} corrected \
          edges); {learned:?}; {:?}; RAM {} = {fixed} static + {stack} stack",
         run.events.events.len(),
         file.edges().len(),
@@ -121,66 +133,40 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
     assert!(fixed + stack <= RAM, "{fixed} + {stack} bytes of RAM");
 }
 
+const fn rig(lines: u32, timer: TimerWidth, turns: u32, seed: u64) -> Rig {
+    Rig {
+        lines,
+        timer,
+        turns,
+        seed,
+    }
+}
+
 #[test]
 fn ten_thousand_edges_and_a_16_bit_timer_agree_byte_for_byte() {
-    image_and_host_agree(
-        Rig {
-            lines: 2500,
-            timer: TimerWidth::Bits16,
-            turns: 5,
-            seed: 1,
-        },
-        10.0,
-    );
+    image_and_host_agree(rig(2500, TimerWidth::Bits16, 5, 1), 10.0);
 }
 
 #[test]
 fn ten_thousand_edges_and_a_32_bit_timer_agree_byte_for_byte() {
-    image_and_host_agree(
-        Rig {
-            lines: 2500,
-            timer: TimerWidth::Bits32,
-            turns: 5,
-            seed: 2,
-        },
-        10.0,
-    );
+    image_and_host_agree(rig(2500, TimerWidth::Bits32, 5, 2), 10.0);
 }
 
 #[test]
 fn a_small_encoder_agrees_byte_for_byte_with_either_timer() {
-    for (timer, seed) in [(TimerWidth::Bits16, 3), (TimerWidth::Bits32, 4)] {
-        image_and_host_agree(
-            Rig {
-                lines: 360,
-                timer,
-                turns: 8,
-                seed,
-            },
-            10.0,
-        );
-    }
+    image_and_host_agree(rig(360, TimerWidth::Bits16, 8, 3), 10.0);
+    image_and_host_agree(rig(360, TimerWidth::Bits32, 8, 4), 10.0);
 }
 
 /// A short run for the tests that need some events.
 fn short() -> Vec<u8> {
-    let rig = Rig {
-        lines: 360,
-        timer: TimerWidth::Bits16,
-        turns: 3,
-        seed: 5,
-    };
+    let rig = rig(360, TimerWidth::Bits16, 3, 5);
     rig.run().unwrap().file()
 }
 
 #[test]
 fn every_stage_has_its_price_in_instructions() {
-    let rig = Rig {
-        lines: 2500,
-        timer: TimerWidth::Bits16,
-        turns: 3,
-        seed: 6,
-    };
+    let rig = rig(2500, TimerWidth::Bits16, 3, 6);
     let events = rig.run().unwrap().file();
     let bench = Bench::new("qemu_cost", &events);
     let output = bench.succeed(&[EVENTS, SLOT]);

@@ -63,6 +63,15 @@ impl<B: EdgeBuffers> Estimator<B> {
             *angle = TurnDelta32(scale.angle(offset));
         }
         let (shift, table_rms) = self.pack_angles(scale, class_offsets);
+        let residual = scale.root_mean_square(weights.residual);
+        #[cfg(feature = "defmt")]
+        defmt::info!(
+            "solved from {=u32} turns: table {=u32} RMS, standard error {=u32} (2^-32 turn), {=usize} orders left alone",
+            totals.turns,
+            table_rms,
+            residual,
+            weights.standing.len()
+        );
         #[allow(clippy::cast_possible_truncation)]
         Ok(Solution {
             shape: self.shape,
@@ -74,7 +83,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 .root_mean_square(noise.common.saturating_mul(u64::from(self.shape.classes())))
                 .max(1),
             shift,
-            residual: scale.root_mean_square(weights.residual),
+            residual,
             table_rms,
             single: weights.single,
             single_count: plan.single,

@@ -272,3 +272,6 @@ fn slot_header<B: EdgeBuffers>(solution: &Solution<B>, learned_until: Ticks) -> 
         class_offsets: *solution.class_offsets(),
     }
 }
+
+#[cfg(test)]
+mod tests;
