@@ -23,9 +23,12 @@ use core::fmt;
 
 use crate::edge::Levels;
 
-mod tally;
+pub mod corrected;
+mod reader;
+mod session;
 
-pub use tally::Tally;
+pub use reader::{EventReader, ReadError};
+pub use session::{Part, Report, SessionError, TURNS_DEFAULT, run};
 
 /// First four bytes of an event file.
 pub const MAGIC: [u8; 4] = *b"QCEV";

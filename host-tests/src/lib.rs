@@ -12,3 +12,5 @@ pub mod reference;
 
 pub mod events;
 pub mod firmware;
+pub mod rig;
+pub mod session;

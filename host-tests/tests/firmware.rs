@@ -1,135 +1,250 @@
-//! Firmware images in QEMU against the same work on the host.
+//! Firmware images in QEMU against the same session on the host, on the simulator's edges.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use quadcal::edge::{Levels, Sample};
-use quadcal::replay::{Header, Tally, TimerWidth, Wiring};
-use quadcal_host_tests::events::{Events, Latency, events};
-use quadcal_host_tests::firmware::{FirmwareError, build, run_qemu, size, symbols};
+use quadcal::replay::corrected::CorrectedFile;
+use quadcal::replay::{Event, TimerWidth};
+use quadcal_host_tests::firmware::{
+    FirmwareError, Output, build, offences, reachable, run_qemu, size, symbols,
+};
+use quadcal_host_tests::rig::Rig;
+use quadcal_host_tests::session;
 
 const LIMIT: Duration = Duration::from_secs(120);
 
-fn image() -> PathBuf {
-    build("qemu_replay", &[]).unwrap_or_else(|error| panic!("{error}"))
+/// All that a calibration may take, stack included.
+const RAM: u64 = 96 << 10;
+
+const EVENTS: &str = "events.qcev";
+const SLOT: &str = "table.qctb";
+const CORRECTED: &str = "corrected.qcce";
+
+fn image(name: &str) -> PathBuf {
+    build(name, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn header(timer: TimerWidth) -> Header {
-    Header {
-        timer,
-        wiring: Wiring::Quadrature,
-        lines: 2500,
-        clock_hz: 84_000_000,
-        turns: 11,
-    }
+/// A folder with an event file in it, in which an image runs.
+struct Bench {
+    folder: tempfile::TempDir,
+    elf: PathBuf,
 }
 
-/// A shaft that runs up and slows down again: intervals of 200 to 20 000 ticks.
-fn stream(timer: TimerWidth) -> Events {
-    let samples: Vec<Sample> = (0..60_000_u64)
-        .scan(5_000_u64, |ticks, index| {
-            *ticks += 200 + index.abs_diff(30_000) * 2 / 3;
-            Some(Sample {
-                ticks: *ticks,
-                levels: Levels([1, 3, 2, 0][(index % 4) as usize]),
-            })
-        })
-        .collect();
-    events(
-        &samples,
-        timer,
-        Latency {
-            max: 20_000,
-            seed: 7,
-        },
-    )
-}
-
-#[test]
-fn image_sees_every_event_the_host_sent() {
-    let elf = image();
-    for timer in [TimerWidth::Bits16, TimerWidth::Bits32] {
-        let sent = stream(timer);
+impl Bench {
+    fn new(image_name: &str, events: &[u8]) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("in.qcev"), sent.file(&header(timer))).unwrap();
-        let run = run_qemu(&elf, &["in.qcev", "out.bin"], folder.path(), LIMIT)
-            .unwrap_or_else(|error| panic!("{error}"));
-        assert!(run.success, "{}", run.stderr);
+        std::fs::write(folder.path().join(EVENTS), events).unwrap();
+        Self {
+            folder,
+            elf: image(image_name),
+        }
+    }
 
-        let mut tally = Tally::default();
-        sent.events.iter().for_each(|event| tally.add(event));
-        assert_eq!(
-            std::fs::read(folder.path().join("out.bin")).unwrap(),
-            tally.emit()
-        );
-        assert_eq!(tally.captures, 60_000);
+    fn run(&self, args: &[&str]) -> Output {
+        run_qemu(&self.elf, args, self.folder.path(), LIMIT)
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
 
-        let events = run.value("events").unwrap();
-        assert_eq!(events, sent.events.len() as u64);
-        let each = run.value("instructions").unwrap() as f64 / events as f64;
-        println!(
-            "{timer:?}: {events} events, {each:.1} instructions each; {}",
-            run.stdout.trim()
-        );
-        // A checksum over 8 bytes takes some 7 instructions a byte; a miscounted timer would be far off.
-        assert!(
-            (40.0..250.0).contains(&each),
-            "{each} instructions an event"
-        );
-        let (stack, fixed) = (
-            run.value("stack_bytes").unwrap(),
-            run.value("static_bytes").unwrap(),
-        );
-        let size = size(&elf).unwrap();
-        assert!((100..16 << 10).contains(&stack), "{stack} bytes of stack");
-        assert!(
-            fixed.abs_diff(size.data + size.bss) < 8,
-            "{fixed} bytes of statics, ELF has {size:?}"
-        );
+    fn succeed(&self, args: &[&str]) -> Output {
+        let output = self.run(args);
+        assert!(output.success, "{}", output.stderr);
+        output
+    }
+
+    fn written(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.folder.path().join(name)).unwrap()
+    }
+}
+
+fn number(output: &Output, key: &str) -> u64 {
+    output
+        .value(key)
+        .unwrap_or_else(|| panic!("no {key} in {}", output.stdout))
+}
+
+/// Wraps, and captures that a late handler found with the wrap pending: made before it, and after it.
+fn races(events: &[Event], timer: TimerWidth) -> [usize; 3] {
+    let pending = |event: &Event, after: bool| matches!(*event, Event::Capture { raw, overflow_pending: true, .. } if (raw <= timer.max() / 2) == after);
+    [
+        events.iter().filter(|e| **e == Event::Overflow).count(),
+        events.iter().filter(|e| pending(e, false)).count(),
+        events.iter().filter(|e| pending(e, true)).count(),
+    ]
+}
+
+/// Replays a rig on image and host. Every byte must be alike; the table must make the encoder's RMS error smaller by `gain`.
+fn image_and_host_agree(rig: Rig, gain: f64) {
+    let image_name = format!("qemu_replay_{}", rig.lines);
+    let run = rig.run().unwrap();
+    let events = run.file();
+    let races = races(&run.events.events, rig.timer);
+    assert!(races.iter().all(|count| *count > 0), "{races:?}");
+    let host = session::run(&events).unwrap();
+    let bench = Bench::new(&image_name, &events);
+    let output = bench.succeed(&[EVENTS, SLOT, CORRECTED]);
+    assert!(bench.written(SLOT) == host.slot, "the slots differ");
+    assert!(
+        bench.written(CORRECTED) == host.corrected,
+        "the corrected files differ"
+    );
+
+    let file = CorrectedFile::parse(&host.corrected).unwrap();
+    assert_eq!(file.faults, host.report.faults);
+    assert_eq!(file.edges().len() as u64, number(&output, "corrected"));
+    let learned = host.report.learned;
+    assert!(
+        learned.turns == rig.turns && learned.broken >= 1,
+        "{learned:?}"
+    );
+    assert_eq!(number(&output, "broken"), u64::from(learned.broken));
+
+    let table_gain = run.table_gain(&host.slot).unwrap();
+    let (angle_gain, sure) = run.angle_gain(&file);
+    let (stack, fixed) = (
+        number(&output, "stack_bytes"),
+        number(&output, "static_bytes"),
+    );
+    println!(
+        "{rig:?}: {} events, wraps and races {races:?}, error RMS down by a factor of {table_gain:.1} (table), {angle_gain:.1} ({sure} of {} corrected \
+         edges); {learned:?}; {:?}; RAM {} = {fixed} static + {stack} stack",
+        run.events.events.len(),
+        file.edges().len(),
+        file.faults,
+        fixed + stack,
+    );
+    assert!(file.edges().any(|edge| edge.moved.0 > 0) && file.edges().any(|edge| edge.moved.0 < 0));
+    assert!(
+        file.faults.illegal >= 1 && file.faults.glitch >= 1,
+        "{:?}",
+        file.faults
+    );
+    assert!(table_gain > gain, "factor {table_gain}");
+    assert!(
+        sure > 4 * rig.lines as usize && angle_gain > gain,
+        "factor {angle_gain} on {sure} edges"
+    );
+    let size = size(&bench.elf).unwrap();
+    assert!(
+        fixed.abs_diff(size.data + size.bss) < 8,
+        "{fixed} bytes of statics, ELF has {size:?}"
+    );
+    // The paint can't tell how deep a stack goes that fills its whole region.
+    assert!((1000..20 << 10).contains(&stack), "{stack} bytes of stack");
+    assert!(fixed + stack <= RAM, "{fixed} + {stack} bytes of RAM");
+}
+
+const fn rig(lines: u32, timer: TimerWidth, turns: u32, seed: u64) -> Rig {
+    Rig {
+        lines,
+        timer,
+        turns,
+        seed,
     }
 }
 
 #[test]
-fn runs_are_repeatable_to_the_instruction() {
-    let elf = image();
-    let folder = tempfile::tempdir().unwrap();
-    let timer = TimerWidth::Bits16;
-    std::fs::write(
-        folder.path().join("in.qcev"),
-        stream(timer).file(&header(timer)),
-    )
-    .unwrap();
-    let run = || {
-        run_qemu(&elf, &["in.qcev", "out.bin"], folder.path(), LIMIT)
-            .unwrap()
-            .stdout
-    };
-    assert_eq!(run(), run());
+fn ten_thousand_edges_and_a_16_bit_timer_agree_byte_for_byte() {
+    image_and_host_agree(rig(2500, TimerWidth::Bits16, 5, 1), 10.0);
+}
+
+#[test]
+fn ten_thousand_edges_and_a_32_bit_timer_agree_byte_for_byte() {
+    image_and_host_agree(rig(2500, TimerWidth::Bits32, 5, 2), 10.0);
+}
+
+#[test]
+fn a_small_encoder_agrees_byte_for_byte_with_either_timer() {
+    image_and_host_agree(rig(360, TimerWidth::Bits16, 8, 3), 10.0);
+    image_and_host_agree(rig(360, TimerWidth::Bits32, 8, 4), 10.0);
+}
+
+/// A short run for the tests that need some events.
+fn short() -> Vec<u8> {
+    let rig = rig(360, TimerWidth::Bits16, 3, 5);
+    rig.run().unwrap().file()
+}
+
+#[test]
+fn every_stage_has_its_price_in_instructions() {
+    let rig = rig(2500, TimerWidth::Bits16, 3, 6);
+    let events = rig.run().unwrap().file();
+    let bench = Bench::new("qemu_cost", &events);
+    let output = bench.succeed(&[EVENTS, SLOT]);
+    // What was measured is what a session does.
+    assert!(bench.written(SLOT) == session::run(&events).unwrap().slot);
+    for (stage, most) in [
+        ("front", 200.0),
+        ("learn", 160.0),
+        ("correct", 130.0),
+        ("angle_at", 200.0),
+    ] {
+        let calls = number(&output, &format!("{stage}_calls"));
+        let each = number(&output, &format!("{stage}_instructions")) as f64 / calls as f64;
+        println!("{stage:<9} {each:>6.1} instructions each, {calls} calls");
+        assert!((10.0..most).contains(&each), "{stage}: {each}");
+    }
+    println!(
+        "solve     {} instructions",
+        number(&output, "solve_instructions")
+    );
+    assert_eq!(output.stdout, bench.succeed(&[EVENTS, SLOT]).stdout);
+}
+
+#[test]
+fn the_edge_path_has_no_panic_no_division_and_no_float() {
+    let elf = image("qemu_cost");
+    for stage in ["front", "learn", "correct", "angle_at"] {
+        let functions = reachable(&elf, &format!("qemu_cost::stages::{stage}"))
+            .unwrap_or_else(|error| panic!("{error}"));
+        let names: Vec<&str> = functions.iter().map(|f| f.name.as_str()).collect();
+        let instructions: usize = functions.iter().map(|f| f.instructions.len()).sum();
+        println!("{stage}: {instructions} instructions in {names:?}");
+        assert!(instructions > 20);
+        assert_eq!(offences(&functions), [], "{stage}");
+    }
+}
+
+#[test]
+fn a_panic_and_a_division_would_be_seen() {
+    let functions = reachable(&image("qemu_cost"), "main").unwrap();
+    let found = offences(&functions);
+    for sign in ["panics", "divides", "udiv"] {
+        assert!(
+            found.iter().any(|offence| offence.what.starts_with(sign)),
+            "{sign} not in {found:?}"
+        );
+    }
+    assert!(matches!(
+        reachable(&image("qemu_cost"), "no::such::function"),
+        Err(FirmwareError::Code { .. })
+    ));
 }
 
 #[test]
 fn image_names_what_is_wrong_with_its_input_and_fails() {
-    let elf = image();
-    let folder = tempfile::tempdir().unwrap();
-    let good = stream(TimerWidth::Bits16).file(&header(TimerWidth::Bits16));
+    let good = short();
     let mut kind = good.clone();
     kind[28] = 9;
+    let mut lines = good.clone();
+    lines[8] ^= 1;
+    let mut wheel = good.clone();
+    wheel[7] = 2;
     for (bytes, complaint) in [
         (&b"QCEV"[..], "byte 4: the file ends inside a record"),
         (&[0; 64][..], "byte 0: not an event file"),
-        (
-            &good[..100_003],
-            "byte 99996: the file ends inside a record",
-        ),
+        (&good[..10_003], "byte 9996: the file ends inside a record"),
         (&kind[..], "byte 28: kind of record 9 is not known"),
+        (&lines[..], "361 lines, but memory for 1440 edges"),
+        (&wheel[..], "Wheel wired, expected quadrature"),
+        (&good[..20_020], "the stream ended after 0 whole turns"),
     ] {
-        std::fs::write(folder.path().join("in.qcev"), bytes).unwrap();
-        let run = run_qemu(&elf, &["in.qcev", "out.bin"], folder.path(), LIMIT).unwrap();
+        let bench = Bench::new("qemu_replay_360", bytes);
+        let run = bench.run(&[EVENTS, SLOT, CORRECTED]);
         assert!(!run.success);
         assert!(run.stderr.contains(complaint), "{}", run.stderr);
-        assert!(!folder.path().join("out.bin").exists());
+        assert!(!bench.folder.path().join(SLOT).exists());
     }
-    let run = run_qemu(&elf, &[], folder.path(), LIMIT).unwrap();
+    let run = Bench::new("qemu_replay_360", &good).run(&[EVENTS]);
     assert!(
         !run.success && run.stderr.contains("usage"),
         "{}",
@@ -141,7 +256,7 @@ fn image_names_what_is_wrong_with_its_input_and_fails() {
 fn a_hanging_machine_is_killed_and_reported() {
     let folder = tempfile::tempdir().unwrap();
     // The guest blocks in a read of a pipe that nobody writes to.
-    let pipe = folder.path().join("in.qcev");
+    let pipe = folder.path().join(EVENTS);
     assert!(
         std::process::Command::new("mkfifo")
             .arg(&pipe)
@@ -150,8 +265,8 @@ fn a_hanging_machine_is_killed_and_reported() {
             .success()
     );
     let error = run_qemu(
-        &image(),
-        &["in.qcev", "out.bin"],
+        &image("qemu_replay_360"),
+        &[EVENTS, SLOT, CORRECTED],
         folder.path(),
         Duration::from_secs(1),
     )
@@ -164,7 +279,7 @@ fn a_hanging_machine_is_killed_and_reported() {
 
 #[test]
 fn symbols_name_the_image_s_functions() {
-    let symbols = symbols(&image()).unwrap();
+    let symbols = symbols(&image("qemu_cost")).unwrap();
     let main = symbols.iter().find(|symbol| symbol.name == "main").unwrap();
     assert!(main.code && main.size > 0);
     assert!(

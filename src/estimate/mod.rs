@@ -168,7 +168,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// Takes what a decoder made of a sample. On the edge path: constant work.
     #[inline]
     pub fn push(&mut self, outcome: &Outcome) -> Progress {
-        match outcome {
+        let progress = match outcome {
             Outcome::Idle => Progress::Running,
             Outcome::Step(step) => self.push_step(step),
             Outcome::Index(index) => {
@@ -180,7 +180,12 @@ impl<B: EdgeBuffers> Estimator<B> {
                 }
             }
             Outcome::Glitch(_) => self.fault(),
+        };
+        #[cfg(feature = "defmt")]
+        if progress != Progress::Running {
+            defmt::debug!("{}", progress);
         }
+        progress
     }
 
     #[inline]

@@ -27,37 +27,49 @@ fn mean_square_step_q16<S: Sequence + ?Sized>(sequence: &S) -> u128 {
     (squares << 16) / sequence.len() as u128
 }
 
-/// Powers of the single orders and the mean power of the common ones; leaves the decimated sequence behind.
-///
-/// The common power is taken from the steps between edges: in the angle itself, low orders of torque are many thousand
-/// times larger, and nothing would be left of a difference of such sums.
-pub(super) fn order_powers<S: Sequence + ?Sized>(
-    sequence: &mut S,
-    plan: OrderPlan,
-    coefficients: &mut [Coefficient; ORDERS_MAX],
-) -> Powers {
-    let mut steps = mean_square_step_q16(sequence);
-    let samples = decimate(sequence, plan.decimation);
-    let mut powers = Powers {
+impl Powers {
+    /// None yet.
+    pub(super) const ZERO: Self = Self {
         single: [0; ORDERS_MAX],
         common: 0,
     };
+
+    /// Takes the powers of coefficients, which are zero where there is no single order. In place: the stack is short.
+    pub(super) fn fill(&mut self, coefficients: &[Coefficient; ORDERS_MAX], common: u64) {
+        for (power, coefficient) in self.single.iter_mut().zip(coefficients) {
+            *power = coefficient.power();
+        }
+        self.common = common;
+    }
+}
+
+/// Finds the coefficients of the single orders and returns the mean power of the common ones; leaves the decimated
+/// sequence behind.
+///
+/// The common power is taken from the steps between edges: in the angle itself, low orders of torque are many thousand
+/// times larger, and nothing would be left of a difference of such sums.
+pub(super) fn split_orders<S: Sequence + ?Sized>(
+    sequence: &mut S,
+    plan: OrderPlan,
+    coefficients: &mut [Coefficient; ORDERS_MAX],
+) -> u64 {
+    let mut steps = mean_square_step_q16(sequence);
+    let samples = decimate(sequence, plan.decimation);
     let classes = plan.edges / plan.lines;
     let mut gain_q28 = (2 * (plan.edges - if classes > 1 { classes } else { 0 }) as u64) << 28;
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
         let raw = coefficient(sequence, samples, order);
         let c = undo_decimation(raw, order, plan.decimation, plan.edges);
         coefficients[order - 1] = c;
-        powers.single[order - 1] = c.power();
         let gain_q58 = step_gain_q58(order, plan.edges);
         gain_q28 = gain_q28.saturating_sub((2 * gain_q58) >> 30);
         steps = steps.saturating_sub((u128::from(c.power()) * u128::from(gain_q58)) >> 57);
     }
-    if plan.common_count() > 0 {
-        let common = (steps << 28) / u128::from(gain_q28.max(1));
-        powers.common = u64::try_from(common).unwrap_or(u64::MAX);
+    if plan.common_count() == 0 {
+        return 0;
     }
-    powers
+    let common = (steps << 28) / u128::from(gain_q28.max(1));
+    u64::try_from(common).unwrap_or(u64::MAX)
 }
 
 /// Power gain from an angle to its steps at an order: 4 sin^2(pi n / N), Q58. All its digits count, as a low order of

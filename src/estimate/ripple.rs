@@ -4,7 +4,7 @@
 //! u_m u_n at the orders m + n and |m - n|, as exactly repeated as geometry and often no larger. So it is counted as noise
 //! there.
 
-use super::order::{LOCKED_MAX, ORDERS_MAX, OrderPlan};
+use super::order::LOCKED_MAX;
 
 /// An order far above its neighbours, with its power in 2^-16 of the squared sequence unit.
 #[derive(Clone, Copy)]
@@ -18,40 +18,36 @@ pub(super) type StandingOrders = heapless::Vec<Standing, LOCKED_MAX>;
 
 /// Keeps `standing` in a list of the strongest.
 pub(super) fn keep_strongest(list: &mut StandingOrders, standing: Standing) {
-    if list.push(standing).is_err() {
-        if let Some(weakest) = list.iter_mut().min_by_key(|kept| kept.power) {
-            if weakest.power < standing.power {
-                *weakest = standing;
-            }
-        }
+    if list.push(standing).is_err()
+        && let Some(weakest) = list.iter_mut().min_by_key(|kept| kept.power)
+        && weakest.power < standing.power
+    {
+        *weakest = standing;
     }
 }
 
-/// Largest size at every single order (index n - 1), in 2^-8 of the unit, of what pairs of standing orders make together.
-/// `turn` is the length of a turn in the sequence's unit.
-pub(super) fn products(plan: OrderPlan, list: &StandingOrders, turn: u64) -> [u32; ORDERS_MAX] {
-    let mut sizes = [0_u32; ORDERS_MAX];
+/// Largest size at an order, in 2^-8 of the unit, of what pairs of standing orders make together. `turn` is the length of a
+/// turn in the sequence's unit.
+pub(super) fn product(list: &StandingOrders, turn: u64, order: usize) -> u32 {
+    let order = order as u64;
+    let mut size = 0_u32;
     for (index, one) in list.iter().enumerate() {
         for other in &list[index..] {
             let (m, n) = (u64::from(one.order), u64::from(other.order));
+            if order != m + n && order != m.abs_diff(n) {
+                continue;
+            }
             // |c_m c_n| in Q16; u_m = m 2 |c_m| 2 pi / turn, and the product's angle is u_m u_n / order, in |c| half of that.
             let pair = u128::from(one.power.isqrt()) * u128::from(other.power.isqrt());
             // 4 pi in Q8; a pair of the same order counts once.
             let four_pi = if m == n { FOUR_PI_Q8 / 2 } else { FOUR_PI_Q8 };
             let swing = pair * u128::from(m * n) * four_pi / (u128::from(turn.max(1)) << 8);
-            for order in [m + n, m.abs_diff(n)] {
-                if order == 0 || order > plan.single as u64 {
-                    continue;
-                }
-                #[allow(clippy::cast_possible_truncation)]
-                let size = &mut sizes[order as usize - 1];
-                // swing / order is in Q16; sizes are in Q8.
-                let more = u32::try_from((swing / u128::from(order)) >> 8).unwrap_or(u32::MAX);
-                *size = size.saturating_add(more);
-            }
+            // swing / order is in Q16; sizes are in Q8.
+            let more = u32::try_from((swing / u128::from(order)) >> 8).unwrap_or(u32::MAX);
+            size = size.saturating_add(more);
         }
     }
-    sizes
+    size
 }
 
 const FOUR_PI_Q8: u128 = 3217;
@@ -59,10 +55,10 @@ const FOUR_PI_Q8: u128 = 3217;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::ORDERS_MAX;
 
     #[test]
     fn two_swings_make_a_third_at_sum_and_difference() {
-        let plan = OrderPlan::new(10_000, 2500);
         // Speed swings of 1 % at order 10 and 0.5 % at order 15 on a turn of 2^31 units.
         let turn = 1_u64 << 31;
         let coefficient =
@@ -77,7 +73,8 @@ mod tests {
         let mut list = StandingOrders::new();
         keep_strongest(&mut list, standing(10, 0.01));
         keep_strongest(&mut list, standing(15, 0.005));
-        let sizes = products(plan, &list, turn);
+        let sizes: [u32; ORDERS_MAX] =
+            core::array::from_fn(|index| product(&list, turn, index + 1));
         for (order, product) in [
             (25, 0.01 * 0.005),
             (5, 0.01 * 0.005),

@@ -2,7 +2,7 @@
 
 use super::close::{close_contrast, close_sum, take_class_means};
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
-use super::power::{order_powers, scale_contrast};
+use super::power::{Powers, scale_contrast, split_orders};
 use super::scale::AngleScale;
 use super::solution::{Solution, SolveError};
 use super::spectrum::{COEFFICIENT_BITS, Coefficient, Sequence, add_order};
@@ -30,18 +30,26 @@ impl<B: EdgeBuffers> Estimator<B> {
         take_class_means(self.buffers.work(), plan);
 
         let mut coefficients = [Coefficient::default(); ORDERS_MAX];
-        let mut noise = order_powers(self.buffers.work(), plan, &mut coefficients);
+        let common = split_orders(self.buffers.work(), plan, &mut coefficients);
+        let mut noise = Powers::ZERO;
+        noise.fill(&coefficients, common);
         scale_contrast(&mut noise, &totals);
         for index in 0..plan.edges {
             let value = self.buffers.sum()[index];
             self.buffers.work().set(index, value);
         }
-        let signal = order_powers(self.buffers.work(), plan, &mut coefficients);
+        let common = split_orders(self.buffers.work(), plan, &mut coefficients);
 
         let grid = (u64::from(totals.turns) * plan.edges as u64) << STEP_FRACTION_BITS;
         // Torque ripple's angle goes with 1 / speed^2: turns of which one took half as long again as another tell.
         let one_speed = totals.longest < totals.shortest + totals.shortest / 2;
-        let weights = weigh(plan, &signal, &mut noise, one_speed.then_some(grid));
+        let weights = weigh(
+            plan,
+            &coefficients,
+            common,
+            &mut noise,
+            one_speed.then_some(grid),
+        );
 
         let scale = AngleScale::new(grid.cast_signed() + totals.excess);
         let locked = weights.standing.iter().map(|standing| LockedOrder {
@@ -55,6 +63,15 @@ impl<B: EdgeBuffers> Estimator<B> {
             *angle = TurnDelta32(scale.angle(offset));
         }
         let (shift, table_rms) = self.pack_angles(scale, class_offsets);
+        let residual = scale.root_mean_square(weights.residual);
+        #[cfg(feature = "defmt")]
+        defmt::info!(
+            "solved from {=u32} turns: table {=u32} RMS, standard error {=u32} (2^-32 turn), {=usize} orders left alone",
+            totals.turns,
+            table_rms,
+            residual,
+            weights.standing.len()
+        );
         #[allow(clippy::cast_possible_truncation)]
         Ok(Solution {
             shape: self.shape,
@@ -66,7 +83,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 .root_mean_square(noise.common.saturating_mul(u64::from(self.shape.classes())))
                 .max(1),
             shift,
-            residual: scale.root_mean_square(weights.residual),
+            residual,
             table_rms,
             single: weights.single,
             single_count: plan.single,

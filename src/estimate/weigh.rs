@@ -7,7 +7,8 @@
 
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::power::Powers;
-use super::ripple::{Standing, StandingOrders, keep_strongest, products};
+use super::ripple::{Standing, StandingOrders, keep_strongest, product};
+use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
 
 /// One in Q15, the unit of a weight.
@@ -27,27 +28,43 @@ pub(super) struct Weights {
     pub standing: StandingOrders,
 }
 
-/// Weighs `signal` (all turns) against `noise` (contrast, scaled to all turns). `turn` is the length of a turn in the
-/// sequence's unit where all turns were too alike in speed to tell torque ripple from geometry; else none.
+/// Weighs the signal (all turns: `coefficients` of the single orders, `common` power of the others) against `noise`
+/// (contrast, scaled to all turns). `one_speed_turn` is the length of a turn in the sequence's unit where all turns were too
+/// alike in speed to tell torque ripple from geometry; else none.
+///
+/// Not inlined, so that the stack it needs is free again for what comes after.
+#[inline(never)]
 pub(super) fn weigh(
     plan: OrderPlan,
-    signal: &Powers,
+    coefficients: &[Coefficient; ORDERS_MAX],
+    common: u64,
     noise: &mut Powers,
     one_speed_turn: Option<u64>,
 ) -> Weights {
-    let mut scratch = [0_i32; ORDERS_MAX];
-    let own_noise = smooth_noise(plan, noise, &mut scratch);
-    let common_size = excess(signal.common, noise.common, COMMON_MARGIN_Q8);
-    let sizes = sizes(plan, signal, noise, common_size, &mut scratch);
+    let common_size = excess(common, noise.common, COMMON_MARGIN_Q8);
+    let mut own_noise = [0_i32; ORDERS_MAX];
+    let sizes = {
+        // Ends here, as the stack is short.
+        let mut scratch = [0_i32; ORDERS_MAX];
+        smooth_noise(plan, noise, &mut own_noise, &mut scratch);
+        sizes(plan, coefficients, noise, common_size, &mut scratch)
+    };
 
     let suspect_torque = plan.has_neighbours() && one_speed_turn.is_some();
-    let mut standing = StandingOrders::new();
+    let common_weight = wiener(common_size, noise.common);
+    // Filled in place: the stack is short.
+    let mut weights = Weights {
+        single: [0; ORDERS_MAX],
+        common: common_weight,
+        residual: 0,
+        standing: StandingOrders::new(),
+    };
     for order in single_orders(plan).filter(|_| suspect_torque) {
-        let power = signal.single[order - 1];
+        let power = coefficients[order - 1].power();
         if height(power, sizes[order - 1], noise.single[order - 1]) > STANDING_HEIGHT {
             #[allow(clippy::cast_possible_truncation)]
             keep_strongest(
-                &mut standing,
+                &mut weights.standing,
                 Standing {
                     order: order as u16,
                     power,
@@ -55,44 +72,40 @@ pub(super) fn weigh(
             );
         }
     }
-    let products = products(plan, &standing, one_speed_turn.unwrap_or(0));
+    let turn = one_speed_turn.unwrap_or(0);
 
-    let common = wiener(common_size, noise.common);
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(noise.common, COMMON_MARGIN_Q8 - 256);
-    let left_common = left_over(common, common_size.max(hidden), noise.common);
+    let left_common = left_over(common_weight, common_size.max(hidden), noise.common);
     let mut residual = u128::from(left_common) * plan.common_count() as u128;
-    let mut single = [0; ORDERS_MAX];
     for order in single_orders(plan) {
         let index = order - 1;
         let size = sizes[index];
         // Not below half of what the order itself shows, for a line that comes and goes.
         let doubt = noise.single[index].max(exp2(own_noise[index]) / 2);
-        let doubt = doubt.saturating_add(u64::from(products[index]).pow(2));
+        let product = u64::from(product(&weights.standing, turn, order));
+        let doubt = doubt.saturating_add(product.pow(2));
         let mut weight = wiener(size, doubt);
         if suspect_torque {
-            let gate = (STANDING_HEIGHT - height(signal.single[index], size, doubt)).clamp(0, Q);
+            let gate =
+                (STANDING_HEIGHT - height(coefficients[index].power(), size, doubt)).clamp(0, Q);
             weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
         }
         residual += 2 * u128::from(left_over(weight, size, doubt));
         #[allow(clippy::cast_possible_truncation)]
         {
-            single[index] = weight as u16;
+            weights.single[index] = weight as u16;
         }
     }
-    Weights {
-        single,
-        common,
-        residual: u64::try_from(residual).unwrap_or(u64::MAX),
-        standing,
-    }
+    weights.residual = u64::try_from(residual).unwrap_or(u64::MAX);
+    weights
 }
 
 /// The geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
 /// order above.
 fn sizes(
     plan: OrderPlan,
-    signal: &Powers,
+    coefficients: &[Coefficient; ORDERS_MAX],
     noise_levels: &Powers,
     common_size: u64,
     scratch: &mut [i32; ORDERS_MAX],
@@ -100,9 +113,13 @@ fn sizes(
     let mut sizes = [0; ORDERS_MAX];
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
-        let (power, noise) = (signal.single[order - 1], noise_levels.single[order - 1]);
+        let (power, noise) = (
+            coefficients[order - 1].power(),
+            noise_levels.single[order - 1],
+        );
         let size = if plan.has_neighbours() {
-            let (level, count) = neighbourhood_level(plan, signal, noise_levels, order, scratch);
+            let (level, count) =
+                neighbourhood_level(plan, coefficients, noise_levels, order, scratch);
             excess(level, noise, margin_q8(count)).max(carried.min(level))
         } else {
             excess(power, noise, LONE_MARGIN_Q8)
@@ -184,7 +201,7 @@ fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
 /// over to the median of the signal, which no roughness of the noise can disturb.
 fn neighbourhood_level(
     plan: OrderPlan,
-    signal: &Powers,
+    coefficients: &[Coefficient; ORDERS_MAX],
     noise: &Powers,
     order: usize,
     scratch: &mut [i32; ORDERS_MAX],
@@ -196,12 +213,16 @@ fn neighbourhood_level(
             count += 1;
         }
         let values = &mut scratch[..count];
-        values.sort_unstable();
-        let above = values[count / 2];
-        let below = values[(count - 1) / 2];
-        (i32::midpoint(below, above), count)
+        // An order has two neighbours at least. Selecting, unlike sorting, does not recurse.
+        let (below, &mut middle, _) = values.select_nth_unstable(count / 2);
+        let below = if count.is_multiple_of(2) {
+            below.iter().copied().max()
+        } else {
+            None
+        };
+        (i32::midpoint(below.unwrap_or(middle), middle), count)
     };
-    let signal_log = |n: usize| log2(signal.single[n - 1].into());
+    let signal_log = |n: usize| log2(coefficients[n - 1].power().into());
     let noise_log = |n: usize| log2(noise.single[n - 1].into());
     let (ratio, count) = median(&|n| signal_log(n) - noise_log(n));
     let (plain, _) = median(&signal_log);
@@ -215,18 +236,18 @@ fn neighbourhood_level(
     (exp2(level), count)
 }
 
-/// Replaces the noise at every single order by its level and returns the logarithms of what was there. The level is the
+/// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
 /// geometric mean over the neighbours with the slope of the fourth power taken out, and not below the same mean over
 /// [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
 fn smooth_noise(
     plan: OrderPlan,
     noise: &mut Powers,
+    own: &mut [i32; ORDERS_MAX],
     scratch: &mut [i32; ORDERS_MAX],
-) -> [i32; ORDERS_MAX] {
+) {
     // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
     const MEAN_OVER_LOG_MEAN: i64 = 54_574;
     let slope = |order: usize| 4 * log2(order as u128);
-    let mut own = [0; ORDERS_MAX];
     for order in single_orders(plan) {
         own[order - 1] = log2(noise.single[order - 1].into());
         scratch[order - 1] = own[order - 1] + slope(order);
@@ -252,7 +273,6 @@ fn smooth_noise(
         // At least the smallest number, so that ratios to it mean something.
         noise.single[order - 1] = level.max(1);
     }
-    own
 }
 
 /// Orders that the noise at an order is judged from at the least.

@@ -63,25 +63,6 @@ fn record_is_refused_with_the_value_that_is_wrong() {
     );
 }
 
-#[test]
-fn tally_counts_each_kind_and_its_checksum_sees_one_changed_bit() {
-    let capture = |raw, overflow_pending| Event::Capture {
-        raw,
-        levels: Levels(3),
-        overflow_pending,
-    };
-    let tally = |events: &[Event]| {
-        let mut tally = Tally::default();
-        events.iter().for_each(|event| tally.add(event));
-        tally
-    };
-    let one = tally(&[capture(7, false), capture(9, true), Event::Overflow]);
-    assert_eq!((one.captures, one.pending, one.overflows), (2, 1, 1));
-    let other = tally(&[capture(7, false), capture(8, true), Event::Overflow]);
-    assert_ne!(one.checksum(), other.checksum());
-    assert_eq!(Tally::default().checksum(), 0);
-}
-
 proptest! {
     #[test]
     fn any_record_that_parses_emits_its_own_bytes(bytes: [u8; RECORD_LEN]) {

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+mod code;
 mod elf;
 mod image;
 mod qemu;
 mod toolchain;
 
+pub use code::{Function, Offence, offences, reachable};
 pub use elf::{Size, Symbol, size, symbols};
 pub use image::{build, images};
 pub use qemu::{Output, run_qemu};
@@ -71,6 +73,14 @@ pub enum FirmwareError {
         path: PathBuf,
         /// The reader's reason.
         source: object::Error,
+    },
+    /// The image's code can't be followed.
+    #[error("{}: {reason}", path.display())]
+    Code {
+        /// The file.
+        path: PathBuf,
+        /// What was found, and where.
+        reason: String,
     },
 }
 

@@ -45,8 +45,8 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "defmt",
-        about: "the core with its log messages",
-        run: || cargo(&["check", "-p", "quadcal", "--release", "--features", "defmt"]),
+        about: "the core for the target, with its log messages",
+        run: defmt,
     },
     Step {
         name: "firmware",
@@ -104,6 +104,16 @@ fn cargo(args: &[&str]) -> Result<(), Failure> {
     run(Command::new("cargo")
         .args(args)
         .current_dir(firmware::workspace()))
+}
+
+fn defmt() -> Result<(), Failure> {
+    let mut check = Command::new("cargo");
+    check.current_dir(firmware::workspace());
+    check.args(["check", "-p", "quadcal", "--lib", "--features", "defmt"]);
+    check.args(["--profile", "firmware", "--target", TARGET]);
+    check.args(["--target-dir", "target-firmware"]);
+    firmware::toolchain()?.apply(&mut check);
+    run(&mut check)
 }
 
 fn images() -> Result<(), Failure> {
