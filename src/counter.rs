@@ -58,6 +58,22 @@ impl Counter {
         }
     }
 
+    /// [`Counter::step`] where it does not go round the turn's end.
+    #[inline]
+    pub(crate) const fn step_within(&mut self, direction: Direction) -> u32 {
+        let position = self.position;
+        match direction {
+            Direction::Forward => {
+                self.position = position.wrapping_add(1);
+                self.position
+            }
+            Direction::Reverse => {
+                self.position = position.wrapping_sub(1);
+                position
+            }
+        }
+    }
+
     /// Moves by `edges` and returns the last edge crossed. Takes `edges` steps: meant for a few.
     pub const fn advance(&mut self, direction: Direction, edges: u16) -> u32 {
         let mut crossed = self.position;
