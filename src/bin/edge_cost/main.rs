@@ -142,7 +142,7 @@ fn measure(
 #[inline(never)]
 fn idle(samples: &[Sample]) {
     for sample in samples {
-        black_box(sample);
+        black_box(black_box(sample));
     }
 }
 
