@@ -23,21 +23,42 @@ pub struct CorrectedEdge {
     pub flags: Flags,
 }
 
-/// The state that one step changes, and that a glitch takes back.
+/// An edge, and what extrapolation from it needs.
 #[derive(Clone, Copy, Debug)]
 struct Last {
     edge: CorrectedEdge,
     number: u32,
     direction: Direction,
-    referenced: bool,
 }
+
+const NOTHING: Last = Last {
+    edge: CorrectedEdge {
+        ticks: 0,
+        angle: Turn32(0),
+        moved: TurnDelta32(0),
+        interval: 0,
+        flags: Flags::NONE,
+    },
+    number: 0,
+    direction: Direction::Forward,
+};
+
+/// Flags that decide whether an edge's angle can be subtracted from the one before.
+const RELATION: Flags = Flags::FIRST.with(Flags::REFERENCED).with(Flags::INDEX);
+
+/// Never a step's relation.
+const NO_RELATION: Flags = Flags(u16::MAX);
 
 /// Applies an error table to a decoder's steps. Without a table it hands on the grid's angles.
 pub struct Corrector<'a, E: Entry = i16> {
-    grid: Grid,
-    table: Option<ErrorTable<'a, E>>,
-    last: Option<Last>,
-    before: Option<Last>,
+    table: ErrorTable<'a, E>,
+    /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
+    related: Flags,
+    newest: usize,
+    /// Edges known, at most both.
+    known: u32,
+    /// The edge accepted last, and the one before, to come back to after a glitch.
+    history: [Last; 2],
 }
 
 impl<'a, E: Entry> Corrector<'a, E> {
@@ -45,57 +66,39 @@ impl<'a, E: Entry> Corrector<'a, E> {
     #[must_use]
     pub const fn new(table: ErrorTable<'a, E>) -> Self {
         Self {
-            grid: Grid::new(table.shape()),
-            table: Some(table),
-            last: None,
-            before: None,
+            table,
+            related: NO_RELATION,
+            newest: 0,
+            known: 0,
+            history: [NOTHING; 2],
         }
     }
 
     /// Hands on the grid's angles as they are.
     #[must_use]
     pub const fn uncorrected(grid: Grid) -> Self {
-        Self {
-            grid,
-            table: None,
-            last: None,
-            before: None,
-        }
+        Self::new(ErrorTable::of_grid(grid))
     }
 
     /// Takes what a decoder made of a sample; `Some` for every accepted edge. On the edge path.
     #[inline]
     pub fn push(&mut self, outcome: &Outcome) -> Option<CorrectedEdge> {
-        match outcome {
-            Outcome::Step(step) => Some(self.push_step(step)),
-            Outcome::Glitch(_) => {
-                self.last = self.before;
-                None
-            }
-            Outcome::Index(index) if index.resync != 0 => {
-                self.last = None;
-                None
-            }
-            Outcome::Index(_) | Outcome::Idle => None,
+        if let Outcome::Step(step) = outcome {
+            return Some(self.push_step(step));
         }
+        self.push_other(outcome);
+        None
     }
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let referenced = step.flags.contains(Flags::REFERENCED);
-        let angle = self.angle_of(step.edge, referenced);
-        // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
-        let comparable = step.resync == 0 && !step.flags.contains(Flags::FIRST);
-        let moved = match &self.last {
-            Some(last) if comparable && last.referenced == referenced => {
-                angle.minus(last.edge.angle)
-            }
-            _ => TurnDelta32(self.grid_steps(step)),
-        };
-        let interval = if step.flags.contains(Flags::FIRST) {
-            0
+        let angle = self
+            .table
+            .angle(step.edge, step.flags.contains(Flags::REFERENCED));
+        let (moved, interval) = if step.flags.within(RELATION) == self.related {
+            (angle.minus(self.newest().edge.angle), step.interval)
         } else {
-            step.interval
+            self.relate(step, angle)
         };
         let edge = CorrectedEdge {
             ticks: step.ticks,
@@ -104,27 +107,76 @@ impl<'a, E: Entry> Corrector<'a, E> {
             interval,
             flags: step.flags,
         };
-        self.before = self.last;
-        self.last = Some(Last {
+        self.newest ^= 1;
+        self.history[self.newest % 2] = Last {
             edge,
             number: step.edge,
             direction: step.direction,
-            referenced,
-        });
+        };
         edge
+    }
+
+    /// Way and time from the edge before to a step that may not follow it plainly.
+    #[cold]
+    #[inline(never)]
+    fn relate(&mut self, step: &Step, angle: Turn32) -> (TurnDelta32, u32) {
+        let first = step.flags.contains(Flags::FIRST);
+        let referenced = step.flags.within(Flags::REFERENCED);
+        // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
+        let comparable = step.resync == 0 && !first;
+        let moved = match self.last() {
+            Some(last) if comparable && last.flags.within(Flags::REFERENCED) == referenced => {
+                angle.minus(last.angle)
+            }
+            _ => TurnDelta32(self.grid_steps(step)),
+        };
+        self.known = (self.known + 1).min(2);
+        self.related = if self.known == 2 {
+            referenced
+        } else {
+            NO_RELATION
+        };
+        (moved, if first { 0 } else { step.interval })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn push_other(&mut self, outcome: &Outcome) {
+        match outcome {
+            // One edge can be taken back, not several in a row.
+            Outcome::Glitch(_) if self.known == 2 => {
+                let before = self.history[(self.newest ^ 1) % 2];
+                self.history[self.newest % 2] = before;
+                self.related = before.edge.flags.within(Flags::REFERENCED);
+            }
+            Outcome::Glitch(_) => self.known = 0,
+            Outcome::Index(index) if index.resync != 0 => {
+                self.known = 0;
+                self.related = NO_RELATION;
+            }
+            Outcome::Index(_) | Outcome::Idle | Outcome::Step(_) => {}
+        }
+    }
+
+    #[inline]
+    fn newest(&self) -> &Last {
+        &self.history[self.newest % 2]
     }
 
     /// The edge accepted last.
     #[must_use]
     pub fn last(&self) -> Option<&CorrectedEdge> {
-        self.last.as_ref().map(|last| &last.edge)
+        (self.known != 0).then(|| &self.newest().edge)
     }
 
     /// Angle at `now`: from the last edge on at the speed of the last interval, but never past the next edge, which would
     /// have been seen. `None` before the first edge. For the control loop; no division.
     #[must_use]
     pub fn angle_at(&self, now: Ticks) -> Option<Turn32> {
-        let last = self.last.as_ref()?;
+        if self.known == 0 {
+            return None;
+        }
+        let last = self.newest();
         let elapsed = u32::try_from(now.saturating_sub(last.edge.ticks)).unwrap_or(u32::MAX);
         if last.edge.interval == 0 {
             return Some(last.edge.angle);
@@ -133,7 +185,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
         let travel = Recip::of_u32(last.edge.interval).times(travel);
         let next = self.next_edge(last.number, last.direction);
         let limit = self
-            .angle_of(next, last.referenced)
+            .table
+            .angle(next, last.edge.flags.contains(Flags::REFERENCED))
             .minus(last.edge.angle)
             .0
             .unsigned_abs();
@@ -148,16 +201,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
         )
     }
 
-    #[inline]
-    fn angle_of(&self, edge: u32, referenced: bool) -> Turn32 {
-        match &self.table {
-            Some(table) => table.angle(edge, referenced),
-            None => self.grid.angle(edge),
-        }
-    }
-
     fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
-        let edges = self.grid.shape().edges();
+        let edges = self.table.shape().edges();
         match direction {
             Direction::Forward if edge.wrapping_add(1) >= edges => 0,
             Direction::Forward => edge + 1,
@@ -168,7 +213,12 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     /// The step's way on the grid, for edges that can't be compared with the one before.
     fn grid_steps(&self, step: &Step) -> i32 {
-        let size = self.grid.angle(u32::from(step.advance)).0.cast_signed();
+        let size = self
+            .table
+            .grid()
+            .angle(u32::from(step.advance))
+            .0
+            .cast_signed();
         size.wrapping_mul(step.direction.sign())
     }
 }

@@ -68,6 +68,20 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         })
     }
 
+    /// A table that corrects nothing.
+    pub(crate) const fn of_grid(grid: Grid) -> Self {
+        Self {
+            grid,
+            class_offsets: [TurnDelta32(0); CLASSES_MAX],
+            entries: &[],
+            shift: 0,
+        }
+    }
+
+    pub(crate) const fn grid(&self) -> Grid {
+        self.grid
+    }
+
     /// The encoder's shape.
     #[must_use]
     pub const fn shape(&self) -> EncoderShape {

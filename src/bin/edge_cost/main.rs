@@ -175,7 +175,8 @@ fn chain_block(decoder: &mut QuadratureDecoder, corrector: &mut Corrector<'_>, s
 fn time_block(interval: &mut Interval, outcomes: &[Outcome]) {
     for outcome in outcomes {
         if let Outcome::Step(step) = black_box(outcome) {
-            black_box(interval.push(step, TurnDelta32(0)));
+            interval.push(step, TurnDelta32(0));
+            black_box(&interval);
         }
     }
 }
