@@ -54,9 +54,13 @@ pub struct Corrector<'a, E: Entry = i16> {
     table: ErrorTable<'a, E>,
     /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
     related: Flags,
-    newest: usize,
+    class_mask: u32,
+    /// The table's entries once the index is seen, none before.
+    entries: &'a [E],
+    /// Place of the newest edge in the history.
+    newest: bool,
     /// Edges known, at most both.
-    known: u32,
+    known: u8,
     /// The edge accepted last, and the one before, to come back to after a glitch.
     history: [Last; 2],
 }
@@ -68,7 +72,9 @@ impl<'a, E: Entry> Corrector<'a, E> {
         Self {
             table,
             related: NO_RELATION,
-            newest: 0,
+            class_mask: 0,
+            entries: &[],
+            newest: false,
             known: 0,
             history: [NOTHING; 2],
         }
@@ -92,13 +98,13 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let angle = self
-            .table
-            .angle(step.edge, step.flags.contains(Flags::REFERENCED));
-        let (moved, interval) = if step.flags.within(RELATION) == self.related {
-            (angle.minus(self.newest().edge.angle), step.interval)
+        let (angle, moved, interval) = if step.flags.within(RELATION) == self.related {
+            let angle = self
+                .table
+                .angle_masked(step.edge, self.class_mask, self.entries);
+            (angle, angle.minus(self.newest().edge.angle), step.interval)
         } else {
-            self.relate(step, angle)
+            self.relate(step)
         };
         let edge = CorrectedEdge {
             ticks: step.ticks,
@@ -107,8 +113,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
             interval,
             flags: step.flags,
         };
-        self.newest ^= 1;
-        self.history[self.newest % 2] = Last {
+        self.newest = !self.newest;
+        self.history[usize::from(self.newest)] = Last {
             edge,
             number: step.edge,
             direction: step.direction,
@@ -116,27 +122,40 @@ impl<'a, E: Entry> Corrector<'a, E> {
         edge
     }
 
-    /// Way and time from the edge before to a step that may not follow it plainly.
+    /// Angle of a step that may not follow the one before plainly, and the way and time from there.
     #[cold]
     #[inline(never)]
-    fn relate(&mut self, step: &Step, angle: Turn32) -> (TurnDelta32, u32) {
+    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32) {
         let first = step.flags.contains(Flags::FIRST);
-        let referenced = step.flags.within(Flags::REFERENCED);
+        let referenced = step.flags.contains(Flags::REFERENCED);
+        let angle = self.table.angle(step.edge, referenced);
         // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
         let comparable = step.resync == 0 && !first;
         let moved = match self.last() {
-            Some(last) if comparable && last.flags.within(Flags::REFERENCED) == referenced => {
+            Some(last) if comparable && last.flags.contains(Flags::REFERENCED) == referenced => {
                 angle.minus(last.angle)
             }
             _ => TurnDelta32(self.grid_steps(step)),
         };
         self.known = (self.known + 1).min(2);
-        self.related = if self.known == 2 {
-            referenced
-        } else {
-            NO_RELATION
-        };
-        (moved, if first { 0 } else { step.interval })
+        self.expect(step.flags);
+        (angle, moved, if first { 0 } else { step.interval })
+    }
+
+    /// Gets ready for steps that plainly follow one with `flags`.
+    fn expect(&mut self, flags: Flags) {
+        self.related = NO_RELATION;
+        if let Some(class_mask) = self.table.class_mask()
+            && self.known == 2
+        {
+            self.related = flags.within(Flags::REFERENCED);
+            self.class_mask = class_mask;
+            self.entries = if flags.contains(Flags::REFERENCED) {
+                self.table.entries()
+            } else {
+                &[]
+            };
+        }
     }
 
     #[cold]
@@ -145,9 +164,9 @@ impl<'a, E: Entry> Corrector<'a, E> {
         match outcome {
             // One edge can be taken back, not several in a row.
             Outcome::Glitch(_) if self.known == 2 => {
-                let before = self.history[(self.newest ^ 1) % 2];
-                self.history[self.newest % 2] = before;
-                self.related = before.edge.flags.within(Flags::REFERENCED);
+                let before = self.history[usize::from(!self.newest)];
+                self.history[usize::from(self.newest)] = before;
+                self.expect(before.edge.flags);
             }
             Outcome::Glitch(_) => self.known = 0,
             Outcome::Index(index) if index.resync != 0 => {
@@ -160,7 +179,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     #[inline]
     fn newest(&self) -> &Last {
-        &self.history[self.newest % 2]
+        &self.history[usize::from(self.newest)]
     }
 
     /// The edge accepted last.
