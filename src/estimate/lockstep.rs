@@ -6,7 +6,7 @@ use super::fold::{CONTRAST_SHIFT, Fold};
 use super::turn::{Turn, wrapped};
 use crate::edge::Direction;
 use crate::step::{Flags, Step};
-use crate::units::{STEP_FRACTION_BITS, Ticks};
+use crate::units::STEP_FRACTION_BITS;
 
 /// Turn and fold in step, or neither.
 pub(super) struct Lockstep {
@@ -15,9 +15,10 @@ pub(super) struct Lockstep {
     /// From edge to edge: 1, or -1 in reverse.
     stride: u32,
     sign: i32,
-    last: Ticks,
     phase_q32: u64,
-    per_tick_q32: u64,
+    /// Step fractions a tick, whole and in 2^-32.
+    per_tick: u32,
+    per_tick_fraction: u32,
     level_q32: i64,
     slope_q32: i64,
 }
@@ -31,9 +32,9 @@ impl Lockstep {
         next: NO_EDGE,
         stride: 1,
         sign: 1,
-        last: 0,
         phase_q32: 0,
-        per_tick_q32: 0,
+        per_tick: 0,
+        per_tick_fraction: 0,
         level_q32: 0,
         slope_q32: 0,
     };
@@ -52,9 +53,9 @@ impl Lockstep {
                     next: turn.edge.wrapping_add(stride),
                     stride,
                     sign: fold.sign,
-                    last: turn.last,
                     phase_q32: turn.phase_q32,
-                    per_tick_q32,
+                    per_tick: whole(per_tick_q32),
+                    per_tick_fraction: fraction(per_tick_q32),
                     level_q32: fold.level_q32,
                     slope_q32: fold.slope_q32,
                 }
@@ -69,7 +70,6 @@ impl Lockstep {
             return;
         }
         turn.edge = self.next.wrapping_sub(self.stride);
-        turn.last = self.last;
         turn.phase_q32 = self.phase_q32;
         let forward = turn.direction == Direction::Forward;
         (fold.slot, fold.remaining) = place(turn.edge, edges, forward);
@@ -80,17 +80,19 @@ impl Lockstep {
     /// Takes a step that is the next edge, not the turn's last and nothing special; else does nothing and says false.
     #[inline]
     pub fn take<B: EdgeBuffers>(&mut self, step: &Step, buffers: &mut B) -> bool {
-        let plain = step.edge == self.next
-            && step.edge != 0
-            && step.advance == 1
-            && step.flags.without(Flags::REFERENCED) == Flags::NONE;
-        let interval = step.ticks.wrapping_sub(self.last);
-        if !plain || interval > u64::from(u32::MAX) {
+        // A decoder that comes to the next edge came by one edge.
+        let interval = step.interval;
+        if step.edge != self.next
+            || step.edge == 0
+            || step.flags.without(Flags::REFERENCED) != Flags::NONE
+            || interval == 0
+            || interval == u32::MAX
+        {
             return false;
         }
-        let phase_q32 = self
-            .phase_q32
-            .wrapping_add(interval.wrapping_mul(self.per_tick_q32));
+        let below = u64::from(interval) * u64::from(self.per_tick_fraction);
+        let above = u64::from(interval.wrapping_mul(self.per_tick)) << 32;
+        let phase_q32 = self.phase_q32.wrapping_add(below).wrapping_add(above);
         let moved = whole(phase_q32).wrapping_sub(whole(self.phase_q32));
         let deviation = moved.wrapping_sub(1 << STEP_FRACTION_BITS).cast_signed();
         // The interval between edges k-1 and k has slot k in either direction.
@@ -105,7 +107,6 @@ impl Lockstep {
             *sum = sum.wrapping_add(entry);
         }
         self.phase_q32 = phase_q32;
-        self.last = step.ticks;
         self.next = step.edge.wrapping_add(self.stride);
         true
     }
@@ -126,6 +127,11 @@ const fn whole(q32: u64) -> u32 {
     (q32 >> 32) as u32
 }
 
+#[allow(clippy::cast_possible_truncation)]
+const fn fraction(q32: u64) -> u32 {
+    q32 as u32
+}
+
 /// Adds the deviation in the first of an edge's cells to the contrast in the second, and returns it for the sum.
 #[inline]
 pub(super) fn fold_entry(
@@ -141,7 +147,7 @@ pub(super) fn fold_entry(
     let entry = i32::from(cells[0]);
     let before = level(*level_q32);
     // Rounding the running level, not each entry, keeps the rounding error from adding up over the turn.
-    *level_q32 += (i64::from(entry) << 32) - slope_q32;
+    *level_q32 = *level_q32 - slope_q32 + (i64::from(entry) << 32);
     let contrast = i32::from(cells[1]) + sign * (level(*level_q32) - before);
     #[allow(clippy::cast_possible_truncation)]
     let kept = contrast.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;

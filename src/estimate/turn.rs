@@ -61,7 +61,6 @@ pub(super) struct Turn {
     pub direction: Direction,
     pub rate: Option<TurnRate>,
     start: Ticks,
-    pub last: Ticks,
     pub edge: u32,
     /// Step fractions since the start, Q32.
     pub phase_q32: u64,
@@ -76,7 +75,6 @@ impl Turn {
             direction: step.direction,
             rate,
             start: step.ticks,
-            last: step.ticks,
             edge: step.edge,
             phase_q32: u64::from(dither),
             irregular: false,
@@ -116,12 +114,12 @@ impl Turn {
             return Err(Rejection::Broken);
         }
         self.edge = expected;
-        let interval = step.ticks.wrapping_sub(self.last);
-        self.last = step.ticks;
         if let Some(rate) = self.rate {
-            let Ok(interval) = u32::try_from(interval) else {
+            let interval = step.interval;
+            // Time that ran backward gives no interval.
+            if interval == 0 || interval == u32::MAX {
                 return Err(Rejection::Irregular);
-            };
+            }
             let before = self.whole();
             self.phase_q32 = self.phase_q32.wrapping_add(rate.times(interval));
             let moved = self.whole().wrapping_sub(before);
