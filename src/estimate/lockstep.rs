@@ -85,7 +85,6 @@ impl Lockstep {
         if step.edge != self.next
             || step.edge == 0
             || step.flags.without(Flags::REFERENCED) != Flags::NONE
-            || interval == 0
             || interval == u32::MAX
         {
             return false;

@@ -64,8 +64,8 @@ pub enum Anchor {
 pub enum Rejection {
     /// Edges missing, out of order or reported faulty, or the direction changed.
     Broken,
-    /// An interval a whole step or more away from the grid, or of 2^32 ticks or more: the shaft stopped, time ran backward,
-    /// or an edge is in the wrong place by a whole step.
+    /// An interval more than one step away from the grid, or of 2^32 ticks or more, or time that ran backward: the shaft
+    /// stopped, or an edge is in the wrong place by a whole step.
     Irregular,
     /// The turn took more than an eighth longer or shorter than the one before.
     SpeedChange,

@@ -42,6 +42,12 @@ impl TurnRate {
         }
     }
 
+    /// Whole step fractions in a turn's `duration`.
+    #[allow(clippy::cast_possible_truncation)]
+    fn whole(self, duration: u64) -> u32 {
+        (duration.wrapping_mul(u64::from(self.multiplier)) >> self.shift) as u32
+    }
+
     /// Step fractions a tick, Q32; `None` where 32 digits are too few: intervals beyond 2^16 ticks.
     pub(super) fn per_tick_q32(self) -> Option<u64> {
         let places = 32_u32.checked_sub(self.shift)?;
@@ -99,6 +105,15 @@ impl Turn {
         (self.phase_q32 >> 32) as u32
     }
 
+    /// Whether the intervals do not add up to the turn: decoders give none where time runs backward.
+    fn ran_backward(&self, now: Ticks) -> bool {
+        self.rate.is_some_and(|rate| {
+            // One for the dither and one for digits cut off.
+            let excess = self.whole().wrapping_sub(rate.whole(self.duration(now)));
+            excess.wrapping_add(2) > 4
+        })
+    }
+
     /// Adds one crossing; `Ok(true)` when it ends the turn.
     pub(super) fn extend<B: EdgeBuffers>(
         &mut self,
@@ -116,8 +131,7 @@ impl Turn {
         self.edge = expected;
         if let Some(rate) = self.rate {
             let interval = step.interval;
-            // Time that ran backward gives no interval.
-            if interval == 0 || interval == u32::MAX {
+            if interval == u32::MAX {
                 return Err(Rejection::Irregular);
             }
             let before = self.whole();
@@ -146,7 +160,7 @@ impl Turn {
         if expected != 0 {
             return Ok(false);
         }
-        if self.irregular {
+        if self.irregular || self.ran_backward(step.ticks) {
             Err(Rejection::Irregular)
         } else {
             Ok(true)
