@@ -190,8 +190,8 @@ impl QuadratureDecoder {
             position: self.counter.position(),
             interval: elapsed as u32,
             resync: 0,
-            advance: 1,
-            flags: self.status,
+            advance: self.next.advance,
+            flags: self.next.flags,
             direction,
         })
     }

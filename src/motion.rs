@@ -100,13 +100,13 @@ impl Motion {
         self.filled == DEPTH && self.run == DEPTH
     }
 
-    /// An interval below this one is not [`Motion::is_long`], history being full.
+    /// An interval below this one, two typical ones, is not [`Motion::is_long`], history being full.
     #[inline]
     pub fn quick_limit(&self) -> u32 {
-        let span = self.span(0);
-        // Three quarters, rounded up. Time that ran backward gives a negative span: no interval is below 0.
-        let long = span.wrapping_sub(span >> 2).cast_signed();
-        long.clamp(0, (STANDING - 1).cast_signed()).cast_unsigned()
+        // Time that ran backward gives a negative span: no interval is below 0.
+        let half_span = self.span(0).cast_signed() >> 1;
+        let standing = (STANDING - 1).cast_signed();
+        half_span.clamp(0, standing).cast_unsigned()
     }
 
     /// Turns round; the next pushed edge is the first in the new direction.

@@ -2,6 +2,7 @@
 
 use crate::counter::Counter;
 use crate::edge::{Direction, Levels};
+use crate::step::Flags;
 
 /// What the next sample is like if it is a plain step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,9 @@ pub(super) struct Plain {
     levels: u32,
     /// The position whose next step goes round the turn's end.
     seam: u32,
+    /// [`crate::step::Step::advance`] and flags of the step: side by side here as there, one word to copy.
+    pub advance: u16,
+    pub flags: Flags,
 }
 
 const CHANNELS: u32 = (Levels::A | Levels::B) as u32;
@@ -24,10 +28,12 @@ impl Plain {
         limit: 0,
         levels: 0,
         seam: 0,
+        advance: 1,
+        flags: Flags::NONE,
     };
 
     /// After a step to the counter's position, Z low.
-    pub fn after(counter: &Counter, direction: Direction, limit: u32) -> Self {
+    pub fn after(counter: &Counter, direction: Direction, flags: Flags, limit: u32) -> Self {
         let position = counter.position();
         let (edge, seam) = match direction {
             Direction::Forward => (position.wrapping_add(1), counter.slots() - 1),
@@ -45,6 +51,8 @@ impl Plain {
             limit,
             levels: (present ^ channel(edge)) | (channel(edge + 1) << CHANNEL_SHIFT),
             seam,
+            advance: 1,
+            flags,
         }
     }
 

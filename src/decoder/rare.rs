@@ -29,6 +29,7 @@ impl QuadratureDecoder {
             Plain::after(
                 &self.counter,
                 self.motion.direction,
+                self.status,
                 self.motion.quick_limit(),
             )
         } else {
