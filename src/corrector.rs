@@ -24,22 +24,47 @@ pub struct CorrectedEdge {
     pub flags: Flags,
 }
 
-/// The state that one step changes, and that a glitch takes back.
+/// An edge, and what extrapolation from it needs.
 #[derive(Clone, Copy, Debug)]
 struct Last {
     edge: CorrectedEdge,
     number: u32,
     direction: Direction,
-    referenced: bool,
 }
+
+const NOTHING: Last = Last {
+    edge: CorrectedEdge {
+        ticks: 0,
+        angle: Turn32(0),
+        moved: TurnDelta32(0),
+        interval: 0,
+        flags: Flags::NONE,
+    },
+    number: 0,
+    direction: Direction::Forward,
+};
+
+/// Flags that decide whether an edge's angle can be subtracted from the one before.
+const RELATION: Flags = Flags::FIRST.with(Flags::REFERENCED).with(Flags::INDEX);
+
+/// Never a step's relation.
+const NO_RELATION: Flags = Flags(u16::MAX);
 
 /// Applies an error table to a decoder's steps. Without a table it hands on the grid's angles.
 pub struct Corrector<'a, E: Entry = i16> {
-    grid: Grid,
-    table: Option<ErrorTable<'a, E>>,
+    table: ErrorTable<'a, E>,
     anchor: Anchor,
-    last: Option<Last>,
-    before: Option<Last>,
+    /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
+    related: Flags,
+    class_mask: u32,
+    /// The table's entries once the index is seen, none before.
+    entries: &'a [E],
+    /// Place of the newest edge in the history.
+    newest: bool,
+    /// Edges known, at most both.
+    known: u8,
+    /// The edge accepted last, and the one before, to come back to after a glitch.
+    history: [Last; 2],
 }
 
 impl<'a, E: Entry> Corrector<'a, E> {
@@ -47,59 +72,42 @@ impl<'a, E: Entry> Corrector<'a, E> {
     #[must_use]
     pub const fn new(table: ErrorTable<'a, E>, anchor: Anchor) -> Self {
         Self {
-            grid: Grid::new(table.shape()),
-            table: Some(table),
+            table,
             anchor,
-            last: None,
-            before: None,
+            related: NO_RELATION,
+            class_mask: 0,
+            entries: &[],
+            newest: false,
+            known: 0,
+            history: [NOTHING; 2],
         }
     }
 
     /// Hands on the grid's angles as they are.
     #[must_use]
     pub const fn uncorrected(grid: Grid) -> Self {
-        Self {
-            grid,
-            table: None,
-            anchor: Anchor::Index,
-            last: None,
-            before: None,
-        }
+        Self::new(ErrorTable::of_grid(grid), Anchor::Index)
     }
 
     /// Takes what a decoder made of a sample; `Some` for every accepted edge. On the edge path.
     #[inline]
     pub fn push(&mut self, outcome: &Outcome) -> Option<CorrectedEdge> {
-        match outcome {
-            Outcome::Step(step) => Some(self.push_step(step)),
-            Outcome::Glitch(_) => {
-                self.last = self.before;
-                None
-            }
-            Outcome::Index(index) if index.resync != 0 => {
-                self.last = None;
-                None
-            }
-            Outcome::Index(_) | Outcome::Idle => None,
+        if let Outcome::Step(step) = outcome {
+            return Some(self.push_step(step));
         }
+        self.push_other(outcome);
+        None
     }
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let referenced = self.anchor == Anchor::FirstEdge || step.flags.contains(Flags::REFERENCED);
-        let angle = self.angle_of(step.edge, referenced);
-        // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
-        let comparable = step.resync == 0 && !step.flags.contains(Flags::FIRST);
-        let moved = match &self.last {
-            Some(last) if comparable && last.referenced == referenced => {
-                angle.minus(last.edge.angle)
-            }
-            _ => TurnDelta32(self.grid_steps(step)),
-        };
-        let interval = if step.flags.contains(Flags::FIRST) {
-            0
+        let (angle, moved, interval) = if step.flags.within(RELATION) == self.related {
+            let angle = self
+                .table
+                .angle_masked(step.edge, self.class_mask, self.entries);
+            (angle, angle.minus(self.newest().edge.angle), step.interval)
         } else {
-            step.interval
+            self.relate(step)
         };
         let edge = CorrectedEdge {
             ticks: step.ticks,
@@ -108,27 +116,94 @@ impl<'a, E: Entry> Corrector<'a, E> {
             interval,
             flags: step.flags,
         };
-        self.before = self.last;
-        self.last = Some(Last {
+        self.newest = !self.newest;
+        self.history[usize::from(self.newest)] = Last {
             edge,
             number: step.edge,
             direction: step.direction,
-            referenced,
-        });
+        };
         edge
+    }
+
+    /// Angle of a step that may not follow the one before plainly, and the way and time from there.
+    #[cold]
+    #[inline(never)]
+    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32) {
+        let first = step.flags.contains(Flags::FIRST);
+        let referenced = self.applies(step.flags);
+        let angle = self.table.angle(step.edge, referenced);
+        // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
+        let comparable = step.resync == 0 && !first;
+        let moved = match self.last() {
+            Some(last) if comparable && self.applies(last.flags) == referenced => {
+                angle.minus(last.angle)
+            }
+            _ => TurnDelta32(self.grid_steps(step)),
+        };
+        self.known = (self.known + 1).min(2);
+        self.expect(step.flags);
+        (angle, moved, if first { 0 } else { step.interval })
+    }
+
+    /// Gets ready for steps that plainly follow one with `flags`.
+    fn expect(&mut self, flags: Flags) {
+        self.related = NO_RELATION;
+        if let Some(class_mask) = self.table.class_mask()
+            && self.known == 2
+        {
+            self.related = flags.within(Flags::REFERENCED);
+            self.class_mask = class_mask;
+            self.entries = if self.applies(flags) {
+                self.table.entries()
+            } else {
+                &[]
+            };
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn push_other(&mut self, outcome: &Outcome) {
+        match outcome {
+            // One edge can be taken back, not several in a row.
+            Outcome::Glitch(_) if self.known == 2 => {
+                let before = self.history[usize::from(!self.newest)];
+                self.history[usize::from(self.newest)] = before;
+                self.expect(before.edge.flags);
+            }
+            Outcome::Glitch(_) => self.known = 0,
+            Outcome::Index(index) if index.resync != 0 => {
+                self.known = 0;
+                self.related = NO_RELATION;
+            }
+            Outcome::Index(_) | Outcome::Idle | Outcome::Step(_) => {}
+        }
+    }
+
+    /// Whether the whole table applies to an edge with these flags.
+    fn applies(&self, flags: Flags) -> bool {
+        self.anchor == Anchor::FirstEdge || flags.contains(Flags::REFERENCED)
+    }
+
+    #[inline]
+    fn newest(&self) -> &Last {
+        &self.history[usize::from(self.newest)]
     }
 
     /// The edge accepted last.
     #[must_use]
     pub fn last(&self) -> Option<&CorrectedEdge> {
-        self.last.as_ref().map(|last| &last.edge)
+        (self.known != 0).then(|| &self.newest().edge)
     }
 
     /// Angle at `now`: from the last edge on at the speed of the last interval, but never past the next edge, which would
     /// have been seen. `None` before the first edge. For the control loop; no division.
     #[must_use]
     pub fn angle_at(&self, now: Ticks) -> Option<Turn32> {
-        let last = self.last.as_ref()?;
+        if self.known == 0 {
+            return None;
+        }
+        let last = self.newest();
         let elapsed = u32::try_from(now.saturating_sub(last.edge.ticks)).unwrap_or(u32::MAX);
         if last.edge.interval == 0 {
             return Some(last.edge.angle);
@@ -137,7 +212,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
         let travel = Recip::of_u32(last.edge.interval).times(travel);
         let next = self.next_edge(last.number, last.direction);
         let limit = self
-            .angle_of(next, last.referenced)
+            .table
+            .angle(next, self.applies(last.edge.flags))
             .minus(last.edge.angle)
             .0
             .unsigned_abs();
@@ -152,16 +228,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
         )
     }
 
-    #[inline]
-    fn angle_of(&self, edge: u32, referenced: bool) -> Turn32 {
-        match &self.table {
-            Some(table) => table.angle(edge, referenced),
-            None => self.grid.angle(edge),
-        }
-    }
-
     fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
-        let edges = self.grid.shape().edges();
+        let edges = self.table.shape().edges();
         match direction {
             Direction::Forward if edge.wrapping_add(1) >= edges => 0,
             Direction::Forward => edge + 1,
@@ -172,7 +240,12 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     /// The step's way on the grid, for edges that can't be compared with the one before.
     fn grid_steps(&self, step: &Step) -> i32 {
-        let size = self.grid.angle(u32::from(step.advance)).0.cast_signed();
+        let size = self
+            .table
+            .grid()
+            .angle(u32::from(step.advance))
+            .0
+            .cast_signed();
         size.wrapping_mul(step.direction.sign())
     }
 }

@@ -58,6 +58,16 @@ impl Counter {
         }
     }
 
+    /// [`Counter::step`] where it does not go round the turn's end.
+    #[inline]
+    pub(crate) const fn step_within(&mut self, direction: Direction) -> u32 {
+        // Without a branch: the edge is the new position going forward, the old one in reverse.
+        let reverse = direction as u32;
+        let edge = self.position.wrapping_sub(reverse).wrapping_add(1);
+        self.position = edge.wrapping_sub(reverse);
+        edge
+    }
+
     /// Moves by `edges` and returns the last edge crossed. Takes `edges` steps: meant for a few.
     pub const fn advance(&mut self, direction: Direction, edges: u16) -> u32 {
         let mut crossed = self.position;
@@ -109,6 +119,19 @@ mod tests {
         assert_eq!(counter.step(Direction::Reverse), 0);
         assert_eq!(counter.position(), 7);
         assert_eq!(counter.edge_behind(Direction::Reverse), 0);
+    }
+
+    #[test]
+    fn steps_within_the_turn_are_those_of_any_step() {
+        for direction in [Direction::Forward, Direction::Reverse] {
+            let mut counter = Counter::new(8).unwrap();
+            counter.set(4);
+            let mut other = counter;
+            for _ in 0..3 {
+                assert_eq!(counter.step_within(direction), other.step(direction));
+                assert_eq!(counter, other);
+            }
+        }
     }
 
     #[test]

@@ -33,12 +33,14 @@
 //! 112 instructions for one more step in the same direction, the outcome's copy included (Cortex-M4, opt-level 3, counted in
 //! QEMU netduinoplus2 with icount); no calls but for the rare paths.
 
+mod plain;
 mod rare;
 
 use crate::counter::Counter;
 use crate::edge::{Direction, Levels, Sample};
 use crate::motion::Motion;
 use crate::step::{Faults, Flags, Outcome, SensorError, Step};
+use plain::Plain;
 
 /// What the encoder is; fixed for a decoder's life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,8 +78,10 @@ pub const fn class_of(levels: Levels) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct QuadratureDecoder {
-    motion: Motion,
+    /// What the next sample must be like to need no second look.
+    next: Plain,
     counter: Counter,
+    motion: Motion,
     faults: Faults,
     index_class: u32,
     gate: u32,
@@ -110,8 +114,9 @@ impl QuadratureDecoder {
             Err(error) => return Err(error),
         };
         Ok(Self {
-            motion: Motion::new(),
+            next: Plain::NONE,
             counter,
+            motion: Motion::new(),
             faults: Faults::new(),
             index_class: class_of(config.index_state),
             gate: config.glitch_gate,
@@ -171,13 +176,24 @@ impl QuadratureDecoder {
     /// Takes one sample. Samples come in order of time; one that does not counts as an interval of 0.
     #[inline]
     pub fn push(&mut self, sample: Sample) -> Outcome {
-        let class = class_of(sample.levels);
-        let turned = class.wrapping_sub(self.counter.position()) & 3;
-        let on = turned == self.turn_of_direction();
-        if !on || !self.moved || self.spike_limit != 0 {
-            return self.push_watchful(sample, class, turned);
+        let elapsed = sample.ticks.wrapping_sub(self.motion.last);
+        let position = self.counter.position();
+        if !self.next.is(sample.levels, elapsed, position) {
+            return self.push_watchful(sample);
         }
-        self.step_on(sample, class)
+        let direction = self.motion.direction;
+        let edge = self.counter.step_within(direction);
+        self.next.pass(self.motion.push_steady(sample.ticks));
+        Outcome::Step(Step {
+            ticks: sample.ticks,
+            edge,
+            position: self.counter.position(),
+            interval: elapsed as u32,
+            resync: 0,
+            advance: self.next.advance,
+            flags: self.next.flags,
+            direction,
+        })
     }
 
     #[inline]

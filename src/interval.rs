@@ -10,8 +10,7 @@
 //! less than 1 LSB. One tick of the capture is 2.98e-5 of an interval at 15 r/min and N = 10000: the arithmetic adds
 //! nothing.
 //!
-//! One edge at x4 takes 99 instructions, 45 of them the reciprocal (Cortex-M4, opt-level 3, counted in QEMU netduinoplus2
-//! with icount).
+//! An edge only notes how far the shaft moved in how long; the reciprocal is worked out when a speed is asked for.
 //!
 //! # Stopping
 //! Between edges the shaft can't have moved further than one grid step, so the speed's size is at most a step over
@@ -73,18 +72,29 @@ impl IntervalConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Passed {
+    /// Angle moved, 2^-60 turn, 0 where it is unknown or the direction changed.
+    moved: i64,
     /// Duration, `u32::MAX` if unknown.
     ticks: u32,
     /// Single edge step without a reversal.
     plain: bool,
-    speed: Speed,
 }
 
 const UNKNOWN: Passed = Passed {
+    moved: 0,
     ticks: u32::MAX,
     plain: false,
-    speed: Speed::ZERO,
 };
+
+impl Passed {
+    fn speed(&self) -> Speed {
+        if self.moved == 0 {
+            Speed::ZERO
+        } else {
+            Speed::over(self.moved, self.ticks)
+        }
+    }
+}
 
 /// T-method state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,38 +121,56 @@ impl Interval {
         }
     }
 
-    /// Takes an accepted step and returns its speed at x4, the mean over the last interval; none at the first edge or over an
-    /// interval that is too long. A reversal crosses the same edge twice, so the speed over it is 0.
+    /// Takes an accepted step.
     ///
     /// `correction` is e(this edge) - e(previous edge), 0 without a table.
     #[inline]
-    pub fn push(&mut self, step: &Step, correction: TurnDelta32) -> Option<Speed> {
-        let forward = matches!(step.direction, Direction::Forward);
-        let reversed = step.flags.contains(Flags::REVERSED);
-        let grid = self.config.step;
-        let plain = step.advance == 1 && !reversed;
+    pub fn push(&mut self, step: &Step, correction: TurnDelta32) {
+        let plain =
+            step.advance == 1 && step.interval != u32::MAX && !step.flags.contains(Flags::REVERSED);
         let moved = if plain {
-            grid
+            self.moved_by(1, step.direction)
+                .wrapping_sub(widen(correction))
         } else {
-            let steps = i64::from(step.advance) - i64::from(reversed);
-            grid.wrapping_mul(steps)
-        };
-        let moved = if forward { moved } else { -moved };
-        let known = step.interval != u32::MAX;
-        let speed = if known && !(reversed && step.advance == 1) {
-            Speed::over(moved.wrapping_sub(widen(correction)), step.interval)
-        } else {
-            Speed::ZERO
+            self.moved_oddly(step, correction)
         };
         self.last = step.ticks;
         self.direction = step.direction;
         self.older = self.newest;
         self.newest = Passed {
+            moved,
             ticks: step.interval,
             plain,
-            speed,
         };
-        known.then_some(speed)
+    }
+
+    /// Way of a step that is not a plain one. A reversal crosses the same edge twice, so the speed over it is 0.
+    #[cold]
+    #[inline(never)]
+    fn moved_oddly(&self, step: &Step, correction: TurnDelta32) -> i64 {
+        let reversed = step.flags.contains(Flags::REVERSED);
+        if step.interval == u32::MAX || (reversed && step.advance == 1) {
+            return 0;
+        }
+        let steps = i64::from(step.advance) - i64::from(reversed);
+        self.moved_by(steps, step.direction)
+            .wrapping_sub(widen(correction))
+    }
+
+    #[inline]
+    fn moved_by(&self, steps: i64, direction: Direction) -> i64 {
+        let moved = self.config.step.wrapping_mul(steps);
+        match direction {
+            Direction::Forward => moved,
+            Direction::Reverse => moved.wrapping_neg(),
+        }
+    }
+
+    /// Speed at x4, the mean over the last interval; none at the first edge or over an interval that is too long.
+    #[inline]
+    #[must_use]
+    pub fn x4(&self) -> Option<Speed> {
+        (self.newest.ticks != u32::MAX).then(|| self.newest.speed())
     }
 
     /// Speed at x2, the mean over the last two intervals; none across a reversal or an illegal change.
@@ -155,10 +183,7 @@ impl Interval {
         if !self.newest.plain || !self.older.plain || both == u32::MAX {
             return None;
         }
-        let two = match self.direction {
-            Direction::Forward => 2 * self.config.step,
-            Direction::Reverse => -2 * self.config.step,
-        };
+        let two = self.moved_by(2, self.direction);
         Some(Speed::over(two.wrapping_sub(widen(correction)), both))
     }
 
@@ -180,7 +205,7 @@ impl Interval {
         if elapsed >= self.config.timeout {
             return Speed::ZERO;
         }
-        let last = self.newest.speed;
+        let last = self.newest.speed();
         if elapsed <= Ticks::from(self.newest.ticks) {
             return last;
         }

@@ -83,6 +83,32 @@ impl Motion {
         self.last = ticks;
     }
 
+    /// [`Motion::push`] where history [`Motion::is_full`] and the interval is below STANDING. Returns the next
+    /// [`Motion::quick_limit`].
+    #[inline]
+    pub fn push_steady(&mut self, ticks: Ticks) -> u32 {
+        self.head = self.head.wrapping_add(1) % DEPTH;
+        if let Some(slot) = self.times.get_mut(self.head as usize) {
+            *slot = ticks as u32;
+        }
+        self.last = ticks;
+        self.quick_limit()
+    }
+
+    /// Whether as many edges are known, all in one direction, as can be.
+    pub fn is_full(&self) -> bool {
+        self.filled == DEPTH && self.run == DEPTH
+    }
+
+    /// An interval below this one, two typical ones, is not [`Motion::is_long`], history being full.
+    #[inline]
+    pub fn quick_limit(&self) -> u32 {
+        // Time that ran backward gives a negative span: no interval is below 0.
+        let half_span = self.span(0).cast_signed() >> 1;
+        let standing = (STANDING - 1).cast_signed();
+        half_span.clamp(0, standing).cast_unsigned()
+    }
+
     /// Turns round; the next pushed edge is the first in the new direction.
     pub fn reverse(&mut self) {
         self.direction = self.direction.opposite();

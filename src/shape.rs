@@ -67,7 +67,10 @@ impl EncoderShape {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Grid {
-    step_q16: u64,
+    /// Step in 2^-32 turn, and its fraction in 2^-48 turn.
+    step: u32,
+    fraction: u32,
+    /// 2^32 / C, 0 where C is a power of two.
     class_multiplier: u32,
     shape: EncoderShape,
 }
@@ -77,10 +80,16 @@ impl Grid {
     #[must_use]
     pub const fn new(shape: EncoderShape) -> Self {
         let edges = shape.edges as u64;
+        let step_q16 = ((1 << 48) + edges / 2) / edges;
         let classes = shape.classes;
         Self {
-            step_q16: ((1 << 48) + edges / 2) / edges,
-            class_multiplier: (u32::MAX / classes).wrapping_add(1),
+            step: (step_q16 >> 16) as u32,
+            fraction: (step_q16 & 0xFFFF) as u32,
+            class_multiplier: if classes.is_power_of_two() {
+                0
+            } else {
+                u32::MAX / classes + 1
+            },
             shape,
         }
     }
@@ -91,17 +100,13 @@ impl Grid {
         self.shape
     }
 
-    /// Grid angle of an edge, to the nearest 2^-32 turn.
+    /// Grid angle of an edge below [`EDGES_MAX`], to the nearest 2^-32 turn.
     #[inline]
     #[must_use]
-    #[allow(clippy::cast_possible_truncation)]
     pub const fn angle(self, edge: u32) -> Turn32 {
-        Turn32(
-            ((edge as u64)
-                .wrapping_mul(self.step_q16)
-                .wrapping_add(1 << 15)
-                >> 16) as u32,
-        )
+        // Both factors of the fraction are below 2^16: no overflow.
+        let rest = edge.wrapping_mul(self.fraction).wrapping_add(1 << 15) >> 16;
+        Turn32(edge.wrapping_mul(self.step).wrapping_add(rest))
     }
 
     /// Class of an edge, `edge mod C`.
@@ -110,8 +115,7 @@ impl Grid {
     #[allow(clippy::cast_possible_truncation)]
     pub const fn class(self, edge: u32) -> u32 {
         if self.class_multiplier == 0 {
-            // One class: the multiplier 2^32 does not fit.
-            return 0;
+            return edge & self.shape.classes.wrapping_sub(1);
         }
         let line = ((edge as u64 * self.class_multiplier as u64) >> 32) as u32;
         edge.wrapping_sub(line.wrapping_mul(self.shape.classes))
@@ -128,6 +132,8 @@ mod tests {
             (12, 6),
             (90, 6),
             (6, 1),
+            (65_536, 1),
+            (9, 3),
             (120, 2),
             (10_000, 4),
             (65_536, 4),

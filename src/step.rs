@@ -50,6 +50,13 @@ impl Flags {
         Self(self.0 | other.0)
     }
 
+    /// The facts of this set that are in `other` too.
+    #[inline]
+    #[must_use]
+    pub const fn within(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
     /// This set without `other`.
     #[inline]
     #[must_use]

@@ -40,7 +40,8 @@ pub struct ErrorTable<'a, E: Entry = i16> {
     grid: Grid,
     class_offsets: [TurnDelta32; CLASSES_MAX],
     entries: &'a [E],
-    shift: u32,
+    /// `1 << shift`.
+    scale: i32,
 }
 
 impl<'a, E: Entry> ErrorTable<'a, E> {
@@ -64,8 +65,22 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
             grid: Grid::new(shape),
             class_offsets,
             entries,
-            shift,
+            scale: 1 << shift,
         })
+    }
+
+    /// A table that corrects nothing.
+    pub(crate) const fn of_grid(grid: Grid) -> Self {
+        Self {
+            grid,
+            class_offsets: [TurnDelta32(0); CLASSES_MAX],
+            entries: &[],
+            scale: 1,
+        }
+    }
+
+    pub(crate) const fn grid(&self) -> Grid {
+        self.grid
     }
 
     /// The encoder's shape.
@@ -89,7 +104,7 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
     /// Scale of the entries.
     #[must_use]
     pub const fn shift(&self) -> u32 {
-        self.shift
+        self.scale.trailing_zeros()
     }
 
     /// Error e(k) of an edge. Before the index is seen (`referenced` false) only the class is known, and only its mean
@@ -102,11 +117,37 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         if !referenced {
             return TurnDelta32(offset);
         }
-        let entry = self
-            .entries
+        self.error_of(self.entries, edge, offset)
+    }
+
+    /// Error of an edge of a class with mean `offset`, by `entries`; none of them: its class's mean.
+    #[inline]
+    fn error_of(&self, entries: &[E], edge: u32, offset: i32) -> TurnDelta32 {
+        let entry = entries
             .get(edge as usize)
             .map_or(0, |&entry| i32::from(entry.value()));
-        TurnDelta32(offset.wrapping_add(entry << self.shift))
+        TurnDelta32(offset.wrapping_add(entry.wrapping_mul(self.scale)))
+    }
+
+    /// Classes less one where they are a power of two, so that a mask tells the class.
+    pub(crate) const fn class_mask(&self) -> Option<u32> {
+        let classes = self.shape().classes();
+        if classes.is_power_of_two() {
+            Some(classes - 1)
+        } else {
+            None
+        }
+    }
+
+    /// [`ErrorTable::angle`] where `class_mask` is that of [`ErrorTable::class_mask`], with all `entries` or none of them.
+    #[inline]
+    pub(crate) fn angle_masked(&self, edge: u32, class_mask: u32, entries: &[E]) -> Turn32 {
+        // A power of two up to CLASSES_MAX is four at the most.
+        let offset = self.class_offsets[(edge & class_mask & 3) as usize];
+        let error = self.error_of(entries, edge, offset.0);
+        self.grid
+            .angle(edge)
+            .plus(TurnDelta32(error.0.wrapping_neg()))
     }
 
     /// Shaft angle at an edge.

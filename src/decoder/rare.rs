@@ -1,16 +1,46 @@
 //! The decoder's rare paths: start, changes of Z, reversals, glitches, faults and the index.
 
-use super::QuadratureDecoder;
+use super::plain::Plain;
+use super::{QuadratureDecoder, class_of};
 use crate::edge::{Direction, Sample};
 use crate::step::{Flags, Glitch, Outcome, Reference, Step, count};
 use crate::units::Ticks;
 
 impl QuadratureDecoder {
-    /// Whatever is not one more step in the same direction: the first samples, changes of Z, reversals, faults, and the step
-    /// after a long interval.
+    /// Whatever is not a plain step: the first samples, changes of Z and steps while it is high, reversals, faults, the step
+    /// that ends a turn, and steps before motion is steady.
     #[cold]
     #[inline(never)]
-    pub(super) fn push_watchful(&mut self, sample: Sample, class: u32, turned: u32) -> Outcome {
+    pub(super) fn push_watchful(&mut self, sample: Sample) -> Outcome {
+        let outcome = self.take(sample);
+        self.next = self.foresee();
+        outcome
+    }
+
+    /// The plain step that may follow.
+    fn foresee(&self) -> Plain {
+        // A plain step leaves these as they are.
+        let quiet = self.moved
+            && !self.z
+            && self.spike_limit == 0
+            && self.last_flags == self.status
+            && self.suspect_before == self.is_uncertain();
+        if quiet && self.motion.is_full() {
+            Plain::after(
+                &self.counter,
+                self.motion.direction,
+                self.status,
+                self.motion.quick_limit(),
+            )
+        } else {
+            Plain::NONE
+        }
+    }
+
+    /// Takes a sample of any kind.
+    fn take(&mut self, sample: Sample) -> Outcome {
+        let class = class_of(sample.levels);
+        let turned = class.wrapping_sub(self.counter.position()) & 3;
         if !self.started {
             self.started = true;
             self.counter.set(class);
@@ -26,7 +56,7 @@ impl QuadratureDecoder {
                 count(&mut self.faults.interval_spike);
                 self.suspect();
                 self.spike_limit = 0;
-                return match self.push(sample) {
+                return match self.take(sample) {
                     Outcome::Step(step) => Outcome::Step(Step {
                         flags: step.flags.with(Flags::SPIKE),
                         ..step

@@ -1,6 +1,7 @@
 //! Folding a whole turn into the sum and the contrast, one entry an edge while the next turn comes in.
 
 use super::EdgeBuffers;
+use super::lockstep::fold_entry;
 use super::turn::wrapped;
 use crate::edge::Direction;
 
@@ -19,13 +20,12 @@ pub(super) fn sign_of_turn(turn: u32) -> i32 {
 
 /// What is left to fold of the turn taken last.
 pub(super) struct Fold {
-    remaining: u32,
-    slot: u32,
-    direction: Direction,
-    sign: i32,
-    slope_q32: i64,
-    level_q32: i64,
-    level_before: i32,
+    pub remaining: u32,
+    pub slot: u32,
+    pub direction: Direction,
+    pub sign: i32,
+    pub slope_q32: i64,
+    pub level_q32: i64,
 }
 
 impl Fold {
@@ -37,7 +37,6 @@ impl Fold {
             sign: 1,
             slope_q32: 0,
             level_q32: 0,
-            level_before: 0,
         }
     }
 
@@ -84,16 +83,7 @@ impl Fold {
         let Some(cells) = buffers.work().get_mut(slot) else {
             return;
         };
-        let entry = i32::from(cells[0]);
-        // Rounding the running level, not each entry, keeps the rounding error from adding up over the turn.
-        self.level_q32 += (i64::from(entry) << 32) - self.slope_q32;
-        #[allow(clippy::cast_possible_truncation)]
-        let level = (self.level_q32 >> (32 + CONTRAST_SHIFT)) as i32;
-        let contrast = i32::from(cells[1]) + self.sign * (level - self.level_before);
-        self.level_before = level;
-        #[allow(clippy::cast_possible_truncation)]
-        let kept = contrast.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
-        cells[1] = kept;
+        let entry = fold_entry(cells, &mut self.level_q32, self.slope_q32, self.sign);
         if let Some(sum) = buffers.sum().get_mut(slot) {
             *sum = sum.wrapping_add(entry);
         }

@@ -11,11 +11,12 @@
 //! A turn is closed over exactly one revolution, so its mean speed is free of encoder error, and its curvature (a steady
 //! acceleration) follows from the durations of its neighbours. Both are scalars a turn; they are taken out in the end.
 //!
-//! Cost an edge: one 32 x 32 multiply-add for the interval and about twice that for the fold; no division, no search.
+//! Work an edge is constant, without division or search; the library's head has what it costs.
 
 mod buffers;
 mod close;
 mod fold;
+mod lockstep;
 mod order;
 mod power;
 mod ripple;
@@ -35,6 +36,7 @@ use crate::shape::{EncoderShape, ShapeError};
 use crate::step::{Flags, Outcome, Step};
 use crate::units::{STEP_FRACTION_BITS, Ticks};
 use fold::{Fold, sign_of_turn};
+use lockstep::Lockstep;
 use turn::{Turn, TurnRate};
 
 /// Flags of a step that make its interval or its place in the turn uncertain.
@@ -62,8 +64,8 @@ pub enum Anchor {
 pub enum Rejection {
     /// Edges missing, out of order or reported faulty, or the direction changed.
     Broken,
-    /// An interval more than one step away from the grid, or longer than 2^32 ticks: the shaft stopped, or an edge is
-    /// in the wrong place by a whole step.
+    /// An interval more than one step away from the grid, or of 2^32 ticks or more, or time that ran backward: the shaft
+    /// stopped, or an edge is in the wrong place by a whole step.
     Irregular,
     /// The turn took more than an eighth longer or shorter than the one before.
     SpeedChange,
@@ -105,6 +107,7 @@ pub struct Totals {
 
 /// Learns eps, xi and p of one encoder; see the module's head.
 pub struct Estimator<B> {
+    lockstep: Lockstep,
     shape: EncoderShape,
     anchor: Anchor,
     inverse_edges_q32: u32,
@@ -140,6 +143,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         buffers.sum().fill(0);
         buffers.work().fill([0; 2]);
         Ok(Self {
+            lockstep: Lockstep::NONE,
             shape,
             anchor,
             inverse_edges_q32: u32::MAX / shape.edges(),
@@ -168,7 +172,38 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// Takes what a decoder made of a sample. On the edge path: constant work.
     #[inline]
     pub fn push(&mut self, outcome: &Outcome) -> Progress {
-        let progress = match outcome {
+        match outcome {
+            Outcome::Step(step) if self.lockstep.take(step, &mut self.buffers) => Progress::Running,
+            _ => self.push_watchful(outcome),
+        }
+    }
+
+    /// Whatever is not a step in the midst of a turn while the one before is folded.
+    #[cold]
+    #[inline(never)]
+    fn push_watchful(&mut self, outcome: &Outcome) -> Progress {
+        self.leave_lockstep();
+        let progress = self.take(outcome);
+        if let Some(turn) = &self.turn {
+            self.lockstep = Lockstep::enter(turn, &self.fold, self.shape.edges());
+        }
+        #[cfg(feature = "defmt")]
+        if progress != Progress::Running {
+            defmt::debug!("{}", progress);
+        }
+        progress
+    }
+
+    /// Brings turn and fold up to date.
+    fn leave_lockstep(&mut self) {
+        if let Some(turn) = &mut self.turn {
+            self.lockstep
+                .leave(turn, &mut self.fold, self.shape.edges());
+        }
+    }
+
+    fn take(&mut self, outcome: &Outcome) -> Progress {
+        match outcome {
             Outcome::Idle => Progress::Running,
             Outcome::Step(step) => self.push_step(step),
             Outcome::Index(index) => {
@@ -180,15 +215,9 @@ impl<B: EdgeBuffers> Estimator<B> {
                 }
             }
             Outcome::Glitch(_) => self.fault(),
-        };
-        #[cfg(feature = "defmt")]
-        if progress != Progress::Running {
-            defmt::debug!("{}", progress);
         }
-        progress
     }
 
-    #[inline]
     fn push_step(&mut self, step: &Step) -> Progress {
         for _ in 0..step.advance {
             self.fold.step(&mut self.buffers, self.shape.edges());

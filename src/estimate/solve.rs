@@ -17,6 +17,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// # Errors
     /// [`SolveError::TooFewTurns`] with fewer than two turns.
     pub fn solve(mut self) -> Result<Solution<B>, SolveError> {
+        self.leave_lockstep();
         self.settle_bend(None);
         self.fold.finish(&mut self.buffers, self.shape.edges());
         let totals = self.totals;

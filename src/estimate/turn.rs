@@ -34,6 +34,28 @@ impl TurnRate {
         })
     }
 
+    /// Step fractions in `interval` ticks, Q32. Digits above 64 bits are lost.
+    fn times(self, interval: u32) -> u64 {
+        let product = u64::from(interval) * u64::from(self.multiplier);
+        if self.shift <= 32 {
+            product << (32 - self.shift)
+        } else {
+            product >> (self.shift - 32)
+        }
+    }
+
+    /// Whole step fractions in a turn's `duration`.
+    #[allow(clippy::cast_possible_truncation)]
+    fn whole(self, duration: u64) -> u32 {
+        (duration.wrapping_mul(u64::from(self.multiplier)) >> self.shift) as u32
+    }
+
+    /// Step fractions a tick, Q32; `None` where 32 digits are too few: intervals beyond 2^16 ticks.
+    pub(super) fn per_tick_q32(self) -> Option<u64> {
+        let places = 32_u32.checked_sub(self.shift)?;
+        Some(u64::from(self.multiplier) << places)
+    }
+
     /// A small difference of durations in step fractions.
     pub(super) fn scale(self, ticks: i64) -> i64 {
         // A turn is at most 2^62 phase units and kappa at most a sixteenth of a turn that passed the speed check;
@@ -44,14 +66,12 @@ impl TurnRate {
 
 /// The turn that is coming in.
 pub(super) struct Turn {
-    direction: Direction,
-    rate: Option<TurnRate>,
+    pub direction: Direction,
+    pub rate: Option<TurnRate>,
     start: Ticks,
-    last: Ticks,
-    edge: u32,
-    phase: u64,
-    origin: u32,
-    length: u32,
+    pub edge: u32,
+    /// Step fractions since the start, Q32.
+    pub phase_q32: u64,
     irregular: bool,
 }
 
@@ -59,18 +79,12 @@ impl Turn {
     /// Starts at the crossing of edge 0. `dither` is a fraction of one step fraction (Q32) that differs from turn to
     /// turn, so that rounding averages out even when turns repeat to the tick.
     pub(super) fn start(step: &Step, rate: Option<TurnRate>, dither: u32) -> Self {
-        let phase = rate.map_or(0, |rate| {
-            (u64::from(dither) << 16) >> (48 - rate.shift.min(48))
-        });
         Self {
             direction: step.direction,
             rate,
             start: step.ticks,
-            last: step.ticks,
             edge: step.edge,
-            phase,
-            origin: 0,
-            length: 0,
+            phase_q32: u64::from(dither),
             irregular: false,
         }
     }
@@ -85,11 +99,24 @@ impl Turn {
 
     /// Length of the whole turn in step fractions at the rate of the turn before.
     pub(super) fn length(&self) -> i64 {
-        i64::from(self.length.wrapping_sub(self.origin))
+        i64::from(self.whole())
+    }
+
+    #[allow(clippy::cast_possible_truncation)]
+    fn whole(&self) -> u32 {
+        (self.phase_q32 >> 32) as u32
+    }
+
+    /// Whether the intervals do not add up to the turn: decoders give none where time runs backward.
+    fn ran_backward(&self, now: Ticks) -> bool {
+        self.rate.is_some_and(|rate| {
+            // One for the dither and one for digits cut off.
+            let excess = self.whole().wrapping_sub(rate.whole(self.duration(now)));
+            excess.wrapping_add(2) > 4
+        })
     }
 
     /// Adds one crossing; `Ok(true)` when it ends the turn.
-    #[inline]
     pub(super) fn extend<B: EdgeBuffers>(
         &mut self,
         step: &Step,
@@ -104,19 +131,14 @@ impl Turn {
             return Err(Rejection::Broken);
         }
         self.edge = expected;
-        let interval = step.ticks.wrapping_sub(self.last);
-        self.last = step.ticks;
         if let Some(rate) = self.rate {
-            let Ok(interval) = u32::try_from(interval) else {
+            let interval = step.interval;
+            if interval == u32::MAX {
                 return Err(Rejection::Irregular);
-            };
-            self.phase = self
-                .phase
-                .wrapping_add(u64::from(interval) * u64::from(rate.multiplier));
-            #[allow(clippy::cast_possible_truncation)]
-            let length = (self.phase >> rate.shift) as u32;
-            let moved = length.wrapping_sub(self.length);
-            self.length = length;
+            }
+            let before = self.whole();
+            self.phase_q32 = self.phase_q32.wrapping_add(rate.times(interval));
+            let moved = self.whole().wrapping_sub(before);
             let deviation = moved
                 .wrapping_sub(advance << STEP_FRACTION_BITS)
                 .cast_signed();
@@ -140,7 +162,7 @@ impl Turn {
         if expected != 0 {
             return Ok(false);
         }
-        if self.irregular {
+        if self.irregular || self.ran_backward(step.ticks) {
             Err(Rejection::Irregular)
         } else {
             Ok(true)

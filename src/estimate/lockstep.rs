@@ -1,0 +1,155 @@
+//! The usual step while learning: the turn coming in and the fold of the turn before go through the same cells side by
+//! side, one edge at a time. What both need an edge is kept together here and handed back when anything else happens.
+
+use super::EdgeBuffers;
+use super::fold::{CONTRAST_SHIFT, Fold};
+use super::turn::{Turn, wrapped};
+use crate::edge::Direction;
+use crate::step::{Flags, Step};
+use crate::units::STEP_FRACTION_BITS;
+
+/// Turn and fold in step, or neither.
+pub(super) struct Lockstep {
+    /// Edge to come, [`NO_EDGE`] out of step.
+    next: u32,
+    /// From edge to edge: 1, or -1 in reverse.
+    stride: u32,
+    sign: i32,
+    phase_q32: u64,
+    /// Step fractions a tick, whole and in 2^-32.
+    per_tick: u32,
+    per_tick_fraction: u32,
+    level_q32: i64,
+    slope_q32: i64,
+}
+
+/// No edge's number.
+const NO_EDGE: u32 = u32::MAX;
+
+impl Lockstep {
+    /// Out of step.
+    pub const NONE: Self = Self {
+        next: NO_EDGE,
+        stride: 1,
+        sign: 1,
+        phase_q32: 0,
+        per_tick: 0,
+        per_tick_fraction: 0,
+        level_q32: 0,
+        slope_q32: 0,
+    };
+
+    /// In step, if the fold is just where the turn is.
+    pub fn enter(turn: &Turn, fold: &Fold, edges: u32) -> Self {
+        let forward = turn.direction == Direction::Forward;
+        let (slot, remaining) = place(turn.edge, edges, forward);
+        let in_step =
+            fold.direction == turn.direction && fold.slot == slot && fold.remaining == remaining;
+        // In reverse, edge 0 is followed by the slot of edge 0 at the other end of the buffers.
+        match turn.rate.and_then(|rate| rate.per_tick_q32()) {
+            Some(per_tick_q32) if in_step && (forward || turn.edge != 0) => {
+                let stride = if forward { 1 } else { u32::MAX };
+                Self {
+                    next: turn.edge.wrapping_add(stride),
+                    stride,
+                    sign: fold.sign,
+                    phase_q32: turn.phase_q32,
+                    per_tick: whole(per_tick_q32),
+                    per_tick_fraction: fraction(per_tick_q32),
+                    level_q32: fold.level_q32,
+                    slope_q32: fold.slope_q32,
+                }
+            }
+            _ => Self::NONE,
+        }
+    }
+
+    /// Hands back what [`Lockstep::enter`] took, and is out of step.
+    pub fn leave(&mut self, turn: &mut Turn, fold: &mut Fold, edges: u32) {
+        if self.next == NO_EDGE {
+            return;
+        }
+        turn.edge = self.next.wrapping_sub(self.stride);
+        turn.phase_q32 = self.phase_q32;
+        let forward = turn.direction == Direction::Forward;
+        (fold.slot, fold.remaining) = place(turn.edge, edges, forward);
+        fold.level_q32 = self.level_q32;
+        self.next = NO_EDGE;
+    }
+
+    /// Takes a step that is the next edge, not the turn's last and nothing special; else does nothing and says false.
+    #[inline]
+    pub fn take<B: EdgeBuffers>(&mut self, step: &Step, buffers: &mut B) -> bool {
+        // A decoder that comes to the next edge came by one edge.
+        let interval = step.interval;
+        if step.edge != self.next
+            || step.edge == 0
+            || step.flags.without(Flags::REFERENCED) != Flags::NONE
+            || interval == u32::MAX
+        {
+            return false;
+        }
+        let below = u64::from(interval) * u64::from(self.per_tick_fraction);
+        let above = u64::from(interval.wrapping_mul(self.per_tick)) << 32;
+        let phase_q32 = self.phase_q32.wrapping_add(below).wrapping_add(above);
+        let moved = whole(phase_q32).wrapping_sub(whole(self.phase_q32));
+        let deviation = moved.wrapping_sub(1 << STEP_FRACTION_BITS).cast_signed();
+        // The interval between edges k-1 and k has slot k in either direction.
+        let slot = step.edge.wrapping_add(self.stride >> 31) as usize;
+        let (Ok(new), Some(cells)) = (i16::try_from(deviation), buffers.work().get_mut(slot))
+        else {
+            return false;
+        };
+        let entry = fold_entry(cells, &mut self.level_q32, self.slope_q32, self.sign);
+        cells[0] = new;
+        if let Some(sum) = buffers.sum().get_mut(slot) {
+            *sum = sum.wrapping_add(entry);
+        }
+        self.phase_q32 = phase_q32;
+        self.next = step.edge.wrapping_add(self.stride);
+        true
+    }
+}
+
+/// Slot and rest of a fold beside a turn whose last edge was `edge`.
+fn place(edge: u32, edges: u32, forward: bool) -> (u32, u32) {
+    if forward {
+        (wrapped(edge, 1, edges, true), edges - edge)
+    } else {
+        (edge, if edge == 0 { edges } else { edge })
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)]
+#[inline]
+const fn whole(q32: u64) -> u32 {
+    (q32 >> 32) as u32
+}
+
+#[allow(clippy::cast_possible_truncation)]
+const fn fraction(q32: u64) -> u32 {
+    q32 as u32
+}
+
+/// Adds the deviation in the first of an edge's cells to the contrast in the second, and returns it for the sum.
+#[inline]
+pub(super) fn fold_entry(
+    cells: &mut [i16; 2],
+    level_q32: &mut i64,
+    slope_q32: i64,
+    sign: i32,
+) -> i32 {
+    #[allow(clippy::cast_possible_truncation)]
+    const fn level(q32: i64) -> i32 {
+        (q32 >> (32 + CONTRAST_SHIFT)) as i32
+    }
+    let entry = i32::from(cells[0]);
+    let before = level(*level_q32);
+    // Rounding the running level, not each entry, keeps the rounding error from adding up over the turn.
+    *level_q32 = *level_q32 - slope_q32 + (i64::from(entry) << 32);
+    let contrast = i32::from(cells[1]) + sign * (level(*level_q32) - before);
+    #[allow(clippy::cast_possible_truncation)]
+    let kept = contrast.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
+    cells[1] = kept;
+    entry
+}
