@@ -105,8 +105,8 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
         number(&output, "static_bytes"),
     );
     println!(
-        "{rig:?}: {} events, wraps and races {races:?}, error RMS down by a factor of {table_gain:.1} (table), {angle_gain:.1} ({sure} of {} corrected \
-         edges); {learned:?}; {:?}; RAM {} = {fixed} static + {stack} stack",
+        "{rig:?}: {} events, wraps and races {races:?}; error RMS down by a factor of {table_gain:.1} (table), {angle_gain:.1} \
+         ({sure} of {} corrected edges); {learned:?}; {:?}; RAM {} = {fixed} static + {stack} stack",
         run.events.events.len(),
         file.edges().len(),
         file.faults,
@@ -166,7 +166,7 @@ fn short() -> Vec<u8> {
 
 #[test]
 fn every_stage_has_its_price_in_instructions() {
-    let rig = rig(2500, TimerWidth::Bits16, 3, 6);
+    let rig = rig(2500, TimerWidth::Bits32, 3, 6);
     let events = rig.run().unwrap().file();
     let bench = Bench::new("qemu_cost", &events);
     let output = bench.succeed(&[EVENTS, SLOT]);

@@ -2,6 +2,7 @@
 //! no floating point.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 use capstone::arch::ArchDetail;
@@ -88,9 +89,9 @@ pub fn reachable(path: &Path, root: &str) -> Result<Vec<Function>, FirmwareError
         return Err(code.fault(format!("no function {root}")));
     }
     while let Some(start) = open.pop() {
-        if !found.contains_key(&start) {
+        if let Entry::Vacant(place) = found.entry(start) {
             let (function, targets) = code.function(start)?;
-            found.insert(start, function);
+            place.insert(function);
             open.extend(targets);
         }
     }

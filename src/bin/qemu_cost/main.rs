@@ -4,8 +4,9 @@
 //! what came of it through the estimator, or, after the solve, the corrector. So the counter is read twice a batch and
 //! stage. Taken off are the cost of reading it and that of a loop that calls a function which does nothing.
 //!
-//! Command line: `qemu_cost EVENTS SLOT`. Writes the table learned, and prints one line of `key=value` pairs:
-//! instructions and calls of every stage. The functions in `stages` are the edge path that the tests look into.
+//! Command line: `qemu_cost EVENTS SLOT`. The events must be of a 32-bit timer, so that hardly any is not an edge. Writes the
+//! table learned, and prints one line of `key=value` pairs: instructions and calls of every stage. The functions in
+//! `stages` are the edge path that the tests look into.
 #![no_std]
 #![no_main]
 
@@ -23,12 +24,12 @@ use cortex_m_semihosting::hprintln;
 use quadcal::corrector::Corrector;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::estimate::{Anchor, Estimator, Progress, SolveError, StaticBuffers};
-use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT};
+use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT, TimerWidth};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::slot::{self, SlotHeader};
 use quadcal::step::{Outcome, SensorError};
 use quadcal::table::{ErrorTable, TableError};
-use quadcal::timebase::Timebase16;
+use quadcal::timebase::Timebase32;
 use quadcal::units::Ticks;
 
 use counter::InstructionCounter;
@@ -57,6 +58,7 @@ struct Memory {
 enum Failure {
     Usage,
     PeripheralsTaken,
+    Header,
     Io(IoError),
     Read(ReadError<IoError>),
     Shape(ShapeError),
@@ -83,6 +85,7 @@ impl fmt::Display for Failure {
         match self {
             Self::Usage => f.write_str("usage: qemu_cost EVENTS SLOT"),
             Self::PeripheralsTaken => f.write_str("the peripherals are taken"),
+            Self::Header => f.write_str("not 2500 lines and a 32-bit timer"),
             Self::Io(error) => error.fmt(f),
             Self::Read(error) => error.fmt(f),
             Self::Shape(error) => write!(f, "{error:?}"),
@@ -162,14 +165,18 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
     };
     let mut input = File::open(path, Mode::Read)?;
     let mut events = EventReader::new(|block: &mut [u8]| input.read(block), &mut memory.block)?;
-    let turns = match events.header().turns {
+    let header = *events.header();
+    if header.lines != LINES || header.timer != TimerWidth::Bits32 {
+        return Err(Failure::Header);
+    }
+    let turns = match header.turns {
         0 => TURNS_DEFAULT,
         turns => turns,
     };
     let shape = EncoderShape::new(4 * LINES, 4).map_err(Failure::Shape)?;
     let decoder = QuadratureDecoder::new(DecoderConfig::new(LINES)).map_err(Failure::Sensor)?;
     let mut front = Front {
-        base: Timebase16::new(),
+        base: Timebase32::new(),
         decoder,
         cost: Cost::default(),
     };
@@ -243,7 +250,7 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
 
 /// Time base and decoder, with what they cost.
 struct Front {
-    base: Timebase16,
+    base: Timebase32,
     decoder: QuadratureDecoder,
     cost: Cost,
 }

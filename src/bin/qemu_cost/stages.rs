@@ -8,12 +8,12 @@ use quadcal::edge::Sample;
 use quadcal::estimate::{EdgeBuffers, Estimator, Progress};
 use quadcal::replay::Event;
 use quadcal::step::Outcome;
-use quadcal::timebase::Timebase16;
+use quadcal::timebase::Timebase32;
 use quadcal::units::{Ticks, Turn32};
 
 /// Time base and decoder. An overflow is an outcome without an edge.
 #[inline(never)]
-pub fn front(base: &mut Timebase16, decoder: &mut QuadratureDecoder, event: &Event) -> Outcome {
+pub fn front(base: &mut Timebase32, decoder: &mut QuadratureDecoder, event: &Event) -> Outcome {
     match *event {
         Event::Overflow => {
             base.overflow();
