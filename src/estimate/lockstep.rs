@@ -153,3 +153,89 @@ pub(super) fn fold_entry(
     cells[1] = kept;
     entry
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Anchor, Estimator, Progress, Rejection, StaticBuffers};
+    use super::*;
+    use crate::shape::EncoderShape;
+    use crate::step::Outcome;
+    use proptest::prelude::*;
+
+    const EDGES: i64 = 24;
+
+    type Small = Estimator<StaticBuffers<6, 4>>;
+
+    fn estimator() -> Small {
+        let shape = EncoderShape::new(24, 4).unwrap();
+        Estimator::new(shape, Anchor::Index, StaticBuffers::new()).unwrap()
+    }
+
+    /// Where everything stands, out of step.
+    fn state(estimator: &mut Small) -> ([[i16; 2]; 24], [i32; 24]) {
+        estimator.leave_lockstep();
+        let cells = estimator.buffers.cells().try_into().unwrap();
+        (cells, estimator.buffers.sum().try_into().unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn in_step_or_out_of_it_the_same_is_learned(
+            turns in 3usize..9, reverse: bool, interval in 20u32..200_000, faults in prop::collection::vec(0usize..200, 0..3),
+            jitter in prop::collection::vec(0u32..100, 240)
+        ) {
+            let (mut quick, mut careful) = (estimator(), estimator());
+            let (mut position, mut ticks, mut in_step) = (-2, 0, 0);
+            for i in 0..turns * EDGES as usize {
+                position += if reverse { -1 } else { 1 };
+                let interval = interval + interval * jitter[i % jitter.len()] / 1000;
+                ticks += u64::from(interval);
+                let edge = position + i64::from(reverse);
+                let fault = if faults.contains(&i) { Flags::TURN_SUSPECT } else { Flags::NONE };
+                let outcome = Outcome::Step(Step {
+                    ticks,
+                    edge: edge.rem_euclid(EDGES) as u32,
+                    position: position.rem_euclid(EDGES) as u32,
+                    interval,
+                    resync: 0,
+                    advance: 1,
+                    flags: Flags::REFERENCED.with(fault),
+                    direction: if reverse { Direction::Reverse } else { Direction::Forward },
+                });
+                careful.leave_lockstep();
+                in_step += usize::from(quick.lockstep.next != NO_EDGE);
+                prop_assert_eq!(quick.push(&outcome), careful.push(&outcome), "edge {}", i);
+            }
+            prop_assert_eq!(state(&mut quick), state(&mut careful));
+            prop_assert_eq!(quick.totals(), careful.totals());
+            let slow = interval > 1 << 16;
+            prop_assert!(slow || !faults.is_empty() || in_step >= (turns - 3) * (EDGES as usize - 2), "{}", in_step);
+        }
+    }
+
+    #[test]
+    fn time_that_runs_backward_rejects_the_turn() {
+        let mut estimator = estimator();
+        let mut ends = std::vec::Vec::new();
+        for k in 0..=4 * EDGES as u64 {
+            // Between edges 60 and 61 the clock falls back by as much as the shaft took.
+            let late = if k > 60 { 2000 } else { 0 };
+            let edge = (k % EDGES as u64) as u32;
+            let progress = estimator.push(&Outcome::Step(Step {
+                ticks: 10_000 + 1000 * k - late,
+                edge,
+                position: edge,
+                interval: if k == 61 { 0 } else { 1000 },
+                resync: 0,
+                advance: 1,
+                flags: Flags::REFERENCED,
+                direction: Direction::Forward,
+            }));
+            if progress != Progress::Running {
+                ends.push((k, progress));
+            }
+        }
+        let backward = Progress::TurnRejected(Rejection::Irregular);
+        assert_eq!(ends[..2], [(48, Progress::TurnTaken(1)), (72, backward)]);
+    }
+}
