@@ -129,21 +129,18 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         TurnDelta32(offset.wrapping_add(entry.wrapping_mul(self.scale)))
     }
 
-    /// Classes less one where they are a power of two, so that a mask tells the class.
-    pub(crate) const fn class_mask(&self) -> Option<u32> {
-        let classes = self.shape().classes();
-        if classes.is_power_of_two() {
-            Some(classes - 1)
-        } else {
-            None
-        }
+    /// Class means by the last two bits of an edge's number, where classes are a power of two.
+    pub(crate) fn offsets_by_bits(&self) -> Option<[TurnDelta32; 4]> {
+        let classes = self.shape().classes() as usize;
+        let of_bits = |bits: usize| self.class_offsets[bits % classes];
+        classes
+            .is_power_of_two()
+            .then(|| core::array::from_fn(of_bits))
     }
 
-    /// [`ErrorTable::angle`] where `class_mask` is that of [`ErrorTable::class_mask`], with all `entries` or none of them.
+    /// Shaft angle at an edge of a class with mean `offset`, by `entries`.
     #[inline]
-    pub(crate) fn angle_masked(&self, edge: u32, class_mask: u32, entries: &[E]) -> Turn32 {
-        // A power of two up to CLASSES_MAX is four at the most.
-        let offset = self.class_offsets[(edge & class_mask & 3) as usize];
+    pub(crate) fn angle_with(&self, edge: u32, offset: TurnDelta32, entries: &[E]) -> Turn32 {
         let error = self.error_of(entries, edge, offset.0);
         self.grid
             .angle(edge)

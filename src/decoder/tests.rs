@@ -295,6 +295,28 @@ proptest! {
     }
 
     #[test]
+    fn a_plain_step_is_what_a_closer_look_makes_of_it(
+        error in errors(0.3), legs in legs(), interval in 500.0..5000.0f64,
+        events in prop::collection::vec((60usize..400, event()), 0..6)
+    ) {
+        let slots = error.len();
+        let rows = recording(error, &legs, interval);
+        let (samples, _) = disturb(&rows, &events, 4 * slots);
+        let mut quick = decoder(slots as u32 / 4);
+        let mut careful = quick;
+        let mut plain = 0;
+        for (i, (sample, _)) in samples.iter().enumerate() {
+            careful.next = Plain::NONE;
+            plain += usize::from(quick.next != Plain::NONE);
+            prop_assert_eq!(quick.push(*sample), careful.push(*sample), "row {}", i);
+            prop_assert_eq!(quick.motion, careful.motion, "row {}", i);
+        }
+        careful.next = quick.next;
+        prop_assert_eq!(quick, careful);
+        prop_assert!(plain > samples.len() / 4, "{} of {}", plain, samples.len());
+    }
+
+    #[test]
     fn arbitrary_samples_keep_the_class_and_are_counted(
         rows in prop::collection::vec((0u64..1 << 34, any::<u8>()), 1..400), lines in 1u32..9, state in 0u8..4
     ) {

@@ -1,7 +1,7 @@
 //! From intervals to a closed turn: every edge's error, with the turn's mean speed and curvature and the class means taken
 //! out.
 
-use super::fold::CONTRAST_SHIFT;
+use super::fold::contrast_shift;
 use super::order::OrderPlan;
 use super::spectrum::Sequence;
 use super::{EdgeBuffers, Totals};
@@ -26,6 +26,8 @@ pub(super) fn close_contrast<B: EdgeBuffers>(buffers: &mut B, totals: &Totals) {
     let edges = buffers.edges();
     let count = edges as i64;
     let turns = i64::from(totals.turns);
+    #[allow(clippy::cast_possible_truncation)]
+    let shift = contrast_shift(edges as u32);
     let end: i64 = buffers.work().iter().map(|cells| i64::from(cells[1])).sum();
     let mut run = 0_i64;
     for edge in 0..edges {
@@ -36,7 +38,7 @@ pub(super) fn close_contrast<B: EdgeBuffers>(buffers: &mut B, totals: &Totals) {
         } else {
             i64::from(buffers.work()[edge][1])
         };
-        let trend = rounded_quotient((end * position) << CONTRAST_SHIFT, count)
+        let trend = rounded_quotient((end * position) << shift, count)
             - rounded_quotient(
                 totals.bend_contrast * position * (count - position),
                 count * count,
@@ -45,7 +47,7 @@ pub(super) fn close_contrast<B: EdgeBuffers>(buffers: &mut B, totals: &Totals) {
             i64::from(totals.sign_sum) * i64::from(buffers.sum()[edge]),
             turns,
         );
-        let error = trend - (run << CONTRAST_SHIFT) - pattern;
+        let error = trend - (run << shift) - pattern;
         buffers.work().set(edge, saturated(error));
     }
 }

@@ -5,8 +5,11 @@ use super::lockstep::fold_entry;
 use super::turn::wrapped;
 use crate::edge::Direction;
 
-/// Bits by which the contrast is coarser than the sum, so that 16 bits hold thousands of noisy turns.
-pub(super) const CONTRAST_SHIFT: u32 = 3;
+/// Bits by which the contrast is coarser than the sum, so that its 16 bits hold all turns. Encoders of few edges are run
+/// for thousands of turns and timed coarsely; with many edges, a few quiet turns must not drown in rounding.
+pub(super) const fn contrast_shift(edges: u32) -> u32 {
+    if edges < 1024 { 3 } else { 1 }
+}
 
 /// Sign of a turn in the contrast: the Thue-Morse sequence, which cancels a constant pattern in every pair and a steady
 /// drift in every four.
@@ -26,6 +29,7 @@ pub(super) struct Fold {
     pub sign: i32,
     pub slope_q32: i64,
     pub level_q32: i64,
+    pub contrast_shift: u32,
 }
 
 impl Fold {
@@ -37,6 +41,7 @@ impl Fold {
             sign: 1,
             slope_q32: 0,
             level_q32: 0,
+            contrast_shift: 1,
         }
     }
 
@@ -52,7 +57,8 @@ impl Fold {
             slot,
             direction,
             sign,
-            slope_q32,
+            slope_q32: slope_q32 >> contrast_shift(edges),
+            contrast_shift: contrast_shift(edges),
             ..Self::idle()
         }
     }
@@ -83,7 +89,13 @@ impl Fold {
         let Some(cells) = buffers.work().get_mut(slot) else {
             return;
         };
-        let entry = fold_entry(cells, &mut self.level_q32, self.slope_q32, self.sign);
+        let entry = fold_entry(
+            cells,
+            &mut self.level_q32,
+            self.slope_q32,
+            self.sign,
+            self.contrast_shift,
+        );
         if let Some(sum) = buffers.sum().get_mut(slot) {
             *sum = sum.wrapping_add(entry);
         }

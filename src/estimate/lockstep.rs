@@ -2,7 +2,7 @@
 //! side, one edge at a time. What both need an edge is kept together here and handed back when anything else happens.
 
 use super::EdgeBuffers;
-use super::fold::{CONTRAST_SHIFT, Fold};
+use super::fold::Fold;
 use super::turn::{Turn, wrapped};
 use crate::edge::Direction;
 use crate::step::{Flags, Step};
@@ -21,6 +21,7 @@ pub(super) struct Lockstep {
     per_tick_fraction: u32,
     level_q32: i64,
     slope_q32: i64,
+    contrast_shift: u32,
 }
 
 /// No edge's number.
@@ -37,6 +38,7 @@ impl Lockstep {
         per_tick_fraction: 0,
         level_q32: 0,
         slope_q32: 0,
+        contrast_shift: 1,
     };
 
     /// In step, if the fold is just where the turn is.
@@ -58,6 +60,7 @@ impl Lockstep {
                     per_tick_fraction: fraction(per_tick_q32),
                     level_q32: fold.level_q32,
                     slope_q32: fold.slope_q32,
+                    contrast_shift: fold.contrast_shift,
                 }
             }
             _ => Self::NONE,
@@ -100,7 +103,13 @@ impl Lockstep {
         else {
             return false;
         };
-        let entry = fold_entry(cells, &mut self.level_q32, self.slope_q32, self.sign);
+        let entry = fold_entry(
+            cells,
+            &mut self.level_q32,
+            self.slope_q32,
+            self.sign,
+            self.contrast_shift,
+        );
         cells[0] = new;
         if let Some(sum) = buffers.sum().get_mut(slot) {
             *sum = sum.wrapping_add(entry);
@@ -131,25 +140,116 @@ const fn fraction(q32: u64) -> u32 {
     q32 as u32
 }
 
-/// Adds the deviation in the first of an edge's cells to the contrast in the second, and returns it for the sum.
+/// Adds the deviation in the first of an edge's cells to the contrast in the second, and returns it for the sum. Level and
+/// slope are in the contrast's unit, `1 << contrast_shift` (1 to 31) step fractions.
 #[inline]
 pub(super) fn fold_entry(
     cells: &mut [i16; 2],
     level_q32: &mut i64,
     slope_q32: i64,
     sign: i32,
+    contrast_shift: u32,
 ) -> i32 {
     #[allow(clippy::cast_possible_truncation)]
     const fn level(q32: i64) -> i32 {
-        (q32 >> (32 + CONTRAST_SHIFT)) as i32
+        (q32 >> 32) as i32
     }
     let entry = i32::from(cells[0]);
     let before = level(*level_q32);
+    // The entry over 2^shift in Q32, put together from two words: a 64-bit shift by a variable takes long.
+    let fraction = entry.cast_unsigned() << ((32 - contrast_shift) & 31);
+    let scaled_q32 = (i64::from(entry >> (contrast_shift & 31)) << 32) | i64::from(fraction);
     // Rounding the running level, not each entry, keeps the rounding error from adding up over the turn.
-    *level_q32 = *level_q32 - slope_q32 + (i64::from(entry) << 32);
+    *level_q32 = *level_q32 - slope_q32 + scaled_q32;
     let contrast = i32::from(cells[1]) + sign * (level(*level_q32) - before);
     #[allow(clippy::cast_possible_truncation)]
     let kept = contrast.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
     cells[1] = kept;
     entry
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Anchor, Estimator, Progress, Rejection, StaticBuffers};
+    use super::*;
+    use crate::shape::EncoderShape;
+    use crate::step::Outcome;
+    use proptest::prelude::*;
+
+    const EDGES: i64 = 24;
+
+    type Small = Estimator<StaticBuffers<6, 4>>;
+
+    fn estimator() -> Small {
+        let shape = EncoderShape::new(24, 4).unwrap();
+        Estimator::new(shape, Anchor::Index, StaticBuffers::new()).unwrap()
+    }
+
+    /// Where everything stands, out of step.
+    fn state(estimator: &mut Small) -> ([[i16; 2]; 24], [i32; 24]) {
+        estimator.leave_lockstep();
+        let cells = estimator.buffers.cells().try_into().unwrap();
+        (cells, estimator.buffers.sum().try_into().unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn in_step_or_out_of_it_the_same_is_learned(
+            turns in 3usize..9, reverse: bool, interval in 20u32..200_000, faults in prop::collection::vec(0usize..200, 0..3),
+            jitter in prop::collection::vec(0u32..100, 240)
+        ) {
+            let (mut quick, mut careful) = (estimator(), estimator());
+            let (mut position, mut ticks, mut in_step) = (-2, 0, 0);
+            for i in 0..turns * EDGES as usize {
+                position += if reverse { -1 } else { 1 };
+                let interval = interval + interval * jitter[i % jitter.len()] / 1000;
+                ticks += u64::from(interval);
+                let edge = position + i64::from(reverse);
+                let fault = if faults.contains(&i) { Flags::TURN_SUSPECT } else { Flags::NONE };
+                let outcome = Outcome::Step(Step {
+                    ticks,
+                    edge: edge.rem_euclid(EDGES) as u32,
+                    position: position.rem_euclid(EDGES) as u32,
+                    interval,
+                    resync: 0,
+                    advance: 1,
+                    flags: Flags::REFERENCED.with(fault),
+                    direction: if reverse { Direction::Reverse } else { Direction::Forward },
+                });
+                careful.leave_lockstep();
+                in_step += usize::from(quick.lockstep.next != NO_EDGE);
+                prop_assert_eq!(quick.push(&outcome), careful.push(&outcome), "edge {}", i);
+            }
+            prop_assert_eq!(state(&mut quick), state(&mut careful));
+            prop_assert_eq!(quick.totals(), careful.totals());
+            let slow = interval > 1 << 16;
+            prop_assert!(slow || !faults.is_empty() || in_step >= (turns - 3) * (EDGES as usize - 2), "{}", in_step);
+        }
+    }
+
+    #[test]
+    fn time_that_runs_backward_rejects_the_turn() {
+        let mut estimator = estimator();
+        let mut ends = std::vec::Vec::new();
+        for k in 0..=4 * EDGES as u64 {
+            // Between edges 60 and 61 the clock falls back by as much as the shaft took.
+            let late = if k > 60 { 2000 } else { 0 };
+            let edge = (k % EDGES as u64) as u32;
+            let progress = estimator.push(&Outcome::Step(Step {
+                ticks: 10_000 + 1000 * k - late,
+                edge,
+                position: edge,
+                interval: if k == 61 { 0 } else { 1000 },
+                resync: 0,
+                advance: 1,
+                flags: Flags::REFERENCED,
+                direction: Direction::Forward,
+            }));
+            if progress != Progress::Running {
+                ends.push((k, progress));
+            }
+        }
+        let backward = Progress::TurnRejected(Rejection::Irregular);
+        assert_eq!(ends[..2], [(48, Progress::TurnTaken(1)), (72, backward)]);
+    }
 }
