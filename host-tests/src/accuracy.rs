@@ -43,6 +43,17 @@ impl Scenario {
         }
     }
 
+    /// Share of the error RMS that is to be removed; none for an encoder without errors.
+    #[must_use]
+    pub const fn target_removed(self) -> Option<f64> {
+        match self {
+            Self::Quiet => Some(0.97),
+            Self::Wander01 => Some(0.96),
+            Self::Wander1 => Some(0.90),
+            Self::Perfect => None,
+        }
+    }
+
     /// The rig with a seed.
     #[must_use]
     pub fn twin(self, seed: u64) -> Twin {
@@ -172,6 +183,23 @@ impl Run {
         let (before, after) = (spectrum(&self.truth), spectrum(&rest));
         before.into_iter().zip(after).collect()
     }
+}
+
+/// Mean error power of every order after correction over that before, over many seeds: `(order, ratio)`.
+#[must_use]
+pub fn order_ratios(scenario: Scenario, seeds: std::ops::Range<u64>) -> Vec<(usize, f64)> {
+    let mut sums: Vec<(f64, f64)> = Vec::new();
+    for seed in seeds {
+        let powers = run(&scenario.twin(seed)).order_powers();
+        sums.resize(powers.len(), (0.0, 0.0));
+        for (sum, (before, after)) in sums.iter_mut().zip(powers) {
+            *sum = (sum.0 + before, sum.1 + after);
+        }
+    }
+    sums.into_iter()
+        .enumerate()
+        .map(|(index, (before, after))| (index + 1, after / before))
+        .collect()
 }
 
 /// Largest relative deviation of xi_A, xi_B and p, each from its class means.
