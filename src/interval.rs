@@ -209,10 +209,9 @@ impl Interval {
         if elapsed <= Ticks::from(self.newest.ticks) {
             return last;
         }
-        let bound = Recip::of_u64(elapsed)
-            .times(self.config.step.unsigned_abs())
-            .cast_signed();
-        Speed(last.0.clamp(-bound, bound))
+        let bound = Recip::of_u64(elapsed).times(self.config.step.unsigned_abs());
+        let size = last.0.unsigned_abs().min(bound).cast_signed();
+        Speed(if last.0 < 0 { -size } else { size })
     }
 }
 

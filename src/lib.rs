@@ -2,6 +2,26 @@
 //!
 //! Edges come in at one end, corrected angles leave at the other: `units -> edge -> timebase -> decoder -> interval ->
 //! savgol -> estimate -> table`.
+//!
+//! # Cost of an edge
+//! Instructions, the mean over three turns of an encoder of 2500 lines with its index, edges up to 12 % of a step out of
+//! place. Counted by `cargo qemu --bin edge_cost` on a Cortex-M4F in QEMU (netduinoplus2, `-icount shift=3`), profile
+//! `firmware` (opt-level 3, LTO), rustc 1.96. Each stage reads its input from memory; a loop without work is subtracted,
+//! three instructions of loop and black box are not.
+//!
+//! | stage | instructions |
+//! |---|---|
+//! | [`decoder::QuadratureDecoder::push`], outcome written to memory | 48 |
+//! | the same where every tenth edge is a reversal without slowing down | 197 |
+//! | [`corrector::Corrector::push`]: table, angle, way and time since the edge before | 47 |
+//! | decoder and corrector in a row | 96 |
+//! | [`interval::Interval::push`] | 38 |
+//! | [`interval::Interval::speed_at`], for the control loop | 98 |
+//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 58 |
+//!
+//! These paths divide nothing, use no floating point and hold no panic. Anything but one more edge of settled motion, Z low,
+//! goes out of line: at most a few edges a turn, sixteen after a start or a reversal, and every edge of three Hall sensors in
+//! the corrector.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -22,9 +22,8 @@ impl TurnRate {
         }
         let edge_bits = u32::BITS - (edges - 1).leading_zeros();
         // As many fraction bits as keep the multiplier in 31 bits and a turn and a half of phase in 64.
-        // Not `ilog2`, which could panic; the duration is not 0.
-        let digits = u64::BITS - 1 - duration.leading_zeros();
-        let precise = (31 + digits).saturating_sub(edge_bits + STEP_FRACTION_BITS);
+        let precise =
+            (31 + duration.checked_ilog2()?).saturating_sub(edge_bits + STEP_FRACTION_BITS);
         let shift = precise.min(62 - STEP_FRACTION_BITS - edge_bits);
         let multiplier =
             Recip::of_u64(duration).times(u64::from(edges) << (STEP_FRACTION_BITS + shift));

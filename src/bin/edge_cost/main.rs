@@ -96,15 +96,16 @@ fn measure(
         6,
     )
     .ok()?;
-    let mut rig = Rig::new();
+    let (mut rig, mut swinging) = (Rig::new(), Rig::new());
     let mut decoder = QuadratureDecoder::new(DecoderConfig::new(LINES)).ok()?;
-    let mut recorder = decoder;
-    let mut chained = (decoder, Corrector::new(table));
-    let mut corrector = Corrector::new(table);
+    let (mut recorder, mut watchful) = (decoder, decoder);
+    let mut chained = (decoder, Corrector::new(table, Anchor::Index));
+    let mut corrector = Corrector::new(table, Anchor::Index);
     let mut interval = Interval::new(IntervalConfig::new(SLOTS, 84_000_000));
     let [
         mut empty,
         mut decode,
+        mut reverse,
         mut correct,
         mut time,
         mut speed,
@@ -117,7 +118,7 @@ fn measure(
             *outcome = recorder.push(*sample);
         }
         if block == WARM {
-            [empty, decode, correct, time, speed, learn, chain] =
+            [empty, decode, reverse, correct, time, speed, learn, chain] =
                 core::array::from_fn(|_| Stage::default());
         }
         empty.count(&counter, || idle(samples));
@@ -129,8 +130,11 @@ fn measure(
         time.count(&counter, || time_block(&mut interval, outcomes));
         speed.count(&counter, || speed_block(&interval, outcomes));
         learn.count(&counter, || learn_block(learner, outcomes));
+        swinging.swing(samples);
+        reverse.count(&counter, || decode_block(&mut watchful, samples));
     }
     decode.print("decode", &empty);
+    reverse.print("decode_swinging", &empty);
     correct.print("correct", &empty);
     chain.print("decode_and_correct", &empty);
     time.print("interval", &empty);

@@ -60,4 +60,17 @@ impl Rig {
             };
         }
     }
+
+    /// Turns round after every ten edges instead.
+    pub fn swing(&mut self, samples: &mut [Sample]) {
+        for sample in samples {
+            self.grid += STEP;
+            self.slot = (self.slot + 1) % 20;
+            let place = self.slot.min(20 - self.slot);
+            *sample = Sample {
+                ticks: self.grid,
+                levels: Levels(STATES[(place % 4) as usize]),
+            };
+        }
+    }
 }
