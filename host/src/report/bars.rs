@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::draw::{Canvas, Px, svg, text_width};
-use super::number::si;
+use super::number::{decimal_exponent, power_of_ten, si};
 use super::plot::{Axis, Colour};
 use super::scale::{Extent, Scale, usable};
 
@@ -40,7 +40,7 @@ impl Bars {
             Extent(
                 extent
                     .0
-                    .map(|(lo, hi)| (10f64.powf((lo / 2.0).log10().floor()), hi)),
+                    .map(|(lo, hi)| (power_of_ten(decimal_exponent(lo / 2.0)), hi)),
             )
         } else {
             Extent(extent.0.map(|(_, hi)| (0.0, hi)))

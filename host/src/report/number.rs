@@ -61,10 +61,10 @@ pub fn si_digits(value: f64, unit: &str, digits: usize) -> (String, String) {
     if takes_prefix(unit) {
         let thousand = (exponent.div_euclid(3) * 3).clamp(-24, 24);
         let shift = exponent - thousand;
-        let number = grouped(mantissa * 10f64.powi(shift), decimals(shift));
+        let number = grouped(mantissa * power_of_ten(shift), decimals(shift));
         (number, format!("{}{unit}", prefix(thousand)))
     } else if (-3..6).contains(&exponent) {
-        let number = grouped(mantissa * 10f64.powi(exponent), decimals(exponent));
+        let number = grouped(mantissa * power_of_ten(exponent), decimals(exponent));
         (number, unit.to_owned())
     } else {
         let number = format!(
@@ -86,12 +86,24 @@ pub fn si(value: f64, unit: &str) -> String {
     }
 }
 
+/// The power of ten as the nearest double. `powi` may be off in its last digit, and differently so from build to build.
+pub(super) fn power_of_ten(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().unwrap_or(f64::NAN)
+}
+
+/// The exponent of the first digit: 3 for 1000 and for 9999. 0 for zero and what is not finite.
+pub(super) fn decimal_exponent(value: f64) -> i32 {
+    let text = format!("{value:e}");
+    let exponent = text.split_once('e').map(|(_, exponent)| exponent.parse());
+    exponent.and_then(Result::ok).unwrap_or(0)
+}
+
 /// Power of ten and unit for an axis that reaches `largest`: `(-6, µrad)`.
 pub(super) fn prefixed_unit(largest: f64, unit: &str) -> (i32, String) {
     if largest <= 0.0 || !largest.is_finite() {
         return (0, unit.to_owned());
     }
-    let exponent = (largest.log10() + 1e-9).floor() as i32;
+    let exponent = decimal_exponent(largest * (1.0 + 1e-9));
     let thousand = exponent.div_euclid(3) * 3;
     if takes_prefix(unit) && (-24..=24).contains(&thousand) {
         (thousand, format!("{}{unit}", prefix(thousand)))
@@ -142,6 +154,15 @@ mod tests {
         assert_eq!(si(0.9996, "rad"), "1.00\u{a0}rad");
         assert_eq!(si(999.9e-6, "s"), "1.00\u{a0}ms");
         assert_eq!(si(1e-40, "s"), "0.00\u{a0}ys");
+    }
+
+    #[test]
+    fn powers_of_ten_are_exact_and_exponents_are_the_first_digit_s() {
+        assert_eq!(power_of_ten(-24), 1e-24);
+        assert_eq!(power_of_ten(22), 1e22);
+        for (value, exponent) in [(1000.0, 3), (999.999, 2), (-1e-6, -6), (0.0, 0), (f64::INFINITY, 0)] {
+            assert_eq!(decimal_exponent(value), exponent, "{value}");
+        }
     }
 
     #[test]

@@ -88,8 +88,8 @@ impl Cell {
             return Self::si(value, unit);
         }
         let (exponent, unit) = super::number::prefixed_unit(value.abs().max(standard_error), unit);
-        let factor = 10f64.powi(-exponent);
-        let decimals = (1.0 - (standard_error * factor).log10().floor()).clamp(0.0, 9.0) as usize;
+        let factor = super::number::power_of_ten(-exponent);
+        let decimals = (1 - super::number::decimal_exponent(standard_error * factor)).clamp(0, 9) as usize;
         let number = |v: f64| super::number::grouped(v * factor, decimals);
         let text = format!("{} ± {}\u{a0}{unit}", number(value), number(standard_error));
         Self::Number(text.trim_end().to_owned())

@@ -1,6 +1,6 @@
 //! Axes: extents, linear and logarithmic mapping, round ticks, and numbers with SI prefixes.
 
-use super::number::{MINUS, grouped, prefixed_unit, si, superscript, takes_prefix};
+use super::number::{MINUS, decimal_exponent, grouped, power_of_ten, prefixed_unit, si, superscript, takes_prefix};
 
 /// Values beyond this are no measurement; they are drawn as gaps, like NaN.
 const LARGEST: f64 = 1e100;
@@ -105,7 +105,7 @@ impl Scale {
 
     fn linear(axis: &Axis, lo: f64, hi: f64, most: usize) -> Self {
         let (exponent, unit) = prefixed_unit(lo.abs().max(hi.abs()), &axis.unit);
-        let factor = 10f64.powi(-exponent);
+        let factor = power_of_ten(-exponent);
         let degrees = axis.unit == "deg";
         let ticks = round_steps(lo * factor, hi * factor, most, degrees)
             .into_iter()
@@ -125,12 +125,12 @@ impl Scale {
     }
 
     fn log(axis: &Axis, lo: f64, hi: f64, most: usize) -> Self {
-        let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
+        let (first, last) = (decimal_exponent(lo), decimal_exponent(hi) + 1);
         let inside = |v: &f64| *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
-        let decades: Vec<i32> = (first..=last).filter(|e| inside(&10f64.powi(*e))).collect();
+        let decades: Vec<i32> = (first..=last).filter(|e| inside(&power_of_ten(*e))).collect();
         let digits = |which: &[f64]| -> Vec<f64> {
             (first..=last)
-                .flat_map(|e| which.iter().map(move |d| d * 10f64.powi(e)))
+                .flat_map(|e| which.iter().map(move |d| d * power_of_ten(e)))
                 .filter(inside)
                 .collect()
         };
@@ -139,7 +139,7 @@ impl Scale {
             decades
                 .iter()
                 .step_by(stride)
-                .map(|e| 10f64.powi(*e))
+                .map(|e| power_of_ten(*e))
                 .collect()
         } else {
             let fine = digits(&[1.0, 2.0, 5.0]);
@@ -239,11 +239,11 @@ fn log_text(v: f64, unit: &str) -> String {
             _ => text,
         }
     } else if (1e-3..1e6).contains(&v) {
-        let decimals = (-v.log10().floor()).max(0.0) as usize;
+        let decimals = (-decimal_exponent(v)).max(0) as usize;
         grouped(v, decimals)
     } else {
-        let e = v.log10().floor() as i32;
-        let m = (v / 10f64.powi(e)).round();
+        let e = decimal_exponent(v);
+        let m = (v / power_of_ten(e)).round();
         let power = format!("10{}", superscript(e));
         if m == 1.0 {
             power
@@ -265,8 +265,8 @@ fn round_steps(lo: f64, hi: f64, most: usize, degrees: bool) -> Vec<(f64, usize)
     let (step, decimals) = match part {
         Some(part) if degrees && raw > 5.0 => (part, 0),
         _ => {
-            let exponent = raw.log10().floor() as i32;
-            let m = raw / 10f64.powi(exponent);
+            let exponent = decimal_exponent(raw);
+            let m = raw / power_of_ten(exponent);
             let (digit, exponent) = match m {
                 m if m <= 1.0 + 1e-9 => (1.0, exponent),
                 m if m <= 2.0 => (2.0, exponent),
@@ -274,7 +274,7 @@ fn round_steps(lo: f64, hi: f64, most: usize, degrees: bool) -> Vec<(f64, usize)
                 _ => (1.0, exponent + 1),
             };
             (
-                digit * 10f64.powi(exponent),
+                digit * power_of_ten(exponent),
                 exponent.min(0).unsigned_abs() as usize,
             )
         }
@@ -323,7 +323,7 @@ mod tests {
             let steps = round_steps(-span * 0.3, span, 7, false);
             assert!((2..=9).contains(&steps.len()), "{span}: {}", steps.len());
             let step = steps[1].0 - steps[0].0;
-            let m = step / 10f64.powf(step.log10().floor());
+            let m = step / power_of_ten(decimal_exponent(step));
             let digit = [1.0, 2.0, 5.0, 10.0].iter().any(|d| (m - d).abs() < 1e-6);
             assert!(digit, "{span}: step {step}");
         }
