@@ -43,7 +43,7 @@ pub enum DemoError {
     Twin(#[from] TwinError),
     /// A recording.
     #[error(transparent)]
-    Read(#[from] ReadError),
+    Read(Box<ReadError>),
     /// The simulated recording.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -56,6 +56,12 @@ pub enum DemoError {
     /// A table.
     #[error("{}", table_file::describe(.0))]
     Table(quadcal::slot::SlotError),
+}
+
+impl From<ReadError> for DemoError {
+    fn from(error: ReadError) -> Self {
+        Self::Read(Box::new(error))
+    }
 }
 
 /// One encoder calibrated and checked.

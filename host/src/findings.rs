@@ -15,7 +15,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// Value, rad.
     pub rad: f64,
-    /// Standard error, rad.
+    /// Standard error, rad; NaN where it is not known.
     pub standard_error_rad: f64,
 }
 
@@ -35,7 +35,7 @@ pub struct Findings {
     pub class_names: &'static [&'static str],
     /// Mean error of every class, rad; they sum to zero.
     pub class_offsets_rad: Vec<f64>,
-    /// Standard error of a class offset, rad.
+    /// Standard error of a class offset, rad; NaN with fewer than 64 edges a turn, where it is not known.
     pub class_standard_error_rad: f64,
     /// xi_A, xi_B and p of a quadrature encoder; what stands in their place for other sensors.
     pub parameters: Vec<Parameter>,
@@ -73,7 +73,12 @@ impl Findings {
             .zip(class_offsets_rad.iter().cycle())
             .map(|(eps, offset)| eps + offset)
             .collect();
-        let class_standard_error_rad = f64::from(solution.class_standard_error()) * RAD_PER_TURN32;
+        // The core takes it from orders that are like their neighbours, and few edges have none.
+        let class_standard_error_rad = if eps_rad.len() < 64 {
+            f64::NAN
+        } else {
+            f64::from(solution.class_standard_error()) * RAD_PER_TURN32
+        };
         let after_rad = f64::from(solution.standard_error()) * RAD_PER_TURN32;
         let table_rad = f64::from(solution.table_rms()) * RAD_PER_TURN32;
         let orders = (eps_rad.len() / 2).min(ORDERS_MAX + 1);

@@ -141,11 +141,8 @@ impl Summary {
             words::rejected(turns.broken, turns.irregular, turns.speed_change),
         );
         for value in &self.parameters {
-            let error = si(value.standard_error_rad, "rad");
-            facts.push(
-                value.label,
-                format!("{} ± {error}", words::precise(value.rad)),
-            );
+            let text = words::with_error(value.rad, value.standard_error_rad);
+            facts.push(value.label, text);
         }
         facts.push_si("Line position error eps, RMS", self.eps_rms_rad, "rad");
         facts.push(

@@ -107,14 +107,15 @@ impl Demo {
             format!("2500 lines, speed wander 0.1 %, {RIG_TURNS} turns"),
         );
         let micro = |rad: f64| format!("{:.2}", rad * 1e6);
+        let fine = |rad: f64| format!("{:.3}", rad * 1e6);
         for row in &simulated.table_1 {
             facts.push(
                 format!("  {}", row.name),
                 format!(
                     "{} ± {} µrad, true {}   (paper: {}, true {})",
-                    micro(row.found_rad),
-                    micro(row.standard_error_rad),
-                    micro(row.true_rad),
+                    fine(row.found_rad),
+                    fine(row.standard_error_rad),
+                    fine(row.true_rad),
                     micro(row.paper_found_rad),
                     micro(row.paper_true_rad)
                 ),

@@ -53,9 +53,10 @@ impl Bars {
         let values = self
             .bars
             .iter()
-            .map(|b| text_width(&si(b.1, unit)))
+            // The value is bold, a little wider than plain text.
+            .map(|b| 1.2 * text_width(&si(b.1, unit)))
             .fold(0.0, f64::max)
-            + 10.0;
+            + 12.0;
         // Where names would take too much of a small canvas they stand above their bars.
         let stacked = names > width * 0.4;
         let left = if stacked { 1.0 } else { names + 10.0 };

@@ -160,7 +160,13 @@ mod tests {
     fn powers_of_ten_are_exact_and_exponents_are_the_first_digit_s() {
         assert_eq!(power_of_ten(-24), 1e-24);
         assert_eq!(power_of_ten(22), 1e22);
-        for (value, exponent) in [(1000.0, 3), (999.999, 2), (-1e-6, -6), (0.0, 0), (f64::INFINITY, 0)] {
+        for (value, exponent) in [
+            (1000.0, 3),
+            (999.999, 2),
+            (-1e-6, -6),
+            (0.0, 0),
+            (f64::INFINITY, 0),
+        ] {
             assert_eq!(decimal_exponent(value), exponent, "{value}");
         }
     }

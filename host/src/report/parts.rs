@@ -89,7 +89,8 @@ impl Cell {
         }
         let (exponent, unit) = super::number::prefixed_unit(value.abs().max(standard_error), unit);
         let factor = super::number::power_of_ten(-exponent);
-        let decimals = (1 - super::number::decimal_exponent(standard_error * factor)).clamp(0, 9) as usize;
+        let decimals =
+            (1 - super::number::decimal_exponent(standard_error * factor)).clamp(0, 9) as usize;
         let number = |v: f64| super::number::grouped(v * factor, decimals);
         let text = format!("{} ± {}\u{a0}{unit}", number(value), number(standard_error));
         Self::Number(text.trim_end().to_owned())

@@ -12,11 +12,14 @@ const OUTER: f64 = 178.0;
 /// Directions drawn, enough that a neighbour is under two pixels away on the outer ring.
 const SECTORS: usize = 720;
 
+/// A named series of angles in degrees and values.
+type Ring = (String, Vec<(f64, f64)>, Colour);
+
 /// A quantity by shaft angle, drawn around a circle.
 #[derive(Clone, Debug)]
 pub struct Polar {
     axis: Axis,
-    series: Vec<(String, Vec<(f64, f64)>, Colour)>,
+    series: Vec<Ring>,
 }
 
 impl Polar {
@@ -46,7 +49,7 @@ impl Polar {
     }
 
     pub(super) fn keys(&self) -> Vec<Key> {
-        let key = |(name, _, colour): &(String, _, Colour)| Key::new(*colour, Mark::Line, name);
+        let key = |(name, _, colour): &Ring| Key::new(*colour, Mark::Line, name);
         self.series.iter().map(key).collect()
     }
 

@@ -1,6 +1,8 @@
 //! Axes: extents, linear and logarithmic mapping, round ticks, and numbers with SI prefixes.
 
-use super::number::{MINUS, decimal_exponent, grouped, power_of_ten, prefixed_unit, si, superscript, takes_prefix};
+use super::number::{
+    MINUS, decimal_exponent, grouped, power_of_ten, prefixed_unit, si, superscript, takes_prefix,
+};
 
 /// Values beyond this are no measurement; they are drawn as gaps, like NaN.
 const LARGEST: f64 = 1e100;
@@ -127,7 +129,9 @@ impl Scale {
     fn log(axis: &Axis, lo: f64, hi: f64, most: usize) -> Self {
         let (first, last) = (decimal_exponent(lo), decimal_exponent(hi) + 1);
         let inside = |v: &f64| *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
-        let decades: Vec<i32> = (first..=last).filter(|e| inside(&power_of_ten(*e))).collect();
+        let decades: Vec<i32> = (first..=last)
+            .filter(|e| inside(&power_of_ten(*e)))
+            .collect();
         let digits = |which: &[f64]| -> Vec<f64> {
             (first..=last)
                 .flat_map(|e| which.iter().map(move |d| d * power_of_ten(e)))

@@ -149,8 +149,10 @@ fn shade_path(
         // The first turn is at the foot, as its tick says.
         let top = h * (grid.len() - 1 - r) as f64;
         let mut start = None;
-        for c in 0..=columns {
-            let inside = c < columns && row[c].is_some_and(&belongs);
+        // One past the end closes the last run.
+        let cells = row.iter().take(columns).copied().chain([None]);
+        for (c, cell) in cells.enumerate() {
+            let inside = cell.is_some_and(&belongs);
             match (inside, start) {
                 (true, None) => start = Some(c),
                 (false, Some(from)) => {

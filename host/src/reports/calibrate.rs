@@ -129,7 +129,7 @@ fn errors(body: &mut Body, calibration: &Calibration, findings: &Findings) {
     );
     let rows = findings.left_alone.iter().map(|left| {
         vec![
-            f64::from(left.order).into(),
+            Cell::fixed(f64::from(left.order), 0),
             Cell::si(left.amplitude_rad, "rad"),
         ]
     });
@@ -158,7 +158,7 @@ fn details(calibration: &Calibration, findings: &Findings) -> Body {
          like the last one.",
     );
     let (survey, faults) = (&calibration.survey, &calibration.faults);
-    let count = |value: u32| Cell::from(f64::from(value));
+    let count = |value: u32| Cell::fixed(f64::from(value), 0);
     body.table(
         "Recording",
         &["What", "Value"],

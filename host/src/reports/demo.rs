@@ -1,6 +1,7 @@
 //! The report of the demonstration.
 
 use crate::demo::{RIG_TURNS, Rig, Run, TABLE_1};
+use crate::findings::Parameter;
 use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Body, Cell, Colour, Footer, Level, Report, Tile, si};
 
@@ -104,24 +105,32 @@ fn table_1(body: &mut Body, rig: &Rig) {
                 micro(paper),
                 off(paper, paper_true),
                 micro(truth),
-                Cell::with_error(ours.rad, ours.standard_error_rad, "rad"),
+                micro_with_error(ours),
                 off(ours.rad, truth),
             ]
         });
     body.table(
-        "Table 1 of the paper beside ours. Our disc's true values hold the chance means of its line errors too, which belong to xi \
-         and p when eps has zero mean in every class",
+        "Table 1 of the paper beside ours, µrad, found ± standard error. Our disc's true values include the chance means of its line \
+         errors: eps has zero mean in every class, so they belong to xi and p",
         &[
             "Parameter",
-            "Paper: true, µrad",
-            "Paper: found, µrad",
+            "Paper: true",
+            "found",
             "off by, %",
-            "Our disc: true, µrad",
-            "Ours: found ± standard error",
+            "Our disc: true",
+            "found",
             "off by, %",
         ],
         rows.collect(),
     );
+}
+
+fn micro_with_error(parameter: &Parameter) -> Cell {
+    Cell::Number(format!(
+        "{:.3} ± {:.3}",
+        parameter.rad * 1e6,
+        parameter.standard_error_rad * 1e6
+    ))
 }
 
 fn micro(rad: f64) -> Cell {
@@ -147,6 +156,7 @@ fn real(body: &mut Body, run: &Run) {
     let scatter = &run.check.scatter;
     body.figure(
         figures::before_after("Scatter of the speed, RMS", "%", 100.0 * scatter.before, 100.0 * scatter.after),
-        "Scatter from edge to edge around the mean speed of the turn. What is left is the motor's own motion and the 33 µs clock.",
+        "Scatter from edge to edge around the mean speed of the turn. Much of what is left alternates between rising and falling edges: \
+         their distance grows with speed in this recording, and the second half runs faster. One table holds one mean of that.",
     );
 }

@@ -111,7 +111,7 @@ pub(super) fn parameter_table(body: &mut Body, findings: &Findings) {
     });
     body.table(
         "Errors of the edge classes against each other",
-        &["Parameter", "Value ± standard error", "In arc seconds"],
+        &["Parameter", "Value ± standard error", "In other units"],
         rows.collect(),
     );
 }
@@ -161,7 +161,7 @@ pub(super) fn weights(findings: &Findings) -> Xy {
 pub(super) fn turn_table(body: &mut Body, calibration: &Calibration) {
     let totals = &calibration.totals;
     let row = |what: &str, count: u32, why: &str| -> Vec<Cell> {
-        vec![what.into(), f64::from(count).into(), why.into()]
+        vec![what.into(), Cell::fixed(f64::from(count), 0), why.into()]
     };
     let speeds = words::speed_range(words::speeds_r_min(calibration));
     body.table(

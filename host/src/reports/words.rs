@@ -88,6 +88,16 @@ pub fn precise(rad: f64) -> String {
     format!("{number} {unit}")
 }
 
+/// Five digits with a prefix, and the standard error if it is known.
+#[must_use]
+pub fn with_error(rad: f64, standard_error_rad: f64) -> String {
+    if standard_error_rad.is_nan() {
+        precise(rad)
+    } else {
+        format!("{} ± {}", precise(rad), si(standard_error_rad, "rad"))
+    }
+}
+
 /// Why an order is left alone.
 #[must_use]
 pub fn left_alone(amplitude_rad: f64) -> String {
@@ -122,10 +132,13 @@ pub fn outlook(before_rad: f64, after_rad: f64) -> String {
     }
 }
 
-/// An angle as encoder data sheets give it.
+/// An angle as data sheets give it: arc seconds, or degrees where it is large.
 #[must_use]
 pub fn arc_seconds(rad: f64) -> String {
-    let seconds = rad / TAU * 1_296_000.0;
-    let (number, _) = si_digits(seconds, "", 3);
-    format!("{number} arc seconds")
+    let degrees = rad / TAU * 360.0;
+    if degrees.abs() >= 0.1 {
+        format!("{} degrees", si_digits(degrees, "", 3).0)
+    } else {
+        format!("{} arc seconds", si_digits(3600.0 * degrees, "", 3).0)
+    }
 }
