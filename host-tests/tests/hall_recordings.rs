@@ -1,5 +1,5 @@
 //! Recordings of real Hall motors: what the core learns from one half holds on the other.
-#![allow(clippy::cast_precision_loss, missing_docs)]
+#![allow(clippy::cast_precision_loss, clippy::result_large_err, missing_docs)]
 
 use std::path::{Path, PathBuf};
 

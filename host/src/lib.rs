@@ -4,11 +4,16 @@
 pub mod buffers;
 pub mod calibrate;
 pub mod cli;
+pub mod demo;
+pub mod findings;
 pub mod pattern;
 pub mod recording;
 pub mod report;
+pub mod reports;
 pub mod sensor;
+pub mod showcase;
 pub mod sim;
 pub mod survey;
+pub mod table_file;
 pub mod twin;
 pub mod verify;

@@ -96,6 +96,42 @@ pub struct ReferenceCheck {
     pub error_after_rad: Vec<f64>,
 }
 
+/// What a check says of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Angles are better with the table.
+    Better,
+    /// No difference beyond chance: there was nothing to correct, or nothing that could be learned.
+    Same,
+    /// Angles are worse with the table.
+    Worse,
+}
+
+impl Verification {
+    /// Better or worse, by the reference if there is one, else by the scatter of the intervals. A difference below the standard
+    /// error of an RMS value of that many samples counts as none.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn verdict(&self) -> Verdict {
+        let (count, before, after) = match &self.reference {
+            Some(check) => (check.edges, check.before_rad, check.after_rad),
+            None => (
+                self.scatter.intervals,
+                self.scatter.before,
+                self.scatter.after,
+            ),
+        };
+        let chance = before / (2.0 * count.max(1) as f64).sqrt();
+        if after > before + chance {
+            Verdict::Worse
+        } else if after < before - chance {
+            Verdict::Better
+        } else {
+            Verdict::Same
+        }
+    }
+}
+
 /// Checks `slot` on a recording's rows. `source` is the check sum of the recording's start, `clock_hz` its tick rate.
 ///
 /// # Errors
@@ -118,7 +154,8 @@ pub fn verify(
         });
     }
     let same_recording = slot.header.source == source && source != 0;
-    if plan.anchor() == Anchor::FirstEdge && !same_recording {
+    let free = plan.anchor() == Anchor::FirstEdge || !slot.header.indexed;
+    if free && !same_recording {
         return Err(VerifyError::NotAnchored);
     }
     let after_tick = if same_recording {

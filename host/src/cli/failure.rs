@@ -2,12 +2,19 @@
 
 use std::io;
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use quadcal::slot::SlotError;
 use thiserror::Error;
 
+use crate::calibrate::CalibrateError;
+use crate::demo::DemoError;
 use crate::recording::ReadError;
 use crate::recording::write::WriteError;
+use crate::table_file;
+use crate::twin::TwinError;
+use crate::verify::{ReferenceError, VerifyError};
 
 use super::output::Target;
 
@@ -35,9 +42,103 @@ pub enum Failure {
         /// The system's reason.
         source: io::Error,
     },
+    /// A twin can't be used.
+    #[error("{0}{hint}", hint = twin_hint(.0))]
+    Twin(#[from] TwinError),
+    /// A twin declares another kind of sensor than was recorded.
+    #[error(
+        "{twin}: the twin declares {declared}, the recording is of {recorded}; give the twin of this rig, or --lines",
+        twin = twin.display()
+    )]
+    OtherSensor {
+        /// The twin.
+        twin: PathBuf,
+        /// The sensor that it declares.
+        declared: &'static str,
+        /// The sensor that was recorded.
+        recorded: &'static str,
+    },
+    /// A recording can't be calibrated.
+    #[error("{recording}: {source}{hint}", recording = recording.display(), hint = lines_hint(source, twin.as_deref()))]
+    Calibrate {
+        /// The recording.
+        recording: PathBuf,
+        /// The twin that declared the sensor.
+        twin: Option<PathBuf>,
+        /// Why.
+        source: CalibrateError,
+    },
+    /// A file other than a recording can't be opened or read.
+    #[error("{path}: cannot be read ({source}); check the path and its permissions", path = path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A recording that can be read only once.
+    #[error("{path}: not a regular file; the recording is read twice, so save it to a file first", path = path.display())]
+    NotAFile {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// A table can't be used.
+    #[error("{table}: {what}", table = table.display(), what = table_file::describe(fault))]
+    Table {
+        /// The table.
+        table: PathBuf,
+        /// Why.
+        fault: SlotError,
+    },
+    /// A table can't be checked on a recording.
+    #[error("{file}: {source}", file = blamed(source, recording, table).display())]
+    Verify {
+        /// The recording.
+        recording: PathBuf,
+        /// The table.
+        table: PathBuf,
+        /// Why.
+        source: VerifyError,
+    },
+    /// A reference can't be used.
+    #[error("{0}{hint}", hint = reference_hint(.0))]
+    Reference(#[from] ReferenceError),
+    /// A reference and a recording share no time.
+    #[error(
+        "{reference}: no edge of the recording lies within the reference's times; both must count seconds from the same start"
+    )]
+    Apart {
+        /// The reference.
+        reference: String,
+    },
+    /// The demonstration, which reads nothing but itself, failed.
+    #[error("demo: {0}; this is a fault of quadcal, please report it")]
+    Demo(Box<DemoError>),
+    /// A table makes an encoder worse.
+    #[error(
+        "{table}: this table makes the encoder WORSE ({what} {before} before, {after} after); don't use it: check that it is of this \
+         encoder and calibrate again",
+        table = table.display()
+    )]
+    Worse {
+        /// The table.
+        table: PathBuf,
+        /// What was compared.
+        what: &'static str,
+        /// Without the table.
+        before: String,
+        /// With it.
+        after: String,
+    },
     /// An output would take the place of an input.
     #[error("{target}: is the input itself; give another name for the output")]
     OverInput {
+        /// The output.
+        target: Target,
+    },
+    /// The name of a simulated recording does not say its format.
+    #[error("{target}: cannot tell the format from the name; end it in .csv or .vcd")]
+    RecordingName {
         /// The output.
         target: Target,
     },
@@ -58,6 +159,32 @@ impl From<ReadError> for Failure {
 }
 
 impl Failure {
+    /// A calibration's error, on `recording` as `twin` declares it.
+    #[must_use]
+    pub fn calibrating(recording: &Path, twin: Option<&Path>, error: CalibrateError) -> Self {
+        match error {
+            CalibrateError::Read(error) => Self::Read(error),
+            source => Self::Calibrate {
+                recording: recording.to_owned(),
+                twin: twin.map(Path::to_owned),
+                source,
+            },
+        }
+    }
+
+    /// A check's error.
+    #[must_use]
+    pub fn verifying(recording: &Path, table: &Path, error: VerifyError) -> Self {
+        match error {
+            VerifyError::Read(error) => Self::Read(error),
+            source => Self::Verify {
+                recording: recording.to_owned(),
+                table: table.to_owned(),
+                source,
+            },
+        }
+    }
+
     /// Prints the failure and gives the exit code. A reader of stdout that has seen enough is no failure and prints nothing.
     #[must_use]
     pub fn report(&self) -> ExitCode {
@@ -73,9 +200,19 @@ impl Failure {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Write { .. } => 1,
+            Self::Write { .. } | Self::Worse { .. } | Self::Demo(_) => 1,
             Self::Read(_)
+            | Self::Twin(_)
+            | Self::OtherSensor { .. }
+            | Self::Calibrate { .. }
+            | Self::Open { .. }
+            | Self::NotAFile { .. }
+            | Self::Table { .. }
+            | Self::Verify { .. }
+            | Self::Reference(_)
+            | Self::Apart { .. }
             | Self::Unwritable { .. }
+            | Self::RecordingName { .. }
             | Self::OverInput { .. }
             | Self::OutputFormat { .. } => 2,
         }
@@ -114,5 +251,46 @@ fn option_for(error: &ReadError) -> String {
             " (--list intervals)".to_owned()
         }
         _ => String::new(),
+    }
+}
+
+/// What to do about a twin, where its message does not say.
+fn twin_hint(error: &TwinError) -> &'static str {
+    match error {
+        TwinError::Read { .. } => {
+            "; check the path (quadcal simulate --example paper > twin.toml writes one to start from)"
+        }
+        TwinError::Syntax { .. } => {
+            "; correct the line (quadcal simulate --example paper shows a complete twin)"
+        }
+        _ => "",
+    }
+}
+
+/// Says who gave the wrong number of lines, where that was a twin.
+fn lines_hint(error: &CalibrateError, twin: Option<&Path>) -> String {
+    let wrong = matches!(
+        error,
+        CalibrateError::WrongLines { .. } | CalibrateError::WrongTurn { .. }
+    );
+    match twin {
+        Some(twin) if wrong => format!(" in place of --twin {}, or correct it", twin.display()),
+        _ => String::new(),
+    }
+}
+
+fn reference_hint(error: &ReferenceError) -> &'static str {
+    match error {
+        ReferenceError::Number { .. } => "; correct or delete the row",
+        ReferenceError::Short { .. } => "; record the reference over the whole run",
+        _ => "",
+    }
+}
+
+/// The file that a check's error is about.
+fn blamed<'a>(error: &VerifyError, recording: &'a Path, table: &'a Path) -> &'a Path {
+    match error {
+        VerifyError::Table(_) | VerifyError::Shape { .. } | VerifyError::NotAnchored => table,
+        _ => recording,
     }
 }

@@ -1,14 +1,17 @@
 //! Options with which every command reads a recording.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::recording::{self, Format, ListKind, Mapping, ReadOptions, Recording};
+use crate::recording::{self, Format, ListKind, Mapping, ReadError, ReadOptions, Recording};
+use crate::table_file;
 
+use super::Globals;
 use super::failure::Failure;
 use super::output::Target;
+use super::progress::Watched;
 
 /// A recording and how to read it.
 #[derive(Clone, Debug, Args)]
@@ -84,24 +87,52 @@ impl InputArgs {
         Ok(recording::open(&self.recording, &self.options())?)
     }
 
+    /// Opens the recording to read its rows, with progress.
+    ///
+    /// # Errors
+    /// As [`recording::open`].
+    pub fn reopen(&self, globals: Globals) -> Result<Watched, ReadError> {
+        let recording = recording::open(&self.recording, &self.options())?;
+        Ok(Watched::new(recording, globals))
+    }
+
+    /// As [`reopen`](Self::reopen).
+    ///
+    /// # Errors
+    /// As [`recording::open`].
+    pub fn rows(&self, globals: Globals) -> Result<Watched, Failure> {
+        Ok(self.reopen(globals)?)
+    }
+
+    /// The check sum by which a table knows this recording.
+    ///
+    /// # Errors
+    /// [`Failure::Open`].
+    pub fn source(&self) -> Result<u32, Failure> {
+        table_file::source_of(&self.recording).map_err(|source| Failure::Open {
+            path: self.recording.clone(),
+            source,
+        })
+    }
+
+    /// Refuses a pipe or device, which can't be read twice. A file that does not exist is left to the reader to report.
+    ///
+    /// # Errors
+    /// [`Failure::NotAFile`].
+    pub fn check_regular(&self) -> Result<(), Failure> {
+        match fs::metadata(&self.recording) {
+            Ok(found) if !found.is_file() && !found.is_dir() => Err(Failure::NotAFile {
+                path: self.recording.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses an output that would take the recording's place.
     ///
     /// # Errors
     /// [`Failure::OverInput`].
     pub fn spare(&self, target: &Target) -> Result<(), Failure> {
-        match target {
-            Target::File(path) if same_file(&self.recording, path) => Err(Failure::OverInput {
-                target: target.clone(),
-            }),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Whether both paths lead to one regular file, through links or not.
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b && a.is_file(),
-        _ => false,
+        target.spare(&self.recording)
     }
 }

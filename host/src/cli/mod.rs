@@ -1,13 +1,20 @@
 //! The `quadcal` command line: what can be asked for, one file a command, and the pieces they share.
 
+mod calibrate;
+mod calibrate_summary;
 mod completions;
 mod convert;
+mod demo;
 pub mod failure;
 mod info;
 pub mod input;
 pub mod output;
 pub mod progress;
+mod sensor_args;
+mod simulate;
+mod simulated;
 mod tally;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -25,6 +32,9 @@ Exit codes:
 /// Examples of the whole tool.
 const EXAMPLES: &str = "\
 Examples:
+  quadcal demo                                simulated and real encoders, with a report
+  quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
+  quadcal verify spindle.csv --table spindle.qct
   quadcal info spindle.csv                    what a recording holds
   quadcal convert capture.vcd -o capture.csv  from one format to another
 
@@ -59,6 +69,10 @@ pub struct Globals {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Demo),
+    Simulate(simulate::Simulate),
+    Calibrate(calibrate::Calibrate),
+    Verify(verify::Verify),
     Info(info::Info),
     Convert(convert::Convert),
     Completions(completions::Completions),
@@ -86,6 +100,10 @@ impl Cli {
     fn run(self) -> Result<(), Failure> {
         let globals = self.globals;
         match self.command {
+            Command::Demo(command) => command.run(globals),
+            Command::Simulate(command) => command.run(globals),
+            Command::Calibrate(command) => command.run(globals),
+            Command::Verify(command) => command.run(globals),
             Command::Info(command) => command.run(globals),
             Command::Convert(command) => command.run(globals),
             Command::Completions(command) => command.run(),

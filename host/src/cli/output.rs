@@ -4,13 +4,13 @@ use std::ffi::OsString;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, StdoutLock, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 
 use crate::recording::write::AtomicFile;
-use crate::report::{self, Report};
+use crate::report::{self, Footer, InputFile, Report};
 
 use super::failure::Failure;
 
@@ -72,6 +72,30 @@ impl Target {
         }
     }
 
+    /// Whether it is a file whose name ends in `.extension`, upper or lower case.
+    #[must_use]
+    pub fn has_extension(&self, extension: &str) -> bool {
+        match self {
+            Self::File(path) => path
+                .extension()
+                .is_some_and(|found| found.eq_ignore_ascii_case(extension)),
+            Self::Stdout => false,
+        }
+    }
+
+    /// Refuses to take the place of `input`, through links or not.
+    ///
+    /// # Errors
+    /// [`Failure::OverInput`].
+    pub fn spare(&self, input: &Path) -> Result<(), Failure> {
+        match self {
+            Self::File(path) if same_file(input, path) => Err(Failure::OverInput {
+                target: self.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes all of `bytes` as the whole output.
     ///
     /// # Errors
@@ -110,6 +134,14 @@ impl Target {
             target: self.clone(),
             source,
         }
+    }
+}
+
+/// Whether both paths lead to one regular file, through links or not.
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b && a.is_file(),
+        _ => false,
     }
 }
 
@@ -186,6 +218,29 @@ pub struct ReportArg {
     /// Write a report with plots, one HTML file that needs nothing else
     #[arg(long, value_name = "PATH", help_heading = "Results")]
     pub report: Option<Target>,
+}
+
+/// Where a report comes from: this version, the command line, and the `inputs`.
+///
+/// # Errors
+/// [`Failure::Open`] for an input that can't be read.
+pub fn footer(inputs: &[&Path]) -> Result<Footer, Failure> {
+    let read = |path: &&Path| {
+        InputFile::read(path).map_err(|source| Failure::Open {
+            path: path.to_path_buf(),
+            source,
+        })
+    };
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| word.to_string_lossy().into_owned());
+    Ok(Footer {
+        version: format!("quadcal {}", env!("CARGO_PKG_VERSION")),
+        command: std::iter::once("quadcal".to_owned())
+            .chain(words)
+            .collect::<Vec<_>>()
+            .join(" "),
+        inputs: inputs.iter().map(read).collect::<Result<_, _>>()?,
+    })
 }
 
 /// Named results, one a line, the values in one column.

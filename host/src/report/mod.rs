@@ -118,6 +118,11 @@ impl Report {
         self
     }
 
+    /// The part below the verdict, to be added to.
+    pub fn body(&mut self) -> &mut Body {
+        &mut self.body
+    }
+
     /// Adds a collapsed part.
     pub fn details(&mut self, title: impl Into<String>, body: Body) -> &mut Self {
         self.body.details(title, body);

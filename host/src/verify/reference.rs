@@ -121,15 +121,15 @@ impl Reference {
                     })
             };
             let (time, angle) = (number(places[0])?, number(places[1])?);
-            if let Some(&(before, _)) = points.last() {
-                if time <= before {
-                    return Err(ReferenceError::Order {
-                        name: name.to_owned(),
-                        line,
-                        time,
-                        before,
-                    });
-                }
+            if let Some(&(before, _)) = points.last()
+                && time <= before
+            {
+                return Err(ReferenceError::Order {
+                    name: name.to_owned(),
+                    line,
+                    time,
+                    before,
+                });
             }
             points.push((time, angle));
         }
@@ -208,12 +208,12 @@ impl Comparison {
         let stretch = std::mem::replace(&mut self.stretch, Sums::new(self.all.edges.len()));
         let mean = stretch.sum.map(|sum| sum / stretch.count);
         self.all.count += stretch.count;
-        for which in 0..2 {
-            self.all.squares[which] += stretch.squares[which] - stretch.sum[which] * mean[which];
+        for (which, mean) in mean.iter().enumerate() {
+            self.all.squares[which] += stretch.squares[which] - stretch.sum[which] * mean;
         }
         for (all, edge) in self.all.edges.iter_mut().zip(&stretch.edges) {
-            for which in 0..2 {
-                all.0[which] += edge.0[which] - mean[which] * edge.1;
+            for (which, mean) in mean.iter().enumerate() {
+                all.0[which] += edge.0[which] - mean * edge.1;
             }
             all.1 += edge.1;
         }

@@ -90,10 +90,10 @@ impl ScatterMeter {
         };
         self.window.push_back(passed);
         self.duration += passed.interval;
-        if self.window.len() > self.edges {
-            if let Some(oldest) = self.window.pop_front() {
-                self.duration -= oldest.interval;
-            }
+        if self.window.len() > self.edges
+            && let Some(oldest) = self.window.pop_front()
+        {
+            self.duration -= oldest.interval;
         }
         if self.window.len() < self.edges || self.duration <= 0.0 {
             return;

@@ -1,0 +1,218 @@
+//! `quadcal simulate`: a recording of a rig that is declared in a twin.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use crate::report::si;
+use crate::reports::simulate as page;
+use crate::sim::Simulation;
+use crate::twin::{Duration, Twin};
+
+use super::failure::Failure;
+use super::output::{self, Facts, JsonArg, ReportArg, Target};
+use super::simulated::{Files, Simulated};
+use super::{EXIT_CODES, Globals, verify};
+
+const EXAMPLES: &str = "\
+Examples:
+  quadcal simulate --example paper > rig.toml     a twin to start from
+  quadcal simulate rig.toml -o rig.csv --turns 14
+  quadcal simulate rig.toml -o rig.csv --truth truth.csv --reference ref.csv --ratio 8
+
+The same twin and seed give the same bytes. The recording holds what a capture unit would see and nothing of the truth: the
+encoder's true errors go to the file of --truth, only where that is asked for.
+
+";
+
+/// Simulate a rig declared in a twin (TOML) and write the edges it gives as a recording
+#[derive(Debug, Args)]
+#[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
+pub struct Simulate {
+    /// Twin: encoder, shaft, drive and timer of the rig, as TOML
+    #[arg(required_unless_present = "example")]
+    twin: Option<PathBuf>,
+    /// Recording to write, .csv or .vcd, '-' for CSV on stdout
+    #[arg(short, long, value_name = "REC", required_unless_present = "example")]
+    output: Option<Target>,
+    /// Seed of all random numbers, in place of the twin's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..1 << 63))]
+    seed: Option<u64>,
+    /// Turns to record, in place of the twin's duration
+    #[arg(long, value_name = "N", value_parser = turns)]
+    turns: Option<f64>,
+    /// Print a twin to start from and do nothing else
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["twin", "output"])]
+    example: Option<Example>,
+    /// Write the encoder's true errors: CSV with edge,error_rad
+    #[arg(long, value_name = "TRUTH", help_heading = "Truth")]
+    truth: Option<Target>,
+    /// Write what an ideal reference encoder shows: CSV with time,angle_rad, a point at each edge
+    #[arg(long, value_name = "REF", help_heading = "Truth")]
+    reference: Option<Target>,
+    /// Turns of the reference for each turn of the encoder; negative if it turns the other way
+    #[arg(
+        long,
+        value_name = "R",
+        default_value = "1",
+        value_parser = verify::ratio,
+        allow_negative_numbers = true,
+        requires = "reference",
+        help_heading = "Truth"
+    )]
+    ratio: f64,
+    #[command(flatten)]
+    report: ReportArg,
+    #[command(flatten)]
+    json: JsonArg,
+}
+
+/// Twins shipped with the command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Example {
+    /// The paper's rig: 2500 lines, 15 r/min, torque ripple
+    Paper,
+    /// The same with a speed that wanders by 0.1 %
+    Wander,
+    /// Three Hall sensors on two pole pairs
+    Hall,
+    /// A toothed wheel of 60 teeth, two of them missing
+    Wheel,
+    /// The paper's encoder on a shaft that runs down freely
+    RunDown,
+    /// The paper's encoder under a speed loop fed by its own edges
+    SpeedLoop,
+}
+
+impl Example {
+    const fn text(self) -> &'static str {
+        match self {
+            Self::Paper => include_str!("../../twins/paper.toml"),
+            Self::Wander => include_str!("../../twins/wander-0.1.toml"),
+            Self::Hall => include_str!("../../twins/hall.toml"),
+            Self::Wheel => include_str!("../../twins/wheel-60-2.toml"),
+            Self::RunDown => include_str!("../../twins/run-down.toml"),
+            Self::SpeedLoop => include_str!("../../twins/speed-loop.toml"),
+        }
+    }
+}
+
+fn turns(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("give a number above 0".to_owned()),
+    }
+}
+
+/// The result, as in the JSON.
+#[derive(Debug, Serialize)]
+struct Summary {
+    twin: String,
+    recording: String,
+    seed: u64,
+    rows: u64,
+    edges: u64,
+    seconds: f64,
+    turns: f64,
+}
+
+impl Simulate {
+    /// Prints an example, or simulates and writes everything that was asked for.
+    pub fn run(self, globals: Globals) -> Result<(), Failure> {
+        if let Some(example) = self.example {
+            return Target::Stdout.write(example.text().as_bytes());
+        }
+        // Both are there, as the command line was checked.
+        let (Some(path), Some(output)) = (&self.twin, &self.output) else {
+            return Ok(());
+        };
+        self.spare(path)?;
+        let twin = self.load(path)?;
+        let simulation = Simulation::new(&twin)?;
+        let truth = simulation.true_errors();
+        let files = Files {
+            recording: output,
+            truth: self.truth.as_ref(),
+            reference: self.reference.as_ref().map(|target| (target, self.ratio)),
+        };
+        let written = Simulated::run(simulation, &twin, &files, globals)?;
+        let outcome = written.commit(&files, &truth)?;
+        if let Some(target) = &self.report.report {
+            let (from, to) = (path.display().to_string(), output.to_string());
+            let page = page::report(&from, &to, &outcome, output::footer(&[path])?);
+            target.write_report(&page)?;
+        }
+        let summary = Summary {
+            twin: path.display().to_string(),
+            recording: output.to_string(),
+            seed: twin.seed,
+            rows: outcome.rows,
+            edges: outcome.edges,
+            seconds: outcome.seconds,
+            turns: outcome.turns,
+        };
+        if *output == Target::Stdout {
+            // The recording is on stdout, where nothing else may go.
+            return match &self.json.json {
+                Some(target) if *target != Target::Stdout => target.write_json(&summary),
+                _ => Ok(()),
+            };
+        }
+        self.json.write(&summary, &self.facts(&summary))?;
+        if !globals.quiet && self.json.json.is_none() {
+            // A remark that cannot be shown is no reason to fail.
+            let _ = writeln!(
+                io::stderr(),
+                "Next: quadcal calibrate {output} -o table.qct --report report.html"
+            );
+        }
+        Ok(())
+    }
+
+    /// Refuses an output in place of the twin.
+    fn spare(&self, twin: &Path) -> Result<(), Failure> {
+        let outputs = [
+            self.output.as_ref(),
+            self.truth.as_ref(),
+            self.reference.as_ref(),
+            self.report.report.as_ref(),
+            self.json.json.as_ref(),
+        ];
+        outputs
+            .into_iter()
+            .flatten()
+            .try_for_each(|target| target.spare(twin))
+    }
+
+    fn load(&self, path: &Path) -> Result<Twin, Failure> {
+        let mut twin = Twin::load(path)?;
+        if let Some(seed) = self.seed {
+            twin.seed = seed;
+        }
+        if let Some(turns) = self.turns {
+            twin.duration = Duration::Turns(turns);
+        }
+        twin.check()?;
+        Ok(twin)
+    }
+
+    fn facts(&self, summary: &Summary) -> Facts {
+        let mut facts = Facts::default();
+        facts
+            .push("Twin", &summary.twin)
+            .push("Recording", &summary.recording)
+            .push("Seed", summary.seed)
+            .push("Turns", format!("{:.2}", summary.turns))
+            .push("Length", si(summary.seconds, "s"))
+            .push("Rows", summary.rows)
+            .push("Edges", summary.edges);
+        for (name, target) in [("Truth", &self.truth), ("Reference", &self.reference)] {
+            if let Some(target) = target {
+                facts.push(name, target);
+            }
+        }
+        facts
+    }
+}

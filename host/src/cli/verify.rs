@@ -1,0 +1,255 @@
+//! `quadcal verify`: whether a table makes its encoder better.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use quadcal::slot::SlotHeader;
+use serde::Serialize;
+
+use crate::calibrate::{self, CalibrateError};
+use crate::recording::Header;
+use crate::report::si;
+use crate::reports::verify as page;
+use crate::sensor::{SensorKind, SensorPlan};
+use crate::survey::Survey;
+use crate::table_file;
+use crate::verify::{Reference, Verdict, Verification, VerifyError, verify};
+
+use super::failure::Failure;
+use super::input::InputArgs;
+use super::output::{self, Facts, JsonArg, ReportArg};
+use super::sensor_args::SensorArgs;
+use super::{EXIT_CODES, Globals};
+
+const EXAMPLES: &str = "\
+Examples:
+  quadcal verify spindle.csv --table spindle.qct
+  quadcal verify rig.csv --table rig.qct --reference ref.csv --ratio 8 --report rig.html
+
+On the recording that the table was learned from, only later turns are looked at. Without a reference the scatter of the speed from
+edge to edge decides. A reference is CSV with time (s, on the recording's clock) and angle_rad, and turns RATIO times as fast
+as the encoder: equations (21) and (22). Exit code 1 means that the table makes the encoder worse.
+
+";
+
+/// Check an error table on turns it was not learned from
+#[derive(Debug, Args)]
+#[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
+pub struct Verify {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Error table, as quadcal calibrate wrote it
+    #[arg(long, value_name = "TABLE")]
+    table: PathBuf,
+    /// Angles of a reference encoder: CSV with time (s) and angle_rad
+    #[arg(long, value_name = "REF", help_heading = "Reference")]
+    reference: Option<PathBuf>,
+    /// Turns of the reference for each turn of the encoder; negative if it turns the other way
+    #[arg(
+        long,
+        value_name = "R",
+        default_value = "1",
+        value_parser = ratio,
+        allow_negative_numbers = true,
+        requires = "reference",
+        help_heading = "Reference"
+    )]
+    ratio: f64,
+    #[command(flatten)]
+    sensor: SensorArgs,
+    #[command(flatten)]
+    report: ReportArg,
+    #[command(flatten)]
+    json: JsonArg,
+}
+
+/// A ratio that can be divided by.
+pub(super) fn ratio(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value != 0.0 => Ok(value),
+        _ => Err("give a finite number other than 0".to_owned()),
+    }
+}
+
+/// The result, as in the JSON.
+#[derive(Debug, Serialize)]
+struct Summary {
+    file: String,
+    table: String,
+    verdict: &'static str,
+    same_recording: bool,
+    intervals: u64,
+    scatter_before: f64,
+    scatter_after: f64,
+    reference: Option<ReferenceSummary>,
+}
+
+#[derive(Debug, Serialize)]
+struct ReferenceSummary {
+    edges: u64,
+    rmse_before_rad: f64,
+    rmse_after_rad: f64,
+}
+
+impl Verify {
+    /// Checks, writes the results, and fails where the table makes things worse.
+    pub fn run(self, globals: Globals) -> Result<(), Failure> {
+        let outputs = [self.report.report.as_ref(), self.json.json.as_ref()];
+        for target in outputs.into_iter().flatten() {
+            self.input.spare(target)?;
+        }
+        self.input.check_regular()?;
+        let bytes = table_file::read(&self.table).map_err(|source| Failure::Open {
+            path: self.table.clone(),
+            source,
+        })?;
+        let slot = table_file::parse(&bytes).map_err(|fault| Failure::Table {
+            table: self.table.clone(),
+            fault,
+        })?;
+        let reference = self.read_reference()?;
+        let path = &self.input.recording;
+        let rows = self.input.rows(globals)?;
+        let header = rows.recording().header.clone();
+        let source = self.input.source()?;
+        let survey = Survey::of(header.clone(), rows)?;
+        let plan = self.plan(&survey, &header, &slot.header)?;
+        let rows = self.input.rows(globals)?;
+        let check = verify(&slot, plan, source, header.clock_hz, rows, reference)
+            .map_err(|error| Failure::verifying(path, &self.table, error))?;
+        if let (Some(reference), None) = (&self.reference, &check.reference) {
+            return Err(Failure::Apart {
+                reference: reference.display().to_string(),
+            });
+        }
+        if let Some(target) = &self.report.report {
+            let inputs: Vec<&Path> = [Some(path), Some(&self.table), self.reference.as_ref()]
+                .into_iter()
+                .flatten()
+                .map(PathBuf::as_path)
+                .collect();
+            let (name, table) = (path.display().to_string(), self.table.display().to_string());
+            let page = page::report(&name, &table, &check, output::footer(&inputs)?);
+            target.write_report(&page)?;
+        }
+        self.json
+            .write(&self.summary(&check), &self.facts(&check))?;
+        self.judge(&check)
+    }
+
+    fn read_reference(&self) -> Result<Option<Reference>, Failure> {
+        let Some(path) = &self.reference else {
+            return Ok(None);
+        };
+        let file = File::open(path).map_err(|source| Failure::Open {
+            path: path.clone(),
+            source,
+        })?;
+        let name = path.display().to_string();
+        Ok(Some(Reference::read(
+            BufReader::new(file),
+            &name,
+            self.ratio,
+        )?))
+    }
+
+    /// The sensor: as declared, or else as the table has it, if the recording agrees.
+    fn plan(
+        &self,
+        survey: &Survey,
+        header: &Header,
+        table: &SlotHeader,
+    ) -> Result<SensorPlan, Failure> {
+        let (path, twin) = (&self.input.recording, self.sensor.twin.as_deref());
+        let mut options = self.sensor.options(header.channels)?;
+        options.without_index |= !table.indexed;
+        let declared = options.lines.is_some();
+        options.lines = options.lines.or(Some(table.shape.lines()));
+        calibrate::plan(survey, &options).map_err(|error| match error {
+            CalibrateError::WrongLines { likely, .. }
+            | CalibrateError::WrongTurn { likely, .. }
+                if !declared =>
+            {
+                let classes = SensorKind::of(header.channels, None, options.missing).classes();
+                let error = VerifyError::Shape {
+                    table: table.shape.edges(),
+                    table_classes: table.shape.classes(),
+                    recording: likely * classes,
+                    recording_classes: classes,
+                };
+                Failure::verifying(path, &self.table, error)
+            }
+            error => Failure::calibrating(path, twin, error),
+        })
+    }
+
+    fn summary(&self, check: &Verification) -> Summary {
+        Summary {
+            file: self.input.recording.display().to_string(),
+            table: self.table.display().to_string(),
+            verdict: match check.verdict() {
+                Verdict::Better => "better",
+                Verdict::Same => "same",
+                Verdict::Worse => "worse",
+            },
+            same_recording: check.same_recording,
+            intervals: check.scatter.intervals,
+            scatter_before: check.scatter.before,
+            scatter_after: check.scatter.after,
+            reference: check.reference.as_ref().map(|reference| ReferenceSummary {
+                edges: reference.edges,
+                rmse_before_rad: reference.before_rad,
+                rmse_after_rad: reference.after_rad,
+            }),
+        }
+    }
+
+    fn facts(&self, check: &Verification) -> Facts {
+        let mut facts = Facts::default();
+        facts
+            .push("Recording", self.input.recording.display())
+            .push("Table", self.table.display())
+            .push("Checked on", page::turns_used(check))
+            .push(
+                "Scatter of the speed, RMS",
+                format!(
+                    "{:.4} % before, {:.4} % after ({} intervals)",
+                    100.0 * check.scatter.before,
+                    100.0 * check.scatter.after,
+                    check.scatter.intervals
+                ),
+            );
+        if let Some(reference) = &check.reference {
+            facts.push(
+                "Error against reference, RMSE",
+                format!(
+                    "{} before, {} after ({} edges)",
+                    si(reference.before_rad, "rad"),
+                    si(reference.after_rad, "rad"),
+                    reference.edges
+                ),
+            );
+        }
+        facts.push("Verdict", page::headline(check));
+        facts
+    }
+
+    fn judge(&self, check: &Verification) -> Result<(), Failure> {
+        if check.verdict() != Verdict::Worse {
+            return Ok(());
+        }
+        let (what, before, after) = page::compared(check);
+        let text = |value: f64| match check.reference {
+            Some(_) => si(value, "rad").replace('\u{a0}', " "),
+            None => format!("{:.4} %", 100.0 * value),
+        };
+        Err(Failure::Worse {
+            table: self.table.clone(),
+            what,
+            before: text(before),
+            after: text(after),
+        })
+    }
+}

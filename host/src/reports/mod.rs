@@ -1,0 +1,8 @@
+//! From results to report pages, one file a report.
+
+pub mod calibrate;
+pub mod demo;
+mod figures;
+pub mod simulate;
+pub mod verify;
+pub mod words;

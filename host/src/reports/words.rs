@@ -1,0 +1,144 @@
+//! Findings in plain words, the same in reports and on the terminal.
+
+use std::f64::consts::TAU;
+
+use quadcal::estimate::Anchor;
+
+use crate::calibrate::Calibration;
+use crate::report::{si, si_digits};
+use crate::sensor::{SensorKind, SensorPlan};
+
+/// What kind of sensor it is.
+#[must_use]
+pub const fn sensor(kind: SensorKind) -> &'static str {
+    match kind {
+        SensorKind::Quadrature {
+            index_state: Some(_),
+        } => "quadrature with index",
+        SensorKind::Quadrature { index_state: None } => "quadrature without index",
+        SensorKind::Hall => "three Hall sensors",
+        SensorKind::Wheel { missing: 1.., .. } => "toothed wheel with a gap",
+        SensorKind::Wheel { .. } => "one channel",
+    }
+}
+
+/// What edge 0 is tied to.
+#[must_use]
+pub fn origin(plan: SensorPlan) -> &'static str {
+    match (plan.anchor(), plan.kind) {
+        (Anchor::Index, SensorKind::Wheel { .. }) => "the gap",
+        (Anchor::Index, _) => "the index",
+        (Anchor::FirstEdge, _) => "the first edge (holds for this recording only)",
+    }
+}
+
+/// Speeds of the slowest and the fastest turn used, r/min.
+#[must_use]
+#[allow(clippy::cast_precision_loss)]
+pub fn speeds_r_min(calibration: &Calibration) -> [f64; 2] {
+    let clock_hz = calibration.survey.header.clock_hz as f64;
+    let totals = &calibration.totals;
+    [totals.longest, totals.shortest].map(|ticks| 60.0 * clock_hz / ticks.max(1) as f64)
+}
+
+/// A range of speeds; one number where both ends print alike.
+#[must_use]
+pub fn speed_range([slowest, fastest]: [f64; 2]) -> String {
+    let digits = |speed: f64| si_digits(speed, "r/min", 4).0;
+    let (slowest, fastest) = (digits(slowest), digits(fastest));
+    if slowest == fastest {
+        format!("{slowest} r/min")
+    } else {
+        format!("{slowest} to {fastest} r/min")
+    }
+}
+
+/// Turns that were not used, and why.
+#[must_use]
+pub fn rejected(broken: u32, irregular: u32, speed_change: u32) -> String {
+    let reasons = [
+        (broken, BROKEN),
+        (irregular, IRREGULAR),
+        (speed_change, SPEED_CHANGE),
+    ];
+    let all = reasons.map(|(count, _)| count).iter().sum::<u32>();
+    let text: Vec<String> = reasons
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, why)| format!("{count} {why}"))
+        .collect();
+    if all == 0 {
+        "none".to_owned()
+    } else {
+        format!("{all}: {}", text.join("; "))
+    }
+}
+
+/// Why a turn is broken.
+pub const BROKEN: &str = "with lost or extra edges, a glitch or a reversal";
+/// Why a turn is irregular.
+pub const IRREGULAR: &str = "with a stop or an edge more than a step out of place";
+/// Why a turn's speed does not fit.
+pub const SPEED_CHANGE: &str = "an eighth or more slower or faster than the turn before";
+
+/// Five digits with a prefix.
+#[must_use]
+pub fn precise(rad: f64) -> String {
+    let (number, unit) = si_digits(rad, "rad", 5);
+    format!("{number} {unit}")
+}
+
+/// Five digits with a prefix, and the standard error if it is known.
+#[must_use]
+pub fn with_error(rad: f64, standard_error_rad: f64) -> String {
+    if standard_error_rad.is_nan() {
+        precise(rad)
+    } else {
+        format!("{} ± {}", precise(rad), si(standard_error_rad, "rad"))
+    }
+}
+
+/// Why an order is left alone.
+#[must_use]
+pub fn left_alone(amplitude_rad: f64) -> String {
+    format!(
+        "{} in angle every turn: torque ripple, or eccentricity or tilt of the disc; one speed can't tell which",
+        si(amplitude_rad, "rad")
+    )
+}
+
+/// How much smaller the error gets, in percent.
+#[must_use]
+pub fn reduction_percent(before: f64, after: f64) -> f64 {
+    if before > 0.0 {
+        100.0 * (1.0 - after / before)
+    } else {
+        0.0
+    }
+}
+
+/// What the table is expected to do.
+#[must_use]
+pub fn outlook(before_rad: f64, after_rad: f64) -> String {
+    let gain = reduction_percent(before_rad, after_rad);
+    if gain < 5.0 {
+        "little was found that could be corrected: the turns differ by more than they have in common".to_owned()
+    } else {
+        format!(
+            "the table is expected to take {gain:.1} % off the angle error: {} are left of {}",
+            arc_seconds(after_rad),
+            arc_seconds(before_rad)
+        )
+    }
+}
+
+/// An angle as data sheets give it: arc seconds, or degrees where it is large.
+#[must_use]
+pub fn arc_seconds(rad: f64) -> String {
+    let degrees = rad / TAU * 360.0;
+    if degrees.abs() >= 0.1 {
+        format!("{} degrees", si_digits(degrees, "", 3).0)
+    } else {
+        format!("{} arc seconds", si_digits(3600.0 * degrees, "", 3).0)
+    }
+}

@@ -1,0 +1,60 @@
+//! A fresh table at work on its own recording, for a report to show.
+
+use quadcal::slot::{Slot, SlotError};
+use quadcal::table::TableError;
+
+use crate::calibrate::Calibration;
+use crate::recording::{ReadError, Row};
+use crate::table_file;
+use crate::verify::{Verification, VerifyError, verify};
+
+/// What a table does, and on which turns.
+#[derive(Clone, Debug)]
+pub struct Showcase {
+    /// Scatter and speeds, before and after.
+    pub check: Verification,
+    /// Whether the turns are later ones than those learned from. If not, there were no later ones, and the table looks a little
+    /// better than it is.
+    pub later: bool,
+}
+
+/// Runs a calibration's table over the recording it came from: on the turns after those learned from, or on all if there are
+/// none. `open` may be called twice.
+///
+/// # Errors
+/// [`VerifyError`] when the recording can't be read again or holds no whole turn.
+pub fn showcase<I>(
+    calibration: &Calibration,
+    mut open: impl FnMut() -> Result<I, ReadError>,
+) -> Result<Showcase, VerifyError>
+where
+    I: Iterator<Item = Result<Row, ReadError>>,
+{
+    // Any number but 0 tells the check that the recording is the one learned from.
+    const SOURCE: u32 = 1;
+    let mut check_after = |tick| {
+        let mut header = calibration.slot_header(SOURCE);
+        header.learned_until = tick;
+        let bytes = table_file::bytes_with(calibration, &header);
+        let slot = Slot::parse(&bytes).map_err(|error| {
+            // Bytes just written fail at most in what the solution itself holds.
+            VerifyError::Table(match error {
+                SlotError::Table(error) => error,
+                _ => TableError::Length(bytes.len()),
+            })
+        })?;
+        let clock_hz = calibration.survey.header.clock_hz;
+        verify(&slot, calibration.plan, SOURCE, clock_hz, open()?, None)
+    };
+    let later = check_after(calibration.learned_until);
+    match later {
+        Err(VerifyError::NothingLeft) => Ok(Showcase {
+            check: check_after(0)?,
+            later: false,
+        }),
+        found => Ok(Showcase {
+            check: found?,
+            later: true,
+        }),
+    }
+}
