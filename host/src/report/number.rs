@@ -61,7 +61,9 @@ pub fn si_digits(value: f64, unit: &str, digits: usize) -> (String, String) {
     if takes_prefix(unit) {
         let thousand = (exponent.div_euclid(3) * 3).clamp(-24, 24);
         let shift = exponent - thousand;
-        let number = grouped(mantissa * power_of_ten(shift), decimals(shift));
+        // What is smaller than the smallest prefix is shown as zero, not as a row of them.
+        let places = decimals(shift).min(digits as usize - 1);
+        let number = grouped(mantissa * power_of_ten(shift), places);
         (number, format!("{}{unit}", prefix(thousand)))
     } else if (-3..6).contains(&exponent) {
         let number = grouped(mantissa * power_of_ten(exponent), decimals(exponent));

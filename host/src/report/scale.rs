@@ -128,7 +128,7 @@ impl Scale {
 
     fn log(axis: &Axis, lo: f64, hi: f64, most: usize) -> Self {
         let (first, last) = (decimal_exponent(lo), decimal_exponent(hi) + 1);
-        let inside = |v: &f64| *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
+        let inside = |v: &f64| usable(*v) && *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
         let decades: Vec<i32> = (first..=last)
             .filter(|e| inside(&power_of_ten(*e)))
             .collect();
@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn log_ticks_name_decades_with_their_prefix() {
-        let s = fit(Axis::new("Amplitude", "rad").log(), 2e-9, 3e-4);
+        let s = fit(Axis::new("Amplitude", "rad").log(), 1e-9, 3e-4);
         assert_eq!(s.label, "Amplitude");
         assert_eq!(
             texts(&s)[..3],
