@@ -151,7 +151,7 @@ impl Scale {
                 fine
             } else {
                 let steps = round_steps(lo, hi, most.min(4), false);
-                steps.into_iter().map(|s| s.0).collect()
+                steps.into_iter().map(|s| s.0).filter(inside).collect()
             }
         };
         let minor = if decades.len() <= 7 {
