@@ -125,6 +125,18 @@ impl SensorPlan {
         EncoderShape::new(edges, classes).map_err(|_| PlanError::Lines(self.lines))
     }
 
+    /// Edges of the grid that a wheel's gap leaves out; 0 for other sensors.
+    #[must_use]
+    pub fn gap_edges(self) -> u32 {
+        match self.kind {
+            SensorKind::Wheel {
+                both_edges,
+                missing,
+            } => u32::from(missing) * (1 + u32::from(both_edges)),
+            _ => 0,
+        }
+    }
+
     /// Where edge 0 is.
     #[must_use]
     pub fn anchor(self) -> Anchor {

@@ -56,7 +56,7 @@ pub enum VerifyError {
     NotAnchored,
     /// No whole turn that was not learned from.
     #[error(
-        "no whole turn is left that the table was not learned from; calibrate with --turns or --until, or verify on another \
+        "no whole turn is left that the table was not learned from; calibrate with --turns or --fraction, or verify on another \
          recording"
     )]
     NothingLeft,
@@ -167,7 +167,7 @@ pub fn verify(
     let mut decoder = plan.decoder()?;
     let mut raw: Corrector<'_> = Corrector::uncorrected(Grid::new(shape));
     let mut corrected = Corrector::new(slot.table().map_err(VerifyError::Table)?, plan.anchor());
-    let mut meter = ScatterMeter::new(shape, clock_hz);
+    let mut meter = ScatterMeter::new(shape, plan.gap_edges(), clock_hz);
     let mut comparison = reference.map(|reference| Comparison::new(reference, shape, clock_hz));
     for row in rows {
         let row = row?;
@@ -178,7 +178,7 @@ pub fn verify(
         let Some(step) = outcome.step() else { continue };
         let anchored = plan.anchor() == Anchor::FirstEdge || step.flags.contains(Flags::REFERENCED);
         let sound = anchored
-            && step.advance == 1
+            && [1, 1 + plan.gap_edges()].contains(&u32::from(step.advance))
             && step.resync == 0
             && !step
                 .flags

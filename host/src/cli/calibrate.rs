@@ -12,8 +12,9 @@ use crate::table_file;
 
 use super::calibrate_summary::Summary;
 use super::failure::Failure;
+use super::footer::footer;
 use super::input::InputArgs;
-use super::output::{self, JsonArg, ReportArg, Target};
+use super::output::{JsonArg, ReportArg, Target};
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
 
@@ -125,7 +126,7 @@ impl Calibrate {
             calibration,
             findings,
             &shown,
-            output::footer(&[path])?,
+            footer(&[path])?,
         ))
     }
 }

@@ -11,7 +11,8 @@ use crate::report::si;
 use crate::reports::{self, words};
 
 use super::failure::Failure;
-use super::output::{self, Facts, JsonArg, Target};
+use super::footer::footer;
+use super::output::{Facts, JsonArg, Target};
 use super::progress::Progress;
 use super::{EXIT_CODES, Globals};
 
@@ -80,7 +81,7 @@ impl Demo {
         progress.reach(1, |_| "the real recording".to_owned());
         let spindle = demo::spindle().map_err(failed)?;
         progress.reach(2, |_| "the report".to_owned());
-        let page = reports::demo::report(&rig, &spindle, output::footer(&[])?);
+        let page = reports::demo::report(&rig, &spindle, footer(&[])?);
         drop(progress);
         fs::create_dir_all(&self.out)
             .map_err(|source| Target::File(self.out.clone()).failed(source))?;

@@ -6,6 +6,7 @@ mod completions;
 mod convert;
 mod demo;
 pub mod failure;
+mod footer;
 mod info;
 pub mod input;
 pub mod output;

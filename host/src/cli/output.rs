@@ -10,7 +10,7 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::recording::write::AtomicFile;
-use crate::report::{self, Footer, InputFile, Report};
+use crate::report::{self, Report};
 
 use super::failure::Failure;
 
@@ -218,29 +218,6 @@ pub struct ReportArg {
     /// Write a report with plots, one HTML file that needs nothing else
     #[arg(long, value_name = "PATH", help_heading = "Results")]
     pub report: Option<Target>,
-}
-
-/// Where a report comes from: this version, the command line, and the `inputs`.
-///
-/// # Errors
-/// [`Failure::Open`] for an input that can't be read.
-pub fn footer(inputs: &[&Path]) -> Result<Footer, Failure> {
-    let read = |path: &&Path| {
-        InputFile::read(path).map_err(|source| Failure::Open {
-            path: path.to_path_buf(),
-            source,
-        })
-    };
-    let words = std::env::args_os().skip(1);
-    let words = words.map(|word| word.to_string_lossy().into_owned());
-    Ok(Footer {
-        version: format!("quadcal {}", env!("CARGO_PKG_VERSION")),
-        command: std::iter::once("quadcal".to_owned())
-            .chain(words)
-            .collect::<Vec<_>>()
-            .join(" "),
-        inputs: inputs.iter().map(read).collect::<Result<_, _>>()?,
-    })
 }
 
 /// Named results, one a line, the values in one column.

@@ -12,7 +12,8 @@ use crate::sim::Simulation;
 use crate::twin::{Duration, Twin};
 
 use super::failure::Failure;
-use super::output::{self, Facts, JsonArg, ReportArg, Target};
+use super::footer::footer;
+use super::output::{Facts, JsonArg, ReportArg, Target};
 use super::simulated::{Files, Simulated};
 use super::{EXIT_CODES, Globals, verify};
 
@@ -141,7 +142,7 @@ impl Simulate {
         let outcome = written.commit(&files, &truth)?;
         if let Some(target) = &self.report.report {
             let (from, to) = (path.display().to_string(), output.to_string());
-            let page = page::report(&from, &to, &outcome, output::footer(&[path])?);
+            let page = page::report(&from, &to, &outcome, footer(&[path])?);
             target.write_report(&page)?;
         }
         let summary = Summary {

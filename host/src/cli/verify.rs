@@ -18,8 +18,9 @@ use crate::table_file;
 use crate::verify::{Reference, Verdict, Verification, VerifyError, verify};
 
 use super::failure::Failure;
+use super::footer::footer;
 use super::input::InputArgs;
-use super::output::{self, Facts, JsonArg, ReportArg};
+use super::output::{Facts, JsonArg, ReportArg};
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
 
@@ -131,7 +132,7 @@ impl Verify {
                 .map(PathBuf::as_path)
                 .collect();
             let (name, table) = (path.display().to_string(), self.table.display().to_string());
-            let page = page::report(&name, &table, &check, output::footer(&inputs)?);
+            let page = page::report(&name, &table, &check, footer(&inputs)?);
             target.write_report(&page)?;
         }
         self.json

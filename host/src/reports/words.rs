@@ -125,7 +125,7 @@ pub fn outlook(before_rad: f64, after_rad: f64) -> String {
         "little was found that could be corrected: the turns differ by more than they have in common".to_owned()
     } else {
         format!(
-            "the table is expected to take {gain:.1} % off the angle error: {} are left of {}",
+            "at the speeds it was learned from, the table is expected to take {gain:.1} % off the angle error: {} are left of {}",
             arc_seconds(after_rad),
             arc_seconds(before_rad)
         )

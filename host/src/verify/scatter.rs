@@ -43,6 +43,8 @@ struct Passed {
 /// Takes intervals one by one and holds each against the turn around it.
 pub(super) struct ScatterMeter {
     edges: usize,
+    /// Intervals in a turn: edges that there are.
+    intervals: usize,
     clock_hz: f64,
     window: VecDeque<Passed>,
     duration: f64,
@@ -54,10 +56,11 @@ pub(super) struct ScatterMeter {
 
 impl ScatterMeter {
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn new(shape: EncoderShape, clock_hz: u64) -> Self {
+    pub(super) fn new(shape: EncoderShape, gap_edges: u32, clock_hz: u64) -> Self {
         let edges = shape.edges() as usize;
         Self {
             edges,
+            intervals: shape.edges().saturating_sub(gap_edges).max(1) as usize,
             clock_hz: clock_hz as f64,
             window: VecDeque::with_capacity(edges + 1),
             duration: 0.0,
@@ -90,15 +93,15 @@ impl ScatterMeter {
         };
         self.window.push_back(passed);
         self.duration += passed.interval;
-        if self.window.len() > self.edges
+        if self.window.len() > self.intervals
             && let Some(oldest) = self.window.pop_front()
         {
             self.duration -= oldest.interval;
         }
-        if self.window.len() < self.edges || self.duration <= 0.0 {
+        if self.window.len() < self.intervals || self.duration <= 0.0 {
             return;
         }
-        let middle = self.window[self.edges / 2];
+        let middle = self.window[self.intervals / 2];
         if middle.interval <= 0.0 {
             return;
         }
@@ -110,7 +113,7 @@ impl ScatterMeter {
         self.count += 1;
         let sums = &mut self.sums[middle.edge as usize];
         *sums = [sums[0] + before, sums[1] + after, sums[2] + 1.0];
-        if self.profile.turn_angle_rad.len() < self.edges {
+        if self.profile.turn_angle_rad.len() < self.intervals {
             let speed = |moved: f64| moved * TAU * self.clock_hz / middle.interval;
             #[allow(clippy::cast_precision_loss)]
             let angle = f64::from(middle.edge) * TAU / self.edges as f64;
