@@ -28,6 +28,9 @@ mod spectrum;
 mod turn;
 mod weigh;
 
+#[cfg(test)]
+mod tests;
+
 pub use buffers::{EdgeBuffers, StaticBuffers};
 pub use order::{LockedOrder, ORDERS_MAX};
 pub use solution::{Solution, SolveError};
