@@ -55,7 +55,7 @@ impl Rig {
                 .wrapping_add(1_013_904_223);
             let z = if self.slot == 0 { Levels::Z } else { 0 };
             *sample = Sample {
-                ticks: self.grid + u64::from((self.random >> 16) * 100 >> 16),
+                ticks: self.grid + u64::from(((self.random >> 16) * 100) >> 16),
                 levels: Levels(STATES[(self.slot % 4) as usize] | z),
             };
         }

@@ -54,6 +54,11 @@ pub const STEPS: &[Step] = &[
         run: images,
     },
     Step {
+        name: "overflow",
+        about: "the core's own tests with every overflow checked",
+        run: || cargo(&["test", "-p", "quadcal", "--lib"]),
+    },
+    Step {
         name: "test",
         about: "every test, firmware in QEMU included",
         run: || cargo(&["test", "--workspace", "--release", "--no-fail-fast"]),
