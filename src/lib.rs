@@ -34,12 +34,16 @@ pub mod hall;
 pub mod interval;
 pub mod log2;
 mod motion;
+#[cfg(feature = "embedded-hal")]
+pub mod pins;
 pub mod recip;
 pub mod replay;
 pub mod savgol;
 pub mod shape;
 pub mod slot;
 pub mod step;
+#[cfg(feature = "summary")]
+pub mod summary;
 pub mod table;
 pub mod timebase;
 pub mod trig;

@@ -20,7 +20,7 @@ use core::hint::black_box;
 
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::hprintln;
+use cortex_m_semihosting::{heprintln, hprintln};
 use quadcal::corrector::Corrector;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::estimate::{Anchor, Estimator, Progress, SolveError, StaticBuffers};
@@ -28,6 +28,7 @@ use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT, TimerWidth};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::slot::{self, SlotHeader};
 use quadcal::step::{Outcome, SensorError};
+use quadcal::summary::Summary;
 use quadcal::table::{ErrorTable, TableError};
 use quadcal::timebase::Timebase32;
 use quadcal::units::Ticks;
@@ -200,6 +201,7 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
     }
     let (solution, solving) = meter.total(|| estimator.solve());
     let solution = solution.map_err(Failure::Solve)?;
+    heprintln!("learned: {}", Summary::of(&solution));
 
     let mut output = Output::new(slot, &mut memory.output);
     let header = SlotHeader {

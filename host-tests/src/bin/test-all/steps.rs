@@ -45,7 +45,7 @@ pub const STEPS: &[Step] = &[
     },
     Step {
         name: "defmt",
-        about: "the core for the target, with its log messages",
+        about: "the core for the target, with every optional feature",
         run: defmt,
     },
     Step {
@@ -56,7 +56,16 @@ pub const STEPS: &[Step] = &[
     Step {
         name: "overflow",
         about: "the core's own tests with every overflow checked",
-        run: || cargo(&["test", "-p", "quadcal", "--lib"]),
+        run: || {
+            cargo(&[
+                "test",
+                "-p",
+                "quadcal",
+                "--lib",
+                "--features",
+                "summary,embedded-hal",
+            ])
+        },
     },
     Step {
         name: "test",
@@ -114,7 +123,8 @@ fn cargo(args: &[&str]) -> Result<(), Failure> {
 fn defmt() -> Result<(), Failure> {
     let mut check = Command::new("cargo");
     check.current_dir(firmware::workspace());
-    check.args(["check", "-p", "quadcal", "--lib", "--features", "defmt"]);
+    let features = "defmt,summary,embedded-hal";
+    check.args(["check", "-p", "quadcal", "--lib", "--features", features]);
     check.args(["--profile", "firmware", "--target", TARGET]);
     check.args(["--target-dir", "target-firmware"]);
     firmware::toolchain()?.apply(&mut check);
