@@ -176,15 +176,21 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
         residual += 2.0 * left_over(weight, size, doubt);
     }
 
-    let mut error: Vec<f64> = sum.iter().map(|x| x * common_weight).collect();
+    let mut motion = vec![0.0; edges];
     for order in (1..=single).filter(|&m| !is_class(m)) {
         let (re, im) = coefficient(&sum, order);
         let factor = 2.0 * (weights[order - 1] - common_weight);
-        for (k, e) in error.iter_mut().enumerate() {
+        for (k, m) in motion.iter_mut().enumerate() {
             let (s, c) = (TAU * (order * k % edges) as f64 / n).sin_cos();
-            *e += factor * (re * c - im * s);
+            *m += factor * (re * c - im * s);
         }
     }
+    let mut error: Vec<f64> = sum
+        .iter()
+        .zip(&motion)
+        .map(|(x, m)| x * common_weight + m)
+        .collect();
+    undo_modulation(&mut error, &class_offsets, &motion, q);
     let to_rad = TAU / n / length;
     for (k, e) in error.iter_mut().enumerate() {
         *e = (*e + class_offsets[k % classes]) * to_rad;
@@ -195,6 +201,26 @@ pub fn estimate(times: &[u64], edges: usize, classes: usize) -> Reference {
         standard_error: residual.sqrt() * to_rad,
         weights,
         locked,
+    }
+}
+
+/// An interval's share of error scales with the slowness of the shaft there, which `motion` says, in steps of `step`.
+fn undo_modulation(error: &mut [f64], class_offsets: &[f64], motion: &[f64], step: f64) {
+    let edges = error.len();
+    let whole: Vec<f64> = error
+        .iter()
+        .enumerate()
+        .map(|(k, e)| e + class_offsets[k % class_offsets.len()])
+        .collect();
+    let product = |k: usize| {
+        let before = (k + edges - 1) % edges;
+        (whole[k] - whole[before]) * (motion[k] - motion[before]) / step
+    };
+    let total: f64 = (0..edges).map(product).sum();
+    let mut sum = 0.0;
+    for (k, e) in error.iter_mut().enumerate().skip(1) {
+        sum += product(k);
+        *e -= sum - total * k as f64 / edges as f64;
     }
 }
 

@@ -28,6 +28,10 @@ impl EdgeBuffers for HeapBuffers {
         &mut self.work
     }
 
+    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]) {
+        (&mut self.sum, &mut self.work)
+    }
+
     fn cells(&self) -> &[[i16; 2]] {
         &self.work
     }

@@ -7,6 +7,8 @@ pub trait EdgeBuffers {
     fn sum(&mut self) -> &mut [i32];
     /// Two cells an edge: the latest turn's deviation and the contrast between turns.
     fn work(&mut self) -> &mut [[i16; 2]];
+    /// Both at once.
+    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]);
     /// The cells of [`EdgeBuffers::work`], to read.
     fn cells(&self) -> &[[i16; 2]];
     /// Edges a turn, N.
@@ -45,6 +47,10 @@ impl<const M: usize, const C: usize> EdgeBuffers for StaticBuffers<M, C> {
         self.work.as_flattened_mut()
     }
 
+    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]) {
+        (self.sum.as_flattened_mut(), self.work.as_flattened_mut())
+    }
+
     fn cells(&self) -> &[[i16; 2]] {
         self.work.as_flattened()
     }
@@ -61,6 +67,10 @@ impl<T: EdgeBuffers + ?Sized> EdgeBuffers for &mut T {
 
     fn work(&mut self) -> &mut [[i16; 2]] {
         (**self).work()
+    }
+
+    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]) {
+        (**self).split()
     }
 
     fn cells(&self) -> &[[i16; 2]] {

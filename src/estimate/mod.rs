@@ -18,6 +18,7 @@ mod close;
 mod fold;
 mod learn;
 mod lockstep;
+mod modulation;
 mod order;
 mod power;
 mod ripple;

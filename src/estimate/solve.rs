@@ -1,6 +1,7 @@
 //! From the sums of all turns to a table: close the turn, take the class means, weigh every order, scale to angle.
 
 use super::close::{close_contrast, close_sum, take_class_means};
+use super::modulation::undo_modulation;
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
 use super::power::{Powers, scale_contrast, split_orders};
 use super::scale::AngleScale;
@@ -58,7 +59,11 @@ impl<B: EdgeBuffers> Estimator<B> {
             amplitude: scale.root_mean_square(standing.power.saturating_mul(4)),
         });
         let locked = locked.collect();
-        self.weigh_orders(plan, &coefficients, &weights.single, weights.common);
+        let bits = self.weigh_orders(plan, &coefficients, &weights.single, weights.common);
+        let step = i64::from(totals.turns) << STEP_FRACTION_BITS;
+        let classes = self.shape.classes() as usize;
+        let (errors, motion) = self.buffers.split();
+        undo_modulation(errors, offsets, classes, motion, bits, step);
         let mut class_offsets = [TurnDelta32(0); CLASSES_MAX];
         for (angle, offset) in class_offsets.iter_mut().zip(offsets) {
             *angle = TurnDelta32(scale.angle(offset));
@@ -93,14 +98,15 @@ impl<B: EdgeBuffers> Estimator<B> {
         })
     }
 
-    /// Takes from every order in `sum` what is not believed: w_common x - sum over n of (w_common - w_n) c_n.
+    /// Takes from every order in `sum` what is not believed, w_common x - sum over n of (w_common - w_n) c_n, and leaves what
+    /// was taken, with its sign turned, in `work`; returns its fraction bits.
     fn weigh_orders(
         &mut self,
         plan: OrderPlan,
         coefficients: &[Coefficient],
         single: &[u16],
         common: u32,
-    ) {
+    ) -> u32 {
         let work = self.buffers.work();
         for index in 0..plan.edges {
             work.set(index, 0);
@@ -139,6 +145,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 self.buffers.sum()[index] = kept as i32;
             }
         }
+        bits
     }
 
     /// Scales `sum` to angle and packs it as 16-bit entries at the start of `work`; returns their shift, and the RMS of

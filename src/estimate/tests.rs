@@ -37,6 +37,10 @@ impl EdgeBuffers for Heap {
         &mut self.1
     }
 
+    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]) {
+        (&mut self.0, &mut self.1)
+    }
+
     fn cells(&self) -> &[[i16; 2]] {
         &self.1
     }
