@@ -6,7 +6,7 @@ use quadcal::table::TableError;
 use crate::calibrate::Calibration;
 use crate::recording::{ReadError, Row};
 use crate::table_file;
-use crate::verify::{Verification, VerifyError, verify};
+use crate::verify::{Verdict, Verification, VerifyError, verify};
 
 /// What a table does, and on which turns.
 #[derive(Clone, Debug)]
@@ -16,6 +16,14 @@ pub struct Showcase {
     /// Whether the turns are later ones than those learned from. If not, there were no later ones, and the table looks a little
     /// better than it is.
     pub later: bool,
+}
+
+impl Showcase {
+    /// Whether the table does harm on later turns: they run at speeds for which it does not hold.
+    #[must_use]
+    pub fn worse_later(&self) -> bool {
+        self.later && self.check.verdict() == Verdict::Worse
+    }
 }
 
 /// Runs a calibration's table over the recording it came from: on the turns after those learned from, or on all if there are

@@ -6,7 +6,7 @@ use crate::calibrate::{self, Calibration};
 use crate::findings::Findings;
 use crate::report::Report;
 use crate::reports;
-use crate::showcase::showcase;
+use crate::showcase::{Showcase, showcase};
 use crate::survey::Survey;
 use crate::table_file;
 
@@ -96,9 +96,11 @@ impl Calibrate {
         let calibration = calibrate::learn(survey, plan, rows, &options).map_err(failed)?;
 
         let findings = Findings::of(&calibration);
-        let summary = Summary::new(path, &calibration, &findings);
+        let shown = showcase(&calibration, || self.input.reopen(globals))
+            .map_err(|error| Failure::verifying(path, path, error))?;
+        let summary = Summary::new(path, &calibration, &findings, &shown);
         let page = match &self.report.report {
-            Some(_) => Some(self.page(&calibration, &findings, globals)?),
+            Some(_) => Some(self.page(&calibration, &findings, &shown)?),
             None => None,
         };
         self.output
@@ -116,16 +118,14 @@ impl Calibrate {
         &self,
         calibration: &Calibration,
         findings: &Findings,
-        globals: Globals,
+        shown: &Showcase,
     ) -> Result<Report, Failure> {
         let path = &self.input.recording;
-        let shown = showcase(calibration, || self.input.reopen(globals))
-            .map_err(|error| Failure::verifying(path, path, error))?;
         Ok(reports::calibrate::report(
             &path.display().to_string(),
             calibration,
             findings,
-            &shown,
+            shown,
             footer(&[path])?,
         ))
     }

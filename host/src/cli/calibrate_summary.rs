@@ -8,6 +8,7 @@ use crate::calibrate::Calibration;
 use crate::findings::Findings;
 use crate::report::si;
 use crate::reports::words;
+use crate::showcase::Showcase;
 
 use super::output::{Facts, Target};
 
@@ -30,6 +31,15 @@ pub(super) struct Summary {
     expected_error_after_rad: f64,
     orders_left_alone: Vec<Order>,
     learned_until_tick: u64,
+    later_turns: Option<LaterTurns>,
+}
+
+/// The table on turns after those learned from.
+#[derive(Debug, Serialize)]
+struct LaterTurns {
+    scatter_before: f64,
+    scatter_after: f64,
+    worse: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -66,7 +76,12 @@ struct Order {
 }
 
 impl Summary {
-    pub fn new(path: &Path, calibration: &Calibration, findings: &Findings) -> Self {
+    pub fn new(
+        path: &Path,
+        calibration: &Calibration,
+        findings: &Findings,
+        shown: &Showcase,
+    ) -> Self {
         let (plan, totals, faults) = (calibration.plan, &calibration.totals, &calibration.faults);
         let survey = &calibration.survey;
         let [slowest, fastest] = words::speeds_r_min(calibration);
@@ -115,6 +130,11 @@ impl Summary {
                 })
                 .collect(),
             learned_until_tick: calibration.learned_until,
+            later_turns: shown.later.then(|| LaterTurns {
+                scatter_before: shown.check.scatter.before,
+                scatter_after: shown.check.scatter.after,
+                worse: shown.worse_later(),
+            }),
         }
     }
 
@@ -158,6 +178,15 @@ impl Summary {
                 format!("Order {} left alone", left.order),
                 words::left_alone(left.amplitude_rad),
             );
+        }
+        if let Some(later) = &self.later_turns {
+            let remark = if later.worse {
+                ": worse, so it does not hold at the speeds of these turns"
+            } else {
+                ""
+            };
+            let scatter = words::scatter(later.scatter_before, later.scatter_after);
+            facts.push("Scatter on later turns", format!("{scatter}{remark}"));
         }
         facts.push("Table", table).push(
             "",

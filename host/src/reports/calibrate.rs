@@ -27,7 +27,7 @@ pub fn report(
             plan.kind.line_name()
         ),
     );
-    verdict(&mut report, calibration, findings);
+    verdict(&mut report, calibration, findings, shown);
     let body = report.body();
     speed(body, shown);
     errors(body, calibration, findings);
@@ -37,7 +37,7 @@ pub fn report(
     report
 }
 
-fn verdict(report: &mut Report, calibration: &Calibration, findings: &Findings) {
+fn verdict(report: &mut Report, calibration: &Calibration, findings: &Findings, shown: &Showcase) {
     let (before, after) = (findings.before_rad, findings.after_rad);
     let gain = words::reduction_percent(before, after);
     let outlook = words::outlook(before, after);
@@ -45,7 +45,11 @@ fn verdict(report: &mut Report, calibration: &Calibration, findings: &Findings) 
     if let Some(first) = outlook.get(..1) {
         headline = first.to_uppercase() + &outlook[1..];
     }
-    let level = if gain < 5.0 { Level::Warn } else { Level::Good };
+    let mut level = if gain < 5.0 { Level::Warn } else { Level::Good };
+    if shown.worse_later() {
+        level = Level::Bad;
+        headline = words::worse_later(shown);
+    }
     let totals = &calibration.totals;
     let rejected = totals.broken + totals.irregular + totals.speed_change;
     report.verdict(

@@ -7,6 +7,7 @@ use quadcal::estimate::Anchor;
 use crate::calibrate::Calibration;
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
+use crate::showcase::Showcase;
 
 /// What kind of sensor it is.
 #[must_use]
@@ -20,6 +21,27 @@ pub const fn sensor(kind: SensorKind) -> &'static str {
         SensorKind::Wheel { missing: 1.., .. } => "toothed wheel with a gap",
         SensorKind::Wheel { .. } => "one channel",
     }
+}
+
+/// Scatter of the speed, before and after.
+#[must_use]
+pub fn scatter(before: f64, after: f64) -> String {
+    format!(
+        "{:.3} % before, {:.3} % after",
+        100.0 * before,
+        100.0 * after
+    )
+}
+
+/// The headline of a table that does harm on later turns.
+#[must_use]
+pub fn worse_later(shown: &Showcase) -> String {
+    let scatter = &shown.check.scatter;
+    format!(
+        "The table fits the turns it was learned from, but on later turns it makes the speed scatter more ({}): it does not hold at \
+         their speeds",
+        self::scatter(scatter.before, scatter.after)
+    )
 }
 
 /// What edge 0 is tied to.
