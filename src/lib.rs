@@ -52,3 +52,8 @@ pub mod wheel;
 
 #[cfg(test)]
 extern crate std;
+
+/// The README's example is compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
