@@ -1,11 +1,12 @@
 //! Estimator memory for a line count that is only known at run time.
 
-use quadcal::estimate::EdgeBuffers;
+use quadcal::estimate::{EdgeBuffers, Parts, blocks_for};
 
 /// Buffers of any size on the heap.
 pub struct HeapBuffers {
     sum: Vec<i32>,
-    work: Vec<[i16; 2]>,
+    cells: Vec<i16>,
+    coarse: Vec<i32>,
 }
 
 impl HeapBuffers {
@@ -14,26 +15,23 @@ impl HeapBuffers {
     pub fn new(edges: usize) -> Self {
         Self {
             sum: vec![0; edges],
-            work: vec![[0; 2]; edges],
+            cells: vec![0; edges],
+            coarse: vec![0; 3 * blocks_for(edges)],
         }
     }
 }
 
 impl EdgeBuffers for HeapBuffers {
-    fn sum(&mut self) -> &mut [i32] {
-        &mut self.sum
+    fn parts(&mut self) -> Parts<'_> {
+        Parts {
+            sum: &mut self.sum,
+            cells: &mut self.cells,
+            coarse: &mut self.coarse,
+        }
     }
 
-    fn work(&mut self) -> &mut [[i16; 2]] {
-        &mut self.work
-    }
-
-    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]) {
-        (&mut self.sum, &mut self.work)
-    }
-
-    fn cells(&self) -> &[[i16; 2]] {
-        &self.work
+    fn cells(&self) -> &[i16] {
+        &self.cells
     }
 
     fn edges(&self) -> usize {

@@ -1,20 +1,49 @@
 //! The estimator's edge path, and what it does at the ends of turns.
 
-use super::fold::{Fold, sign_of_turn};
+use super::fold::{Motion, TurnScale};
 use super::lockstep::Lockstep;
+use super::low::{LOW_ORDERS, LowOrder};
+
 use super::turn::{Turn, TurnRate};
-use super::{Anchor, BROKEN, EdgeBuffers, Estimator, Progress, Rejection, TURNS_MAX, Unbent};
+use super::{Anchor, BROKEN, EdgeBuffers, Estimator, Progress, Rejection, TURNS_MAX};
+use crate::edge::Direction;
 use crate::step::{Flags, Outcome, Step};
 use crate::units::{STEP_FRACTION_BITS, Ticks};
+
+/// A turn that is known in all its edges.
+#[derive(Clone, Copy)]
+pub(super) struct WholeTurn {
+    duration: u64,
+    direction: Direction,
+    /// Its lowest orders, once there is a rate to measure them by.
+    low: Option<[LowOrder; LOW_ORDERS]>,
+}
 
 impl<B: EdgeBuffers> Estimator<B> {
     /// Takes what a decoder made of a sample. On the edge path: constant work.
     #[inline]
     pub fn push(&mut self, outcome: &Outcome) -> Progress {
-        match outcome {
-            Outcome::Step(step) if self.lockstep.take(step, &mut self.buffers) => Progress::Running,
-            _ => self.push_watchful(outcome),
+        if let Outcome::Step(step) = outcome
+            && self.lockstep.take(
+                step,
+                &mut self.fold,
+                &mut self.low,
+                &mut self.buffers.parts(),
+            )
+        {
+            return Progress::Running;
         }
+        self.push_watchful(outcome)
+    }
+
+    /// Ends a recording: the present turn is given up, and what comes next may have another speed, timer or direction.
+    pub fn interrupt(&mut self) {
+        self.leave_lockstep();
+        self.turn = None;
+        self.rate = None;
+        self.before = None;
+        self.fold.finish(&mut self.buffers.parts());
+        self.settle_fold();
     }
 
     /// Whatever is not a step in the midst of a turn while the one before is folded.
@@ -58,8 +87,9 @@ impl<B: EdgeBuffers> Estimator<B> {
     }
 
     fn push_step(&mut self, step: &Step) -> Progress {
+        let mut parts = self.buffers.parts();
         for _ in 0..step.advance {
-            self.fold.step(&mut self.buffers, self.shape.edges());
+            self.fold.step(&mut parts);
         }
         // A doubt that the index at this very step raises is about the turn that ends here.
         let ends_doubt =
@@ -69,10 +99,18 @@ impl<B: EdgeBuffers> Estimator<B> {
         if broken || ends_doubt {
             progress = self.fault();
         } else if let Some(turn) = &mut self.turn {
-            match turn.extend(step, self.shape.edges(), &mut self.buffers) {
+            match turn.extend(step, self.shape.edges(), parts.cells, &mut self.low) {
                 Ok(false) => return Progress::Running,
                 Ok(true) => progress = self.close(step.ticks),
-                Err(rejection) => progress = self.reject(rejection),
+                Err(rejection) => {
+                    // A whole turn at quite another speed still says what that speed is.
+                    let whole = rejection == Rejection::Irregular && step.edge == 0;
+                    let duration = turn.duration(step.ticks);
+                    progress = self.reject(rejection);
+                    if whole {
+                        self.rate = TurnRate::of(duration, self.shape.edges());
+                    }
+                }
             }
         }
         let anchored = self.anchor == Anchor::FirstEdge || step.flags.contains(Flags::REFERENCED);
@@ -96,82 +134,130 @@ impl<B: EdgeBuffers> Estimator<B> {
     fn open(&mut self, step: &Step) {
         if self.fold.is_idle() || self.fold.follows(step.direction) {
             let dither = self.totals.turns.wrapping_mul(2_654_435_769);
-            self.turn = Some(Turn::start(step, self.rate, dither));
+            self.low.start();
+            self.turn = Some(Turn::start(step, self.rate, dither, self.fold.shape.block));
         }
     }
 
     fn reject(&mut self, rejection: Rejection) -> Progress {
-        match rejection {
-            Rejection::Broken => self.totals.broken += 1,
-            Rejection::Irregular => self.totals.irregular += 1,
-            Rejection::SpeedChange => self.totals.speed_change += 1,
-        }
+        self.totals.reject(rejection);
         self.turn = None;
-        self.duration_before = None;
-        self.settle_bend(None);
+        self.before = None;
         Progress::TurnRejected(rejection)
     }
 
     fn close(&mut self, now: Ticks) -> Progress {
+        self.settle_fold();
         let Some(turn) = self.turn.take() else {
             return Progress::Running;
         };
         let duration = turn.duration(now);
-        let previous_rate = self.rate;
+        let measured = turn.rate.is_some();
         self.rate = TurnRate::of(duration, self.shape.edges());
-        self.settle_bend(Some(duration));
-        let duration_before = self.duration_before.replace(duration);
-        let Some(rate) = previous_rate else {
-            return Progress::Running;
-        };
-        let grid = i64::from(self.shape.edges()) << STEP_FRACTION_BITS;
-        let excess = turn.length() - grid;
-        if excess.abs() > grid >> 3 {
-            self.totals.speed_change += 1;
-            return Progress::TurnRejected(Rejection::SpeedChange);
-        }
-        let sign = sign_of_turn(self.totals.turns);
-        let totals = &mut self.totals;
-        totals.shortest = if totals.turns == 0 {
-            duration
-        } else {
-            totals.shortest.min(duration)
-        };
-        totals.longest = totals.longest.max(duration);
-        totals.turns += 1;
-        totals.sign_sum += sign;
-        totals.excess += excess;
-        let slope = excess * i64::from(self.inverse_edges_q32);
-        self.fold = Fold::of_turn(turn.direction(), sign, slope, self.shape.edges());
-        self.unbent = Some(Unbent {
-            rate,
+        let mut whole = WholeTurn {
             duration,
-            duration_before,
-            direction: turn.direction(),
-            sign,
+            direction: turn.direction,
+            low: None,
+        };
+        let before = self.before.replace(whole);
+        if !measured {
+            return Progress::Running;
+        }
+        let bend_q32 = before.map_or(0, |before| {
+            Motion::bend_q32(before.duration, duration)
         });
+        let grid = self.shape.edges() << STEP_FRACTION_BITS;
+        let excess = i64::from(turn.whole()) - i64::from(grid);
+        // Without a turn just before, only a turn as long as the rate says is known to have been steady.
+        let limit = if before.is_some() { grid / 3 } else { grid >> 5 };
+        let place = self.speeds.place(duration);
+        let Some(place) = place.filter(|_| excess.unsigned_abs() <= limit.into()) else {
+            self.totals.reject(Rejection::SpeedChange);
+            return Progress::TurnRejected(Rejection::SpeedChange);
+        };
+        let linear = (excess * i64::from(self.inverse_edges_q32)) >> STEP_FRACTION_BITS;
+        whole.low = Some(self.low.finish(linear, bend_q32));
+        if self.disagrees(&whole, place.bin) {
+            self.totals.reject(Rejection::Disagrees);
+            return Progress::TurnRejected(Rejection::Disagrees);
+        }
+        self.before = Some(whole);
+        if before.is_some_and(|before| before.low.is_some()) {
+            let bin = &mut self.speeds.bins[place.bin];
+            bin.jitter = bin.jitter.saturating_add(turn.jitter.squares);
+            bin.jitter_turns += 1;
+        }
+        let plus = plus_in_contrast(self.totals.turns);
+        self.speeds.count(place, plus);
+        self.totals.take(duration);
+        let motion = Motion {
+            length: turn.whole(),
+            bend_q32,
+        };
+        let scale = TurnScale {
+            sum: self.weighing.add(place.bin),
+            minus: !plus,
+        };
+        self.fold.start(turn.direction, motion, scale);
+        self.folding = Some(place);
         Progress::TurnTaken(self.totals.turns)
     }
 
-    /// Adds the curvature of the turn taken last, from its neighbours' durations: over one turn, at s = 0..1, time runs as
-    /// `T s - kappa s (1 - s)` with 2 kappa the change of duration a turn.
-    pub(super) fn settle_bend(&mut self, duration_after: Option<u64>) {
-        let Some(turn) = self.unbent.take() else {
-            return;
+    /// Compares a turn's lowest orders with those of the turn taken last. One of like speed adds to the scatter, unless it
+    /// is far off all scatter seen so far: then it disagrees, but not twice in a row.
+    fn disagrees(&mut self, turn: &WholeTurn, bin: usize) -> bool {
+        let last = self.last_taken.replace(*turn);
+        let Some((last, last_low, low)) =
+            last.and_then(|last| Some((last, last.low?, turn.low?)))
+        else {
+            return false;
         };
-        // A neighbour that took much longer or shorter is not the same motion.
-        let change = |other: Option<u64>| {
-            let change = other?.cast_signed() - turn.duration.cast_signed();
-            (change.unsigned_abs() <= turn.duration >> 3).then_some(change)
-        };
-        let kappa = match (change(turn.duration_before), change(duration_after)) {
-            (Some(before), Some(after)) => (after - before) >> 2,
-            (Some(before), None) => -before >> 1,
-            (None, Some(after)) => after >> 1,
-            (None, None) => return,
-        };
-        let bend = turn.rate.scale(kappa) * i64::from(turn.direction.sign());
-        self.totals.bend += bend;
-        self.totals.bend_contrast += bend * i64::from(turn.sign);
+        let alike = turn.duration.abs_diff(last.duration) <= turn.duration >> 4;
+        if !alike || turn.direction != last.direction {
+            return false;
+        }
+        let mut squares = [0; LOW_ORDERS];
+        let mut level = 0_u64;
+        for (index, square) in squares.iter_mut().enumerate() {
+            *square = low[index].distance(last_low[index]);
+            // Torque noise falls with the fourth power of the order.
+            level = level.saturating_add(square.saturating_mul((index as u64 + 1).pow(4)));
+        }
+        let bin = &mut self.speeds.bins[bin];
+        let usual = bin
+            .scatter
+            .iter()
+            .zip(1_u64..)
+            .fold(0_u64, |sum, (scatter, n)| {
+                sum.saturating_add(scatter.saturating_mul(n.pow(4)))
+            });
+        // Thirty times the mean of three pairs or more: torque noise does so in one turn of ten thousand.
+        let far_off = bin.pairs >= 3 && (level >> 5).saturating_mul(bin.pairs.into()) > usual;
+        if far_off && !self.disagreed {
+            self.disagreed = true;
+            self.last_taken = Some(last);
+            return true;
+        }
+        self.disagreed = false;
+        if !far_off {
+            bin.pairs += 1;
+            for (sum, square) in bin.scatter.iter_mut().zip(squares) {
+                *sum = sum.saturating_add(square);
+            }
+        }
+        false
     }
+
+    /// Takes note of the classes of the turn that was folded.
+    pub(super) fn settle_fold(&mut self) {
+        if let Some(place) = self.folding.take_if(|_| self.fold.is_idle()) {
+            self.delays.take(&self.fold.classes, place.ratio_q32);
+        }
+    }
+}
+
+/// Sign of a turn in the contrast: the Thue-Morse sequence, which cancels a constant pattern in every pair and a steady
+/// drift in every four.
+fn plus_in_contrast(turn: u32) -> bool {
+    turn.count_ones().is_multiple_of(2)
 }

@@ -1,9 +1,10 @@
 //! The usual step while learning: the turn coming in and the fold of the turn before go through the same cells side by
-//! side, one edge at a time. What both need an edge is kept together here and handed back when anything else happens.
+//! side, one edge at a time. What the turn needs an edge is kept together here and handed back when anything else happens.
 
-use super::EdgeBuffers;
+use super::Parts;
 use super::fold::Fold;
-use super::turn::{Turn, wrapped};
+use super::low::LowOrders;
+use super::turn::{Jitter, Sampling, Turn, wrapped};
 use crate::edge::Direction;
 use crate::step::{Flags, Step};
 use crate::units::STEP_FRACTION_BITS;
@@ -14,14 +15,12 @@ pub(super) struct Lockstep {
     next: u32,
     /// From edge to edge: 1, or -1 in reverse.
     stride: u32,
-    sign: i32,
     phase_q32: u64,
     /// Step fractions a tick, whole and in 2^-32.
     per_tick: u32,
     per_tick_fraction: u32,
-    level_q32: i64,
-    slope_q32: i64,
-    contrast_shift: u32,
+    jitter: Jitter,
+    sample: Sampling,
 }
 
 /// No edge's number.
@@ -32,35 +31,34 @@ impl Lockstep {
     pub const NONE: Self = Self {
         next: NO_EDGE,
         stride: 1,
-        sign: 1,
         phase_q32: 0,
         per_tick: 0,
         per_tick_fraction: 0,
-        level_q32: 0,
-        slope_q32: 0,
-        contrast_shift: 1,
+        jitter: Jitter::NONE,
+        sample: Sampling {
+            size: 1,
+            left: 1,
+            grid: 0,
+        },
     };
 
-    /// In step, if the fold is just where the turn is.
+    /// In step, if the fold is just where the turn is and the turn is past its first edge.
     pub fn enter(turn: &Turn, fold: &Fold, edges: u32) -> Self {
         let forward = turn.direction == Direction::Forward;
         let (slot, remaining) = place(turn.edge, edges, forward);
         let in_step =
             fold.direction == turn.direction && fold.slot == slot && fold.remaining == remaining;
-        // In reverse, edge 0 is followed by the slot of edge 0 at the other end of the buffers.
         match turn.rate.and_then(|rate| rate.per_tick_q32()) {
-            Some(per_tick_q32) if in_step && (forward || turn.edge != 0) => {
+            Some(per_tick_q32) if in_step && turn.edge != 0 => {
                 let stride = if forward { 1 } else { u32::MAX };
                 Self {
                     next: turn.edge.wrapping_add(stride),
                     stride,
-                    sign: fold.sign,
                     phase_q32: turn.phase_q32,
                     per_tick: whole(per_tick_q32),
                     per_tick_fraction: fraction(per_tick_q32),
-                    level_q32: fold.level_q32,
-                    slope_q32: fold.slope_q32,
-                    contrast_shift: fold.contrast_shift,
+                    jitter: turn.jitter,
+                    sample: turn.sample,
                 }
             }
             _ => Self::NONE,
@@ -74,15 +72,22 @@ impl Lockstep {
         }
         turn.edge = self.next.wrapping_sub(self.stride);
         turn.phase_q32 = self.phase_q32;
+        turn.jitter = self.jitter;
+        turn.sample = self.sample;
         let forward = turn.direction == Direction::Forward;
         (fold.slot, fold.remaining) = place(turn.edge, edges, forward);
-        fold.level_q32 = self.level_q32;
         self.next = NO_EDGE;
     }
 
     /// Takes a step that is the next edge, not the turn's last and nothing special; else does nothing and says false.
     #[inline]
-    pub fn take<B: EdgeBuffers>(&mut self, step: &Step, buffers: &mut B) -> bool {
+    pub fn take(
+        &mut self,
+        step: &Step,
+        fold: &mut Fold,
+        low: &mut LowOrders,
+        parts: &mut Parts<'_>,
+    ) -> bool {
         // A decoder that comes to the next edge came by one edge.
         let interval = step.interval;
         if step.edge != self.next
@@ -99,23 +104,23 @@ impl Lockstep {
         let deviation = moved.wrapping_sub(1 << STEP_FRACTION_BITS).cast_signed();
         // The interval between edges k-1 and k has slot k in either direction.
         let slot = step.edge.wrapping_add(self.stride >> 31) as usize;
-        let (Ok(new), Some(cells)) = (i16::try_from(deviation), buffers.work().get_mut(slot))
-        else {
+        let (Ok(new), Some(cell), Some(sum)) = (
+            i16::try_from(deviation),
+            parts.cells.get_mut(slot),
+            parts.sum.get_mut(slot),
+        ) else {
             return false;
         };
-        let entry = fold_entry(
-            cells,
-            &mut self.level_q32,
-            self.slope_q32,
-            self.sign,
-            self.contrast_shift,
-        );
-        cells[0] = new;
-        if let Some(sum) = buffers.sum().get_mut(slot) {
-            *sum = sum.wrapping_add(entry);
-        }
+        let old = *cell;
+        *cell = new;
+        self.jitter.take(new, old);
         self.phase_q32 = phase_q32;
         self.next = step.edge.wrapping_add(self.stride);
+        let block_ends = self.sample.advance();
+        if fold.entry(old, sum) || block_ends {
+            fold.end_block(parts.coarse);
+            self.sample.sample(whole(phase_q32), low);
+        }
         true
     }
 }
@@ -140,34 +145,6 @@ const fn fraction(q32: u64) -> u32 {
     q32 as u32
 }
 
-/// Adds the deviation in the first of an edge's cells to the contrast in the second, and returns it for the sum. Level and
-/// slope are in the contrast's unit, `1 << contrast_shift` (1 to 31) step fractions.
-#[inline]
-pub(super) fn fold_entry(
-    cells: &mut [i16; 2],
-    level_q32: &mut i64,
-    slope_q32: i64,
-    sign: i32,
-    contrast_shift: u32,
-) -> i32 {
-    #[allow(clippy::cast_possible_truncation)]
-    const fn level(q32: i64) -> i32 {
-        (q32 >> 32) as i32
-    }
-    let entry = i32::from(cells[0]);
-    let before = level(*level_q32);
-    // The entry over 2^shift in Q32, put together from two words: a 64-bit shift by a variable takes long.
-    let fraction = entry.cast_unsigned() << ((32 - contrast_shift) & 31);
-    let scaled_q32 = (i64::from(entry >> (contrast_shift & 31)) << 32) | i64::from(fraction);
-    // Rounding the running level, not each entry, keeps the rounding error from adding up over the turn.
-    *level_q32 = *level_q32 - slope_q32 + scaled_q32;
-    let contrast = i32::from(cells[1]) + sign * (level(*level_q32) - before);
-    #[allow(clippy::cast_possible_truncation)]
-    let kept = contrast.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
-    cells[1] = kept;
-    entry
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{Anchor, Estimator, Progress, Rejection, StaticBuffers};
@@ -186,10 +163,12 @@ mod tests {
     }
 
     /// Where everything stands, out of step.
-    fn state(estimator: &mut Small) -> ([[i16; 2]; 24], [i32; 24]) {
+    fn state(estimator: &mut Small) -> std::vec::Vec<i32> {
         estimator.leave_lockstep();
-        let cells = estimator.buffers.cells().try_into().unwrap();
-        (cells, estimator.buffers.sum().try_into().unwrap())
+        let parts = estimator.buffers.parts();
+        let cells = parts.cells.iter().map(|&cell| i32::from(cell));
+        let sums = parts.sum.iter().chain(&*parts.coarse);
+        cells.chain(sums.copied()).collect()
     }
 
     proptest! {

@@ -2,45 +2,53 @@
 //!
 //! Each interval is scaled by the duration of the turn before, so that a perfect encoder on a steady shaft gives exactly
 //! one step (`1 << STEP_FRACTION_BITS`) an edge. The deviation is kept for one turn; a turn that turns out whole is then
-//! folded, one entry an edge while the next turn comes in, into
+//! folded, one entry an edge while the next turn comes in: a motion of constant acceleration through its ends, which hold
+//! no encoder error, turns time into angle, and the rest goes into
 //!
-//! - `sum`: the sum over turns, which holds the encoder's error, and
-//! - a *contrast*: the same turns with signs that cancel whatever repeats. What is left there is what the estimate does
-//!   not know, and [`solve`] weighs every order by it.
-//!
-//! A turn is closed over exactly one revolution, so its mean speed is free of encoder error, and its curvature (a steady
-//! acceleration) follows from the durations of its neighbours. Both are scalars a turn; they are taken out in the end.
+//! - a sum over turns, weighed by the square of their speed, which holds the encoder's error;
+//! - a coarse sum with all turns alike: geometry is the same in both, locked torque is not, so the two tell them apart;
+//! - a coarse *contrast* of either sum: the same turns with signs that cancel whatever repeats. What is left there is what
+//!   the estimate does not know, and [`Estimator::solve`] weighs every order by it.
 //!
 //! Work an edge is constant, without division or search; the library's head has what it costs.
 
 mod buffers;
 mod close;
+mod delays;
+mod draw;
 mod fold;
 mod learn;
 mod lockstep;
-mod modulation;
+mod low;
+mod moments;
+mod noise;
 mod order;
 mod power;
 mod ripple;
 mod scale;
+mod separate;
 mod solution;
 mod solve;
 mod spectrum;
+mod speeds;
 mod turn;
 mod weigh;
 
 #[cfg(test)]
 mod tests;
 
-pub use buffers::{EdgeBuffers, StaticBuffers};
-pub use order::{LockedOrder, ORDERS_MAX};
+pub use buffers::{BLOCKS, EdgeBuffers, Parts, StaticBuffers, block_edges, blocks_for};
+pub use order::{LockedOrder, ORDERS_MAX, TorqueOrder};
 pub use solution::{Solution, SolveError};
 
-use crate::edge::Direction;
 use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;
-use fold::Fold;
+use delays::Delays;
+use fold::{Fold, FoldShape};
+use learn::WholeTurn;
 use lockstep::Lockstep;
+use low::LowOrders;
+use speeds::{Place, Speeds, Weighing};
 use turn::{Turn, TurnRate};
 
 /// Flags of a step that make its interval or its place in the turn uncertain.
@@ -71,8 +79,11 @@ pub enum Rejection {
     /// An interval more than one step away from the grid, or of 2^32 ticks or more, or time that ran backward: the shaft
     /// stopped, or an edge is in the wrong place by a whole step.
     Irregular,
-    /// The turn took more than an eighth longer or shorter than the one before.
+    /// The turn took more than a third longer or shorter than the one before, or the one before is not known and it was not
+    /// steady, or its speed is more than 64 times off that of the first turn.
     SpeedChange,
+    /// Its slow motion differs far more from that of the turn before than turns at this speed do: a load step, a shock.
+    Disagrees,
 }
 
 /// What an edge did to the estimate.
@@ -99,14 +110,45 @@ pub struct Totals {
     pub irregular: u32,
     /// Turns not used for a change of speed.
     pub speed_change: u32,
+    /// Turns not used because they disagree with the others.
+    pub disagrees: u32,
     /// Shortest turn taken, ticks.
     pub shortest: u64,
     /// Longest turn taken, ticks.
     pub longest: u64,
-    sign_sum: i32,
-    excess: i64,
-    bend: i64,
-    bend_contrast: i64,
+}
+
+impl Totals {
+    fn take(&mut self, duration: u64) {
+        self.shortest = if self.turns == 0 {
+            duration
+        } else {
+            self.shortest.min(duration)
+        };
+        self.longest = self.longest.max(duration);
+        self.turns += 1;
+    }
+
+    fn reject(&mut self, rejection: Rejection) {
+        let count = match rejection {
+            Rejection::Broken => &mut self.broken,
+            Rejection::Irregular => &mut self.irregular,
+            Rejection::SpeedChange => &mut self.speed_change,
+            Rejection::Disagrees => &mut self.disagrees,
+        };
+        *count += 1;
+    }
+}
+
+/// What is known of the drive that turns the shaft while it is learned from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DriveKnowledge {
+    /// Torque locked to the shaft is at multiples of this order only, as of a motor's pole pairs with nothing else on the
+    /// shaft; 0: any order may be torque. At one speed this decides what is left alone.
+    pub torque_base: u16,
+    /// Orders up to this one are left alone: a speed loop may hide them.
+    pub hidden_up_to: u16,
 }
 
 /// Learns eps, xi and p of one encoder; see the module's head.
@@ -114,51 +156,65 @@ pub struct Estimator<B> {
     lockstep: Lockstep,
     shape: EncoderShape,
     anchor: Anchor,
+    knowledge: DriveKnowledge,
     inverse_edges_q32: u32,
     buffers: B,
     totals: Totals,
     turn: Option<Turn>,
     rate: Option<TurnRate>,
-    duration_before: Option<u64>,
-    unbent: Option<Unbent>,
+    before: Option<WholeTurn>,
+    last_taken: Option<WholeTurn>,
+    disagreed: bool,
+    low: LowOrders,
     fold: Fold,
-}
-
-/// A turn that is taken but whose curvature waits for the duration of the next.
-#[derive(Clone, Copy)]
-struct Unbent {
-    rate: TurnRate,
-    duration: u64,
-    duration_before: Option<u64>,
-    direction: Direction,
-    sign: i32,
+    folding: Option<Place>,
+    speeds: Speeds,
+    weighing: Weighing,
+    delays: Delays,
 }
 
 impl<B: EdgeBuffers> Estimator<B> {
     /// An estimator with nothing learned; clears the buffers.
     ///
     /// # Errors
-    /// [`ShapeError::Buffers`] when the buffers don't hold exactly N edges.
+    /// [`ShapeError::Buffers`] when the buffers don't hold exactly N edges, or too few blocks for them ([`blocks_for`]).
     pub fn new(shape: EncoderShape, anchor: Anchor, mut buffers: B) -> Result<Self, ShapeError> {
         let length = shape.edges() as usize;
-        if buffers.sum().len() != length || buffers.work().len() != length {
-            return Err(ShapeError::Buffers(buffers.edges()));
-        }
-        buffers.sum().fill(0);
-        buffers.work().fill([0; 2]);
+        let parts = buffers.parts();
+        let whole = parts.sum.len() == length && parts.cells.len() == length;
+        let block = block_edges(length, parts.coarse.len() / 3).filter(|_| whole);
+        parts.sum.fill(0);
+        parts.cells.fill(0);
+        parts.coarse.fill(0);
+        let block = block.ok_or(ShapeError::Buffers(buffers.edges()))?;
+        #[allow(clippy::cast_possible_truncation)]
+        let fold = FoldShape::new(shape.edges(), shape.classes(), block as u32);
         Ok(Self {
             lockstep: Lockstep::NONE,
             shape,
             anchor,
+            knowledge: DriveKnowledge::default(),
             inverse_edges_q32: u32::MAX / shape.edges(),
             buffers,
             totals: Totals::default(),
             turn: None,
             rate: None,
-            duration_before: None,
-            unbent: None,
-            fold: Fold::idle(),
+            before: None,
+            last_taken: None,
+            disagreed: false,
+            low: LowOrders::new(length, length / block),
+            fold: Fold::idle(fold),
+            folding: None,
+            speeds: Speeds::NONE,
+            weighing: Weighing::NEW,
+            delays: Delays::NONE,
         })
+    }
+
+    /// The same with what is known of the drive.
+    #[must_use]
+    pub fn with_knowledge(self, knowledge: DriveKnowledge) -> Self {
+        Self { knowledge, ..self }
     }
 
     /// The encoder's shape.

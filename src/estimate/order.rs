@@ -6,6 +6,9 @@ pub const ORDERS_MAX: usize = 256;
 /// Orders listed in [`LockedOrder`] at the most.
 pub const LOCKED_MAX: usize = 16;
 
+/// Orders listed in [`TorqueOrder`] at the most.
+pub const TORQUES_MAX: usize = 16;
+
 /// An order that repeats every turn and stands far above its neighbours: geometry (eccentricity, tilt) or torque ripple
 /// locked to the shaft. One speed can't tell which, so the table leaves it alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +20,19 @@ pub struct LockedOrder {
     pub amplitude: u32,
 }
 
+/// Torque locked to the shaft, told from geometry by turns of different speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TorqueOrder {
+    /// Cycles a turn.
+    pub order: u16,
+    /// Peak swing of the shaft's angle that it makes at the first turn's speed, 2^-32 turn; it falls with the speed squared.
+    /// The torque is this angle x inertia x (order x speed)^2.
+    pub amplitude: u32,
+    /// Standard error of the amplitude, 2^-32 turn.
+    pub standard_error: u32,
+}
+
 /// How an encoder's orders are split.
 #[derive(Clone, Copy)]
 pub(super) struct OrderPlan {
@@ -26,30 +42,38 @@ pub(super) struct OrderPlan {
     pub lines: usize,
     /// Orders weighed one by one: 1..=`single`.
     pub single: usize,
+    /// Samples a turn of the coarse sums.
+    pub blocks: usize,
     /// Samples are averaged by this factor before the single orders are taken.
     pub decimation: usize,
 }
 
 impl OrderPlan {
-    pub(super) fn new(edges: usize, lines: usize) -> Self {
+    /// For an encoder that is learned in so many blocks.
+    pub(super) fn new(edges: usize, lines: usize, blocks: usize) -> Self {
         let half = (edges - 1) / 2;
-        // With few edges there is no neighbourhood to learn from, and every order stands for itself.
-        let single = if edges < 64 {
-            half
-        } else {
-            (edges / 4).min(ORDERS_MAX)
-        };
         let mut decimation = 1;
-        while decimation < 8
-            && edges.is_multiple_of(decimation * 2)
-            && edges >= decimation * 8 * single
+        // Room for the samples is half the edges, or the blocks where edges are few.
+        while (edges > 2048 && decimation == 1)
+            || (decimation < 32
+                && edges.is_multiple_of(decimation * 2)
+                && edges >= decimation * 16 * ORDERS_MAX)
         {
             decimation *= 2;
         }
+        // With few edges there is no neighbourhood to learn from, and every order stands for itself.
+        let single = if edges < 64 {
+            half
+        } else if decimation == 1 {
+            edges / 4
+        } else {
+            edges / decimation / 8
+        };
         Self {
             edges,
             lines,
-            single,
+            blocks,
+            single: single.min(ORDERS_MAX).min((blocks - 1) / 2),
             decimation,
         }
     }
@@ -87,7 +111,7 @@ mod tests {
             (16_384, 4096),
             (120, 60),
         ] {
-            let plan = OrderPlan::new(edges, lines);
+            let plan = OrderPlan::new(edges, lines, edges.min(1000));
             let single = (1..=plan.single)
                 .filter(|&n| !plan.is_class_order(n))
                 .count();
@@ -103,7 +127,7 @@ mod tests {
     #[test]
     fn decimation_leaves_four_samples_a_cycle() {
         for edges in [240, 1000, 4096, 10_000, 10_004, 40_000] {
-            let plan = OrderPlan::new(edges, edges / 4);
+            let plan = OrderPlan::new(edges, edges / 4, 1000);
             assert!(
                 edges / plan.decimation >= 4 * plan.single && edges.is_multiple_of(plan.decimation)
             );

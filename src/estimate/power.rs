@@ -1,64 +1,41 @@
 //! Power of every single order, and of all orders above together.
 
-use super::Totals;
 use super::order::{ORDERS_MAX, OrderPlan};
-use super::spectrum::{Coefficient, Sequence, coefficient, decimate, undo_decimation};
+use super::spectrum::{POWER_BITS, Coefficient, Sequence, coefficient, decimate, fold_halves, undo_decimation};
 use crate::trig::sin_cos;
 use crate::units::Turn32;
 
-/// Powers of every single order and the mean power of all common ones, in 2^-16 of the squared sequence unit.
-pub(super) struct Powers {
-    /// Power of order n at n - 1.
-    pub single: [u64; ORDERS_MAX],
-    /// Mean power of the orders above.
-    pub common: u64,
-}
-
-/// Mean square of the steps from edge to edge around the turn, in 2^-16 of the squared unit.
-fn mean_square_step_q16<S: Sequence + ?Sized>(sequence: &S) -> u128 {
+/// Mean square of the steps from edge to edge around the turn, in 2^-[`POWER_BITS`] of the squared
+/// unit.
+fn mean_square_step(errors: &[i32]) -> u128 {
     let mut squares = 0_u128;
-    let mut before = sequence.get(sequence.len() - 1);
-    for index in 0..sequence.len() {
-        let value = sequence.get(index);
-        let step = u128::from((i64::from(value) - i64::from(before)).unsigned_abs());
-        squares += step * step;
-        before = value;
+    let mut before = errors.last().copied().unwrap_or(0);
+    for &error in errors {
+        let step = (i64::from(error) - i64::from(before)).unsigned_abs();
+        squares += u128::from(step * step);
+        before = error;
     }
-    (squares << 16) / sequence.len() as u128
+    (squares << POWER_BITS) / errors.len().max(1) as u128
 }
 
-impl Powers {
-    /// None yet.
-    pub(super) const ZERO: Self = Self {
-        single: [0; ORDERS_MAX],
-        common: 0,
-    };
-
-    /// Takes the powers of coefficients, which are zero where there is no single order. In place: the stack is short.
-    pub(super) fn fill(&mut self, coefficients: &[Coefficient; ORDERS_MAX], common: u64) {
-        for (power, coefficient) in self.single.iter_mut().zip(coefficients) {
-            *power = coefficient.power();
-        }
-        self.common = common;
-    }
-}
-
-/// Finds the coefficients of the single orders and returns the mean power of the common ones; leaves the decimated
-/// sequence behind.
+/// Finds the coefficients of the single orders and returns the mean power of the common ones; `scratch` has room for the
+/// decimated errors.
 ///
 /// The common power is taken from the steps between edges: in the angle itself, low orders of torque are many thousand
 /// times larger, and nothing would be left of a difference of such sums.
 pub(super) fn split_orders<S: Sequence + ?Sized>(
-    sequence: &mut S,
+    errors: &[i32],
+    scratch: &mut S,
     plan: OrderPlan,
     coefficients: &mut [Coefficient; ORDERS_MAX],
 ) -> u64 {
-    let mut steps = mean_square_step_q16(sequence);
-    let samples = decimate(sequence, plan.decimation);
+    let mut steps = mean_square_step(errors);
+    let samples = decimate(errors, scratch, plan.decimation);
+    fold_halves(scratch, samples);
     let classes = plan.edges / plan.lines;
     let mut gain_q28 = (2 * (plan.edges - if classes > 1 { classes } else { 0 }) as u64) << 28;
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        let raw = coefficient(sequence, samples, order);
+        let raw = coefficient(scratch, samples, order);
         let c = undo_decimation(raw, order, plan.decimation, plan.edges);
         coefficients[order - 1] = c;
         let gain_q58 = step_gain_q58(order, plan.edges);
@@ -81,17 +58,15 @@ fn step_gain_q58(order: usize, edges: usize) -> u64 {
     sine * sine
 }
 
-/// Scales the contrast's powers to the noise in the sum of all turns: its signs have the squared sum q - sigma^2 / q.
-pub(super) fn scale_contrast(noise: &mut Powers, totals: &Totals) {
-    let turns = u128::from(totals.turns);
-    let sigma = u128::from(totals.sign_sum.unsigned_abs());
-    let numerator = turns * turns;
-    let denominator = turns * turns - sigma * sigma;
-    for power in noise
-        .single
-        .iter_mut()
-        .chain(core::iter::once(&mut noise.common))
-    {
-        *power = u64::try_from(u128::from(*power) * numerator / denominator).unwrap_or(u64::MAX);
+/// Coefficients of the single orders of a folded coarse sequence, handed to `visit`.
+pub(super) fn coarse_orders(
+    blocks: &mut [i32],
+    plan: OrderPlan,
+    mut visit: impl FnMut(usize, Coefficient),
+) {
+    let samples = blocks.len();
+    fold_halves(blocks, samples);
+    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
+        visit(order, coefficient(blocks, samples, order));
     }
 }

@@ -6,7 +6,7 @@
 
 use super::order::LOCKED_MAX;
 
-/// An order far above its neighbours, with its power in 2^-16 of the squared sequence unit.
+/// An order far above its neighbours, with its power in 2^-8 of the squared sequence unit.
 #[derive(Clone, Copy)]
 pub(super) struct Standing {
     pub order: u16,
@@ -26,7 +26,7 @@ pub(super) fn keep_strongest(list: &mut StandingOrders, standing: Standing) {
     }
 }
 
-/// Largest size at an order, in 2^-8 of the unit, of what pairs of standing orders make together. `turn` is the length of a
+/// Largest size at an order, in 2^-4 of the unit, of what pairs of standing orders make together. `turn` is the length of a
 /// turn in the sequence's unit.
 pub(super) fn product(list: &StandingOrders, turn: u64, order: usize) -> u32 {
     let order = order as u64;
@@ -37,7 +37,7 @@ pub(super) fn product(list: &StandingOrders, turn: u64, order: usize) -> u32 {
             if order != m + n && order != m.abs_diff(n) {
                 continue;
             }
-            // |c_m c_n| in Q16; u_m = m 2 |c_m| 2 pi / turn, and the product's angle is u_m u_n / order, in |c| half of that.
+            // |c_m c_n| in Q8; u_m = m 2 |c_m| 2 pi / turn, and the product's angle is u_m u_n / order, in |c| half of that.
             let pair = u128::from(one.power.isqrt()) * u128::from(other.power.isqrt());
             // 4 pi in Q8; a pair of the same order counts once.
             let four_pi = if m == n { FOUR_PI_Q8 / 2 } else { FOUR_PI_Q8 };
@@ -67,7 +67,7 @@ mod tests {
             let c = coefficient(f64::from(order), swing);
             Standing {
                 order,
-                power: (c * c * 65_536.0) as u64,
+                power: (c * c * 256.0) as u64,
             }
         };
         let mut list = StandingOrders::new();
@@ -82,7 +82,7 @@ mod tests {
             (30, 0.005 * 0.005 / 2.0),
         ] {
             let expected = coefficient(f64::from(order), product);
-            let found = f64::from(sizes[order as usize - 1]) / 256.0;
+            let found = f64::from(sizes[order as usize - 1]) / 16.0;
             assert!(
                 (found / expected - 1.0).abs() < 0.01,
                 "{order}: {found} {expected}"

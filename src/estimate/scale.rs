@@ -1,37 +1,72 @@
-//! From summed step fractions to angle.
+//! Fine angles: what solving computes in, as many digits below 2^-32 turn as the largest error leaves free.
 
 use super::close::saturated;
-use crate::units::STEP_FRACTION_BITS;
+use super::spectrum::POWER_BITS;
 
-/// From summed step fractions to 2^-32 turn: 2^32 over the summed length of all turns.
-#[derive(Clone, Copy)]
-pub(super) struct AngleScale {
-    multiplier: i64,
-    shift: u32,
+/// The unit 2^-(32 + bits) turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Fine {
+    pub bits: u32,
 }
 
-impl AngleScale {
-    /// `turns` is the length of all turns together in step fractions, at least one step.
-    pub(super) fn new(turns: i64) -> Self {
-        let turns = turns.max(1 << STEP_FRACTION_BITS);
-        let size = turns.ilog2();
-        // 2^29..=2^30, so that the product with 32 bits fits 63.
-        let multiplier = (1_i128 << (size + 30)) / i128::from(turns);
-        #[allow(clippy::cast_possible_truncation)]
+impl Fine {
+    /// Digits that keep angles of up to `largest` (2^-32 turn) within 2^28.
+    pub(super) fn for_angles(largest: u64) -> Self {
+        let used = u64::BITS - largest.leading_zeros();
         Self {
-            multiplier: multiplier as i64,
-            shift: size - 2,
+            bits: 28_u32.saturating_sub(used).min(10),
         }
     }
 
+    /// In 2^-32 turn.
     pub(super) fn angle(self, value: i32) -> i32 {
-        saturated((i64::from(value) * self.multiplier + (1 << self.shift >> 1)) >> self.shift)
+        saturated((i64::from(value) + (1 << self.bits >> 1)) >> self.bits)
     }
 
-    /// Root of a mean square given in 2^-16 of the squared sum unit, as an angle.
+    /// Root of a mean square given in 2^-[`POWER_BITS`] of the squared unit, in 2^-32 turn.
     pub(super) fn root_mean_square(self, power: u64) -> u32 {
-        let root_q8 = i32::try_from(power.isqrt()).unwrap_or(i32::MAX);
-        self.angle(root_q8).unsigned_abs() >> 8
+        let root = power.isqrt() >> (POWER_BITS / 2 + self.bits);
+        u32::try_from(root).unwrap_or(u32::MAX)
+    }
+}
+
+/// A factor 2^power / divisor, as a mantissa of 31 digits and a shift.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ratio {
+    mantissa: i64,
+    shift: u32,
+}
+
+impl Ratio {
+    /// 2^`power` / `divisor`; the divisor counts as one at least.
+    pub(super) fn new(power: u32, divisor: u64) -> Self {
+        let divisor = divisor.max(1);
+        let size = divisor.ilog2();
+        // Normalised, so that the quotient has 31 digits.
+        let mantissa = if size >= 32 {
+            (1_u64 << 63) / (divisor >> (size - 32))
+        } else {
+            (1_u64 << (31 + size)) / divisor
+        };
+        let shift = 31 + size;
+        let (mantissa, shift) = if shift >= power {
+            (mantissa, shift - power)
+        } else {
+            (mantissa << (power - shift).min(31), 0)
+        };
+        Self {
+            mantissa: mantissa.cast_signed(),
+            shift,
+        }
+    }
+
+    /// `value` times the factor, to the nearest.
+    pub(super) fn times(self, value: i64) -> i64 {
+        let half = if self.shift == 0 { 0 } else { 1_i128 << (self.shift - 1) };
+        let product = (i128::from(value) * i128::from(self.mantissa) + half) >> self.shift;
+        #[allow(clippy::cast_possible_truncation)]
+        let product = product.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64;
+        product
     }
 }
 
@@ -40,15 +75,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_step_a_turn_becomes_its_share_of_a_turn() {
-        for (turns, edges) in [(2_i64, 12_i64), (11, 10_000), (1195, 12), (30_000, 65_536)] {
-            let scale = AngleScale::new((turns * edges) << STEP_FRACTION_BITS);
-            let step = (turns as i32) << STEP_FRACTION_BITS;
-            let exact = 4_294_967_296.0 / edges as f64;
-            assert!(
-                (f64::from(scale.angle(step)) / exact - 1.0).abs() < 1e-8 + 0.5 / exact,
-                "{turns} {edges}"
-            );
+    fn a_ratio_multiplies_as_the_fraction_does() {
+        for (power, divisor) in [(4_u32, 11_u64), (20, 65_536), (0, 1), (30, (1 << 40) + 7), (35, 3)] {
+            let exact = (f64::from(power)).exp2() / divisor as f64;
+            for value in [1_000_000_i64, -123_456_789, 1 << 40] {
+                let got = Ratio::new(power, divisor).times(value) as f64;
+                let want = value as f64 * exact;
+                assert!((got - want).abs() <= 0.51 + want.abs() * 1e-9, "{power} {divisor} {value}: {got} {want}");
+            }
         }
+    }
+
+    #[test]
+    fn fine_angles_round_to_the_nearest() {
+        let fine = Fine::for_angles(400_000);
+        assert_eq!(fine.bits, 9);
+        assert_eq!([fine.angle(511), fine.angle(-511), fine.angle(256), fine.angle(255)], [1, -1, 1, 0]);
+        assert_eq!(fine.root_mean_square(9 << 26), 3);
     }
 }

@@ -1,7 +1,9 @@
 //! What a calibration found.
 
 use super::EdgeBuffers;
-use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX};
+use super::delays::SolvedDelays;
+use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX, TorqueOrder};
+use super::separate::Torques;
 use crate::shape::{CLASSES_MAX, EncoderShape};
 use crate::units::TurnDelta32;
 
@@ -28,6 +30,9 @@ pub struct Solution<B> {
     pub(super) single_count: usize,
     pub(super) common: u16,
     pub(super) locked: heapless::Vec<LockedOrder, LOCKED_MAX>,
+    pub(super) torques: Torques,
+    pub(super) reference: u64,
+    pub(super) delays: Option<SolvedDelays>,
 }
 
 impl<B: EdgeBuffers> Solution<B> {
@@ -64,7 +69,7 @@ impl<B: EdgeBuffers> Solution<B> {
     /// Line position error of every edge, in `1 << shift()` of 2^-32 turn, zero mean in every class.
     #[must_use]
     pub fn entries(&self) -> &[i16] {
-        let cells = self.buffers.cells().as_flattened();
+        let cells = self.buffers.cells();
         cells.get(..self.shape.edges() as usize).unwrap_or(cells)
     }
 
@@ -101,6 +106,26 @@ impl<B: EdgeBuffers> Solution<B> {
     #[must_use]
     pub fn locked_orders(&self) -> &[LockedOrder] {
         &self.locked
+    }
+
+    /// Torque locked to the shaft, told from geometry by turns of different speed; the strongest orders.
+    #[must_use]
+    pub fn torque_orders(&self) -> &[TorqueOrder] {
+        &self.torques
+    }
+
+    /// Duration of the first turn taken, ticks: the speed that [`TorqueOrder::amplitude`] holds for.
+    #[must_use]
+    pub fn reference_duration(&self) -> u64 {
+        self.reference
+    }
+
+    /// How late edges of each class are captured, 2^-8 ticks, zero mean, with the standard error; none where the speeds were
+    /// too alike to tell, or no delay stands out.
+    #[must_use]
+    pub fn class_delays(&self) -> Option<(&[i32; CLASSES_MAX], u32)> {
+        let delays = self.delays.as_ref()?;
+        Some((&delays.ticks_q8, delays.error_q8))
     }
 
     /// Gives the buffers back.

@@ -1,16 +1,21 @@
-//! From the sums of all turns to a table: close the turn, take the class means, weigh every order, scale to angle.
+//! From the sums of all turns to a table: close the turn, tell torque from geometry, weigh every order, draw the result.
 
-use super::close::{close_contrast, close_sum, take_class_means};
-use super::modulation::undo_modulation;
+use super::close::{SumScale, close_sum, largest_error, saturated, take_class_means};
+use super::draw::draw;
+use super::fold::thirds;
+use super::moments::{Mean, Moments};
+use super::noise::{NoisePowers, common_noise};
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
-use super::power::{Powers, scale_contrast, split_orders};
-use super::scale::AngleScale;
+use super::power::{coarse_orders, split_orders};
+use super::scale::Fine;
+use super::separate::separate;
 use super::solution::{Solution, SolveError};
-use super::spectrum::{COEFFICIENT_BITS, Coefficient, Sequence, add_order};
-use super::weigh::{WEIGHT_ONE, weigh};
-use super::{EdgeBuffers, Estimator};
+use super::speeds::Speeds;
+use super::spectrum::{Coefficient, Sequence, add_order, unfold_halves};
+use super::weigh::{Estimate, WEIGHT_ONE, weigh};
+use super::{EdgeBuffers, Estimator, Parts};
 use crate::shape::CLASSES_MAX;
-use crate::units::{STEP_FRACTION_BITS, TurnDelta32};
+use crate::units::TurnDelta32;
 
 impl<B: EdgeBuffers> Estimator<B> {
     /// Solves for the table with the turns taken so far. Not on the edge path.
@@ -18,58 +23,91 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// # Errors
     /// [`SolveError::TooFewTurns`] with fewer than two turns.
     pub fn solve(mut self) -> Result<Solution<B>, SolveError> {
-        self.leave_lockstep();
-        self.settle_bend(None);
-        self.fold.finish(&mut self.buffers, self.shape.edges());
+        self.interrupt();
         let totals = self.totals;
         if totals.turns < 2 {
             return Err(SolveError::TooFewTurns(totals.turns));
         }
-        let plan = OrderPlan::new(self.shape.edges() as usize, self.shape.lines() as usize);
-        close_sum(self.buffers.sum(), &totals);
-        close_contrast(&mut self.buffers, &totals);
-        let offsets = take_class_means(self.buffers.sum(), plan);
-        take_class_means(self.buffers.work(), plan);
-
-        let mut coefficients = [Coefficient::default(); ORDERS_MAX];
-        let common = split_orders(self.buffers.work(), plan, &mut coefficients);
-        let mut noise = Powers::ZERO;
-        noise.fill(&coefficients, common);
-        scale_contrast(&mut noise, &totals);
-        for index in 0..plan.edges {
-            let value = self.buffers.sum()[index];
-            self.buffers.work().set(index, value);
-        }
-        let common = split_orders(self.buffers.work(), plan, &mut coefficients);
-
-        let grid = (u64::from(totals.turns) * plan.edges as u64) << STEP_FRACTION_BITS;
+        let edges = self.shape.edges() as usize;
+        let classes = self.shape.classes() as usize;
+        let block = self.fold.shape.block as usize;
+        let plan = OrderPlan::new(edges, self.shape.lines() as usize, edges / block);
         // Torque ripple's angle goes with 1 / speed^2: turns of which one took half as long again as another tell.
-        let one_speed = totals.longest < totals.shortest + totals.shortest / 2;
-        let weights = weigh(
-            plan,
-            &coefficients,
-            common,
-            &mut noise,
-            one_speed.then_some(grid),
-        );
+        let two_speeds = totals.longest >= totals.shortest + totals.shortest / 2;
+        let moments = Moments::of(&self.speeds, &self.weighing, two_speeds);
+        let mut parts = self.buffers.parts();
+        let unit_shift = self.fold.shape.unit_shift;
+        let fine = close(&mut parts, plan, &moments, &self.speeds, unit_shift);
+        let mut offsets = take_class_means(parts.sum, classes);
 
-        let scale = AngleScale::new(grid.cast_signed() + totals.excess);
+        let mut noise = NoisePowers::ZERO;
+        let mut doubt = NoisePowers::ZERO;
+        let mut difference = [Coefficient::default(); ORDERS_MAX];
+        let [even, even_contrast, contrast] = blocks(&mut parts, plan);
+        coarse_orders(even, plan, |order, c| difference[order - 1] = c);
+        coarse_orders(even_contrast, plan, |order, c| doubt.single[order - 1] = c.power());
+        coarse_orders(contrast, plan, |order, c| noise.single[order - 1] = c.power());
+        let shares = moments.shares(Mean::Weighed);
+        let signed = moments.contrast(Mean::Weighed, &self.speeds);
+        noise.settle(plan, &self.speeds, &shares, &signed, fine);
+        let more = moments.shares(Mean::Plain).minus(&shares);
+        let signed = moments.contrast(Mean::Plain, &self.speeds).minus(&signed);
+        doubt.settle(plan, &self.speeds, &more, &signed, fine);
+        let mut coefficients = [Coefficient::default(); ORDERS_MAX];
+        let common = if plan.decimation == 1 {
+            split_orders(parts.sum, parts.coarse, plan, &mut coefficients)
+        } else {
+            let scratch = parts.cells.as_chunks_mut().0;
+            split_orders(parts.sum, scratch, plan, &mut coefficients)
+        };
+        let last = noise.single[plan.single - 1];
+        let common_noise = common_noise(plan, &self.speeds, &shares, last, fine);
+        let torques = separate(
+            plan,
+            &moments,
+            &mut coefficients,
+            &mut noise,
+            &mut difference,
+            &doubt,
+            fine,
+        );
+        let estimate = Estimate {
+            coefficients: &coefficients,
+            common,
+            noise: &noise,
+            common_noise,
+            one_speed_turn: moments
+                .separation
+                .is_none()
+                .then_some(1 << (32 + fine.bits)),
+            knowledge: self.knowledge,
+        };
+        let weights = weigh(plan, &estimate);
         let locked = weights.standing.iter().map(|standing| LockedOrder {
             order: standing.order,
-            amplitude: scale.root_mean_square(standing.power.saturating_mul(4)),
+            amplitude: fine.root_mean_square(standing.power.saturating_mul(4)),
         });
         let locked = locked.collect();
-        let bits = self.weigh_orders(plan, &coefficients, &weights.single, weights.common);
-        let step = i64::from(totals.turns) << STEP_FRACTION_BITS;
-        let classes = self.shape.classes() as usize;
-        let (errors, motion) = self.buffers.split();
-        undo_modulation(errors, offsets, classes, motion, bits, step);
+
+        // What is to be added to the weighed mean: w_n g_n - w_common c_n, of which the difference holds g_n - c_n.
+        for (n, more) in difference.iter_mut().enumerate().take(plan.single) {
+            let weight = |w: u32| i64::from(w) << 15;
+            let single = coefficients[n].scaled(weight(weights.single[n].into()));
+            let mean = coefficients[n].minus(*more).scaled(weight(weights.common));
+            *more = single.minus(mean);
+        }
+        let delays = self.delays.solve(&self.fold.shape, self.speeds.reference());
+        if let Some(delays) = &delays {
+            delays.take_from(&mut offsets, moments.mean_speed_q16(&self.speeds), fine);
+        }
+        redraw(&mut parts, plan, &difference, weights.common, &offsets, classes, fine);
+
         let mut class_offsets = [TurnDelta32(0); CLASSES_MAX];
         for (angle, offset) in class_offsets.iter_mut().zip(offsets) {
-            *angle = TurnDelta32(scale.angle(offset));
+            *angle = TurnDelta32(fine.angle(offset));
         }
-        let (shift, table_rms) = self.pack_angles(scale, class_offsets);
-        let residual = scale.root_mean_square(weights.residual);
+        let (shift, table_rms) = pack(&mut parts, fine, &class_offsets, classes);
+        let residual = fine.root_mean_square(weights.residual);
         #[cfg(feature = "defmt")]
         defmt::info!(
             "solved from {=u32} turns: table {=u32} RMS, standard error {=u32} (2^-32 turn), {=usize} orders left alone",
@@ -81,12 +119,11 @@ impl<B: EdgeBuffers> Estimator<B> {
         #[allow(clippy::cast_possible_truncation)]
         Ok(Solution {
             shape: self.shape,
-            buffers: self.buffers,
             turns: totals.turns,
             class_offsets,
             // Never below one unit, to which the offsets are rounded.
-            class_error: scale
-                .root_mean_square(noise.common.saturating_mul(u64::from(self.shape.classes())))
+            class_error: fine
+                .root_mean_square(common_noise.saturating_mul(u64::from(self.shape.classes())))
                 .max(1),
             shift,
             residual,
@@ -95,85 +132,135 @@ impl<B: EdgeBuffers> Estimator<B> {
             single_count: plan.single,
             common: weights.common.min(WEIGHT_ONE - 1) as u16,
             locked,
+            torques,
+            reference: self.speeds.reference(),
+            delays,
+            buffers: self.buffers,
         })
     }
+}
 
-    /// Takes from every order in `sum` what is not believed, w_common x - sum over n of (w_common - w_n) c_n, and leaves what
-    /// was taken, with its sign turned, in `work`; returns its fraction bits.
-    fn weigh_orders(
-        &mut self,
-        plan: OrderPlan,
-        coefficients: &[Coefficient],
-        single: &[u16],
-        common: u32,
-    ) -> u32 {
-        let work = self.buffers.work();
-        for index in 0..plan.edges {
-            work.set(index, 0);
-        }
-        let doubt = |index: usize| i64::from(single[index]) - i64::from(common);
-        let largest: u64 = (0..plan.single)
-            .map(|n| {
-                let size = coefficients[n].re.unsigned_abs() + coefficients[n].im.unsigned_abs();
-                (size * doubt(n).unsigned_abs()) >> 15
-            })
-            .sum();
-        // Fraction bits for the running removal: as many as the largest possible sum leaves free.
-        let free = ((2 * largest) >> COEFFICIENT_BITS)
-            .max(1)
-            .leading_zeros()
-            .saturating_sub(34);
-        let bits = free.min(COEFFICIENT_BITS);
-        for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-            let c = coefficients[order - 1];
-            let factor = |x: i64| (x * doubt(order - 1)) >> 15;
-            let factor = Coefficient {
-                re: factor(c.re),
-                im: factor(c.im),
-            };
-            // Below a 64th of a sum unit an order leaves no trace in the table.
-            if factor.power() >= 16 {
-                add_order(work, order, factor, COEFFICIENT_BITS - bits);
-            }
-        }
-        for index in 0..plan.edges {
-            let removed = i64::from(Sequence::get(self.buffers.work(), index));
-            let entry = i64::from(self.buffers.sum()[index]);
-            let kept = ((entry * i64::from(common)) >> 15) + ((removed + (1 << bits >> 1)) >> bits);
-            #[allow(clippy::cast_possible_truncation)]
-            {
-                self.buffers.sum()[index] = kept as i32;
-            }
-        }
-        bits
-    }
+/// The coarse sums of the blocks there are.
+fn blocks<'a>(parts: &'a mut Parts<'_>, plan: OrderPlan) -> [&'a mut [i32]; 3] {
+    thirds(parts.coarse).map(|third| &mut third[..plan.blocks])
+}
 
-    /// Scales `sum` to angle and packs it as 16-bit entries at the start of `work`; returns their shift, and the RMS of
-    /// the whole table.
-    fn pack_angles(
-        &mut self,
-        scale: AngleScale,
-        class_offsets: [TurnDelta32; CLASSES_MAX],
-    ) -> (u32, u32) {
-        let mut largest = 0;
-        let mut squares = 0_u128;
-        for line in self.buffers.sum().chunks_mut(self.shape.classes() as usize) {
-            for (entry, offset) in line.iter_mut().zip(class_offsets) {
-                *entry = scale.angle(*entry);
-                largest = largest.max(entry.unsigned_abs());
-                let error = u128::from((i64::from(*entry) + i64::from(offset.0)).unsigned_abs());
-                squares += error * error;
-            }
-        }
-        let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(15);
-        let half = 1_i32 << shift >> 1;
-        for index in 0..self.shape.edges() as usize {
-            let rounded = self.buffers.sum()[index].saturating_add(half) >> shift;
-            #[allow(clippy::cast_possible_truncation)]
-            let packed = rounded.min(i32::from(i16::MAX)) as i16;
-            self.buffers.work().as_flattened_mut()[index] = packed;
-        }
-        let table_rms = (squares / u128::from(self.shape.edges())).isqrt();
-        (shift, u32::try_from(table_rms).unwrap_or(u32::MAX))
+/// Closes all sums; leaves in the coarse ones the plain mean less the weighed one, its contrast, and the contrast of the
+/// weighed mean, with what repeats taken out of the contrasts.
+fn close(
+    parts: &mut Parts<'_>,
+    plan: OrderPlan,
+    moments: &Moments,
+    speeds: &Speeds,
+    unit_shift: u32,
+) -> Fine {
+    let scale = |weight_q16| SumScale {
+        unit_shift,
+        weight_q16,
+    };
+    let (weighed, plain) = (
+        scale(moments.weight_q16),
+        scale(u64::from(moments.turns) << 16),
+    );
+    let sum = &mut *parts.sum;
+    let [even, even_contrast, contrast] =
+        thirds(parts.coarse).map(|third| &mut third[..plan.blocks]);
+    for third in [&mut *even, &mut *even_contrast, &mut *contrast] {
+        third.rotate_right(1);
     }
+    let fine = Fine::for_angles(largest_error(sum, weighed).max(largest_error(even, plain)));
+    close_sum(sum, weighed, fine);
+    close_sum(even, plain, fine);
+    close_sum(even_contrast, plain, fine);
+    close_sum(contrast, weighed, fine);
+    let leftover = |mean| moments.leftover(mean, speeds).map(i128::from);
+    let (of_plain, of_weighed) = (leftover(Mean::Plain), leftover(Mean::Weighed));
+    let block = plan.edges / plan.blocks;
+    let at_blocks = sum.iter().step_by(block).map(|&error| i64::from(error));
+    let signed = even_contrast.iter_mut().zip(contrast);
+    for ((weighed, even), (even_contrast, contrast)) in at_blocks.zip(even).zip(signed) {
+        let plain = i64::from(*even);
+        let repeats = |[a, b]: [i128; 2]| {
+            #[allow(clippy::cast_possible_truncation)]
+            let repeats = ((a * i128::from(weighed) + b * i128::from(plain)) >> 30) as i64;
+            repeats
+        };
+        let signed = i64::from(*contrast) - repeats(of_weighed);
+        let plain_signed = i64::from(*even_contrast) - repeats(of_plain);
+        *even = saturated(plain - weighed);
+        *even_contrast = saturated(plain_signed - signed);
+        *contrast = saturated(signed);
+    }
+    fine
+}
+
+/// Draws the orders in `more` over the weighed mean, which is weighed with `common`.
+fn redraw(
+    parts: &mut Parts<'_>,
+    plan: OrderPlan,
+    more: &[Coefficient; ORDERS_MAX],
+    common: u32,
+    offsets: &[i32; CLASSES_MAX],
+    classes: usize,
+    fine: Fine,
+) {
+    let samples = plan.edges / plan.decimation;
+    if plan.decimation == 1 {
+        let grid = &mut *parts.coarse;
+        draw_orders(grid, samples, plan, more);
+        draw(parts.sum, &*grid, samples, common, offsets, classes, fine);
+    } else {
+        let sum = &mut *parts.sum;
+        let grid = parts.cells.as_chunks_mut().0;
+        draw_orders(grid, samples, plan, more);
+        draw(sum, &*grid, samples, common, offsets, classes, fine);
+    }
+}
+
+fn draw_orders<S: Sequence + ?Sized>(
+    grid: &mut S,
+    samples: usize,
+    plan: OrderPlan,
+    more: &[Coefficient; ORDERS_MAX],
+) {
+    for index in 0..samples {
+        grid.set(index, 0);
+    }
+    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
+        // Below an eighth of a fine unit an order leaves no trace.
+        if more[order - 1].power() >= 4 {
+            add_order(grid, samples, order, more[order - 1]);
+        }
+    }
+    unfold_halves(grid, samples);
+}
+
+/// Scales the errors to 2^-32 turn and packs them as 16-bit entries in the cells; returns their shift, and the RMS of the
+/// whole table.
+fn pack(
+    parts: &mut Parts<'_>,
+    fine: Fine,
+    class_offsets: &[TurnDelta32; CLASSES_MAX],
+    classes: usize,
+) -> (u32, u32) {
+    let mut largest = 0;
+    let mut squares = 0_u128;
+    for line in parts.sum.chunks_mut(classes) {
+        for (entry, offset) in line.iter_mut().zip(class_offsets) {
+            *entry = fine.angle(*entry);
+            largest = largest.max(entry.unsigned_abs());
+            let error = (i64::from(*entry) + i64::from(offset.0)).unsigned_abs();
+            squares += u128::from(error) * u128::from(error);
+        }
+    }
+    let shift = (u32::BITS - largest.leading_zeros()).saturating_sub(15);
+    let half = 1_i32 << shift >> 1;
+    for (cell, &entry) in parts.cells.iter_mut().zip(&*parts.sum) {
+        let rounded = entry.saturating_add(half) >> shift;
+        #[allow(clippy::cast_possible_truncation)]
+        let packed = rounded.min(i32::from(i16::MAX)) as i16;
+        *cell = packed;
+    }
+    let table_rms = (squares / parts.sum.len().max(1) as u128).isqrt();
+    (shift, u32::try_from(table_rms).unwrap_or(u32::MAX))
 }

@@ -1,6 +1,7 @@
 //! One turn as it comes in: intervals scaled to step fractions and written to the turn's cells.
 
-use super::{EdgeBuffers, Rejection};
+use super::Rejection;
+use super::low::LowOrders;
 use crate::edge::Direction;
 use crate::recip::Recip;
 use crate::step::Step;
@@ -54,13 +55,6 @@ impl TurnRate {
         let places = 32_u32.checked_sub(self.shift)?;
         Some(u64::from(self.multiplier) << places)
     }
-
-    /// A small difference of durations in step fractions.
-    pub(super) fn scale(self, ticks: i64) -> i64 {
-        // A turn is at most 2^62 phase units and kappa at most a sixteenth of a turn that passed the speed check;
-        // a wild neighbour is capped instead of wrapping.
-        ticks.saturating_mul(i64::from(self.multiplier)) >> self.shift
-    }
 }
 
 /// The turn that is coming in.
@@ -71,25 +65,84 @@ pub(super) struct Turn {
     pub edge: u32,
     /// Step fractions since the start, Q32.
     pub phase_q32: u64,
+    pub jitter: Jitter,
+    pub sample: Sampling,
     irregular: bool,
+}
+
+/// How the deviations of this turn differ from those of the turn before, from edge to edge: second differences, which a
+/// smooth motion does not make.
+#[derive(Clone, Copy)]
+pub(super) struct Jitter {
+    last: i32,
+    pub squares: u64,
+}
+
+impl Jitter {
+    pub const NONE: Self = Self {
+        last: 0,
+        squares: 0,
+    };
+
+    /// Takes the deviations of one interval in both turns.
+    #[inline]
+    pub fn take(&mut self, new: i16, old: i16) {
+        let change = i32::from(new) - i32::from(old);
+        let bend = i64::from(change - self.last);
+        self.last = change;
+        self.squares = self.squares.wrapping_add((bend * bend).cast_unsigned());
+    }
+}
+
+/// Counts edges up to the next sample for the [`LowOrders`].
+#[derive(Clone, Copy)]
+pub(super) struct Sampling {
+    /// Edges of a block.
+    pub size: u32,
+    /// Edges until the next sample.
+    pub left: u32,
+    /// Step fractions from the start to the next sample on a perfect grid.
+    pub grid: u32,
+}
+
+impl Sampling {
+    fn start(size: u32) -> Self {
+        Self {
+            size,
+            left: size,
+            grid: size << STEP_FRACTION_BITS,
+        }
+    }
+
+    /// Goes on by one edge; true where a block ends.
+    #[inline]
+    pub fn advance(&mut self) -> bool {
+        self.left -= 1;
+        self.left == 0
+    }
+
+    /// Samples at a block's end, `reached` step fractions from the start.
+    pub fn sample(&mut self, reached: u32, low: &mut LowOrders) {
+        low.take(reached.wrapping_sub(self.grid).cast_signed());
+        self.left = self.size;
+        self.grid = self.grid.wrapping_add(self.size << STEP_FRACTION_BITS);
+    }
 }
 
 impl Turn {
     /// Starts at the crossing of edge 0. `dither` is a fraction of one step fraction (Q32) that differs from turn to
     /// turn, so that rounding averages out even when turns repeat to the tick.
-    pub(super) fn start(step: &Step, rate: Option<TurnRate>, dither: u32) -> Self {
+    pub(super) fn start(step: &Step, rate: Option<TurnRate>, dither: u32, block: u32) -> Self {
         Self {
             direction: step.direction,
             rate,
             start: step.ticks,
             edge: step.edge,
             phase_q32: u64::from(dither),
+            jitter: Jitter::NONE,
+            sample: Sampling::start(block),
             irregular: false,
         }
-    }
-
-    pub(super) fn direction(&self) -> Direction {
-        self.direction
     }
 
     pub(super) fn duration(&self, now: Ticks) -> u64 {
@@ -97,12 +150,8 @@ impl Turn {
     }
 
     /// Length of the whole turn in step fractions at the rate of the turn before.
-    pub(super) fn length(&self) -> i64 {
-        i64::from(self.whole())
-    }
-
     #[allow(clippy::cast_possible_truncation)]
-    fn whole(&self) -> u32 {
+    pub(super) fn whole(&self) -> u32 {
         (self.phase_q32 >> 32) as u32
     }
 
@@ -116,11 +165,12 @@ impl Turn {
     }
 
     /// Adds one crossing; `Ok(true)` when it ends the turn.
-    pub(super) fn extend<B: EdgeBuffers>(
+    pub(super) fn extend(
         &mut self,
         step: &Step,
         edges: u32,
-        buffers: &mut B,
+        cells: &mut [i16],
+        low: &mut LowOrders,
     ) -> Result<bool, Rejection> {
         let advance = u32::from(step.advance);
         let forward = self.direction == Direction::Forward;
@@ -146,12 +196,20 @@ impl Turn {
                 0
             });
             // The interval between edges k-1 and k has slot k in either direction.
-            for remaining in (0..advance).rev() {
+            for passed in 1..=advance {
                 if forward {
                     slot = wrapped(slot, 1, edges, true);
                 }
-                if let Some(cell) = buffers.work().get_mut(slot as usize) {
-                    cell[0] = if remaining == 0 { entry } else { 0 };
+                let last = passed == advance;
+                if let Some(cell) = cells.get_mut(slot as usize) {
+                    let new = if last { entry } else { 0 };
+                    self.jitter.take(new, *cell);
+                    *cell = new;
+                }
+                if self.sample.advance() {
+                    let on_grid = before.wrapping_add(passed << STEP_FRACTION_BITS);
+                    let reached = if last { self.whole() } else { on_grid };
+                    self.sample.sample(reached, low);
                 }
                 if !forward {
                     slot = wrapped(slot, 1, edges, false);
@@ -159,6 +217,10 @@ impl Turn {
             }
         }
         if expected != 0 {
+            // The first interval has none before it to differ from.
+            if wrapped(expected, advance, edges, !forward) == 0 {
+                self.jitter.squares = 0;
+            }
             return Ok(false);
         }
         if self.irregular || self.ran_backward(step.ticks) {

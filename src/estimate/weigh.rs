@@ -5,8 +5,9 @@
 //! is carried down from the higher orders. The weight is Wiener's, S / (S + N), drawn to zero where little is known. All
 //! decisions are continuous, so that no rounding can flip one.
 
+use super::DriveKnowledge;
+use super::noise::NoisePowers;
 use super::order::{ORDERS_MAX, OrderPlan};
-use super::power::Powers;
 use super::ripple::{Standing, StandingOrders, keep_strongest, product};
 use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
@@ -22,36 +23,42 @@ pub(super) struct Weights {
     pub single: [u16; ORDERS_MAX],
     /// Weight of all orders above, Q15.
     pub common: u32,
-    /// Expected squared error of an edge after correction, 2^-16 of the squared unit, class offsets not counted.
+    /// Expected squared error of an edge after correction, 2^-8 of the squared unit, class offsets not counted.
     pub residual: u64,
     /// Orders left alone because torque might make them.
     pub standing: StandingOrders,
 }
 
-/// Weighs the signal (all turns: `coefficients` of the single orders, `common` power of the others) against `noise`
-/// (contrast, scaled to all turns). `one_speed_turn` is the length of a turn in the sequence's unit where all turns were too
-/// alike in speed to tell torque ripple from geometry; else none.
+/// The estimate that is to be weighed: its orders, and what is known of its noise.
+pub(super) struct Estimate<'a> {
+    pub coefficients: &'a [Coefficient; ORDERS_MAX],
+    /// Power of the orders above the single ones.
+    pub common: u64,
+    pub noise: &'a NoisePowers,
+    pub common_noise: u64,
+    /// Length of a turn in the sequence's unit where all turns were too alike in speed to tell torque from geometry.
+    pub one_speed_turn: Option<u64>,
+    pub knowledge: DriveKnowledge,
+}
+
+impl Estimate<'_> {
+    /// Whether torque may make an order.
+    fn suspect(&self, plan: OrderPlan, order: usize) -> bool {
+        let base = usize::from(self.knowledge.torque_base);
+        self.one_speed_turn.is_some()
+            && plan.has_neighbours()
+            && (base == 0 || order.is_multiple_of(base))
+    }
+}
+
+/// Weighs the orders of an estimate against its noise.
 ///
 /// Not inlined, so that the stack it needs is free again for what comes after.
 #[inline(never)]
-pub(super) fn weigh(
-    plan: OrderPlan,
-    coefficients: &[Coefficient; ORDERS_MAX],
-    common: u64,
-    noise: &mut Powers,
-    one_speed_turn: Option<u64>,
-) -> Weights {
-    let common_size = excess(common, noise.common, COMMON_MARGIN_Q8);
-    let mut own_noise = [0_i32; ORDERS_MAX];
-    let sizes = {
-        // Ends here, as the stack is short.
-        let mut scratch = [0_i32; ORDERS_MAX];
-        smooth_noise(plan, noise, &mut own_noise, &mut scratch);
-        sizes(plan, coefficients, noise, common_size, &mut scratch)
-    };
-
-    let suspect_torque = plan.has_neighbours() && one_speed_turn.is_some();
-    let common_weight = wiener(common_size, noise.common);
+pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
+    let common_size = excess(estimate.common, estimate.common_noise, COMMON_MARGIN_Q8);
+    let sizes = sizes(plan, estimate, common_size);
+    let common_weight = wiener(common_size, estimate.common_noise);
     // Filled in place: the stack is short.
     let mut weights = Weights {
         single: [0; ORDERS_MAX],
@@ -59,9 +66,9 @@ pub(super) fn weigh(
         residual: 0,
         standing: StandingOrders::new(),
     };
-    for order in single_orders(plan).filter(|_| suspect_torque) {
-        let power = coefficients[order - 1].power();
-        if height(power, sizes[order - 1], noise.single[order - 1]) > STANDING_HEIGHT {
+    for order in single_orders(plan).filter(|&n| estimate.suspect(plan, n)) {
+        let power = estimate.coefficients[order - 1].power();
+        if height(power, sizes[order - 1], estimate.noise.single[order - 1]) > STANDING_HEIGHT {
             #[allow(clippy::cast_possible_truncation)]
             keep_strongest(
                 &mut weights.standing,
@@ -72,26 +79,33 @@ pub(super) fn weigh(
             );
         }
     }
-    let turn = one_speed_turn.unwrap_or(0);
+    let turn = estimate.one_speed_turn.unwrap_or(0);
 
     // Geometry that the margin hides may be there all the same.
-    let hidden = margin(noise.common, COMMON_MARGIN_Q8 - 256);
-    let left_common = left_over(common_weight, common_size.max(hidden), noise.common);
+    let hidden = margin(estimate.common_noise, COMMON_MARGIN_Q8 - 256);
+    let left_common = left_over(common_weight, common_size.max(hidden), estimate.common_noise);
     let mut residual = u128::from(left_common) * plan.common_count() as u128;
     for order in single_orders(plan) {
         let index = order - 1;
         let size = sizes[index];
         // Not below half of what the order itself shows, for a line that comes and goes.
-        let doubt = noise.single[index].max(exp2(own_noise[index]) / 2);
+        let noise = estimate.noise.single[index];
+        let own = log2(noise.into()).saturating_add(estimate.noise.own[index]) - Q;
         let product = u64::from(product(&weights.standing, turn, order));
-        let doubt = doubt.saturating_add(product.pow(2));
+        let doubt = noise.max(exp2(own)).saturating_add(product.pow(2));
         let mut weight = wiener(size, doubt);
-        if suspect_torque {
-            let gate =
-                (STANDING_HEIGHT - height(coefficients[index].power(), size, doubt)).clamp(0, Q);
+        if estimate.suspect(plan, order) {
+            let power = estimate.coefficients[index].power();
+            let gate = (STANDING_HEIGHT - height(power, size, doubt)).clamp(0, Q);
             weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
         }
-        residual += 2 * u128::from(left_over(weight, size, doubt));
+        if order <= usize::from(estimate.knowledge.hidden_up_to) {
+            weight = 0;
+        }
+        // Where the mounting's share is in doubt, all that shows may be there.
+        let mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
+        let shown = if mounting { estimate.coefficients[index].power() } else { 0 };
+        residual += 2 * u128::from(left_over(weight, size.max(shown), doubt));
         #[allow(clippy::cast_possible_truncation)]
         {
             weights.single[index] = weight as u16;
@@ -103,34 +117,49 @@ pub(super) fn weigh(
 
 /// The geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
 /// order above.
-fn sizes(
-    plan: OrderPlan,
-    coefficients: &[Coefficient; ORDERS_MAX],
-    noise_levels: &Powers,
-    common_size: u64,
-    scratch: &mut [i32; ORDERS_MAX],
-) -> [u64; ORDERS_MAX] {
+fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; ORDERS_MAX] {
+    let mut levels = Levels {
+        signal: [0; ORDERS_MAX],
+        noise: [0; ORDERS_MAX],
+        scratch: [0; ORDERS_MAX],
+    };
+    for index in 0..plan.single {
+        levels.signal[index] = log2(estimate.coefficients[index].power().into());
+        levels.noise[index] = log2(estimate.noise.single[index].into());
+    }
     let mut sizes = [0; ORDERS_MAX];
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
         let (power, noise) = (
-            coefficients[order - 1].power(),
-            noise_levels.single[order - 1],
+            estimate.coefficients[order - 1].power(),
+            estimate.noise.single[order - 1],
         );
+        let trusted = !estimate.suspect(plan, order);
         let size = if plan.has_neighbours() {
-            let (level, count) =
-                neighbourhood_level(plan, coefficients, noise_levels, order, scratch);
-            excess(level, noise, margin_q8(count)).max(carried.min(level))
+            let (level, count) = levels.of_neighbourhood(plan, order);
+                let own = match order {
+                _ if !trusted => 0,
+                1 | 2 => mounting_size(power, noise),
+                _ => excess(power, noise, OWN_MARGIN_Q8),
+            };
+            excess(level, noise, margin_q8(count))
+                .max(carried.min(level))
+                .max(own)
         } else {
             excess(power, noise, LONE_MARGIN_Q8)
         };
         sizes[order - 1] = size;
-        carried = size;
+        // An order that stands alone, such as eccentricity, says nothing of those below it.
+        carried = if plan.has_neighbours() {
+            size.min(levels.of_neighbourhood(plan, order).0)
+        } else {
+            size
+        };
     }
     sizes
 }
 
-fn single_orders(plan: OrderPlan) -> impl Iterator<Item = usize> {
+pub(super) fn single_orders(plan: OrderPlan) -> impl Iterator<Item = usize> {
     (1..=plan.single).filter(move |&n| !plan.is_class_order(n))
 }
 
@@ -144,6 +173,17 @@ const STANDING_HEIGHT: i32 = 4 * Q;
 
 /// Of thousands of common orders, ten percent above the noise is significant.
 const COMMON_MARGIN_Q8: u64 = 282;
+
+/// An order that torque can't make, to count by itself, must stand so far above the noise: noise alone is twelve times its
+/// mean once in 160,000.
+const OWN_MARGIN_Q8: u64 = 12 << 8;
+
+/// Geometry's power at orders 1 and 2, which a disc's mounting makes large (eccentricity, tilt): P^2 / 2 N, so that what
+/// shows up no larger than noise is not believed, and what is twice as large mostly is.
+fn mounting_size(power: u64, noise: u64) -> u64 {
+    let size = u128::from(power) * u128::from(power) / (2 * u128::from(noise.max(1)));
+    u64::try_from(size).unwrap_or(u64::MAX)
+}
 
 /// An order without neighbours must stand four times above the noise.
 const LONE_MARGIN_Q8: u64 = 4 << 8;
@@ -188,92 +228,60 @@ fn left_over(weight: u32, size: u64, noise: u64) -> u64 {
 }
 
 /// Neighbours of an order: a third of it to either side, two at least.
-fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
+pub(super) fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
     let reach = (order / 3).max(2);
     let first = order.saturating_sub(reach).max(1);
     let last = (order + reach).min(plan.single);
     (first..=last).filter(move |&n| !plan.is_class_order(n))
 }
 
-/// Level of the signal at an order, and the number of neighbours it rests on: a median over the neighbours, because torque
-/// ripple puts lines there. Where noise rules, it is the median of signal over noise, times the noise here, because noise
-/// alone rises steeply to low orders and would look like geometry; where the signal stands 32 to 128 times above, it goes
-/// over to the median of the signal, which no roughness of the noise can disturb.
-fn neighbourhood_level(
+/// Logarithms of signal and noise at every single order.
+struct Levels {
+    signal: [i32; ORDERS_MAX],
+    noise: [i32; ORDERS_MAX],
+    scratch: [i32; ORDERS_MAX],
+}
+
+impl Levels {
+    /// Level of the signal at an order, and the number of neighbours it rests on: a median over the neighbours, because
+    /// torque ripple puts lines there. Where noise rules, it is the median of signal over noise, times the noise here,
+    /// because noise alone rises steeply to low orders and would look like geometry; where the signal stands 32 to 128
+    /// times above, it goes over to the median of the signal, which no roughness of the noise can disturb.
+    fn of_neighbourhood(&mut self, plan: OrderPlan, order: usize) -> (u64, usize) {
+        let (signal, noise) = (&self.signal, &self.noise);
+        let scratch = &mut self.scratch;
+        let (ratio, count) = median(plan, order, scratch, |n| signal[n - 1] - noise[n - 1]);
+        let (plain, _) = median(plan, order, scratch, |n| signal[n - 1]);
+        let by_ratio = ratio + noise[order - 1];
+        let signal_rules = i64::from((ratio - 5 * Q).clamp(0, 2 * Q));
+        let over = i64::from(plain - by_ratio) * signal_rules / i64::from(2 * Q);
+        // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
+        const MEAN_OVER_MEDIAN: i32 = 34_654;
+        #[allow(clippy::cast_possible_truncation)]
+        let level = by_ratio + over as i32 + MEAN_OVER_MEDIAN;
+        (exp2(level), count)
+    }
+}
+
+/// Median of a value over an order's neighbours, and their number.
+fn median(
     plan: OrderPlan,
-    coefficients: &[Coefficient; ORDERS_MAX],
-    noise: &Powers,
     order: usize,
     scratch: &mut [i32; ORDERS_MAX],
-) -> (u64, usize) {
-    let mut median = |value: &dyn Fn(usize) -> i32| {
-        let mut count = 0;
-        for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
-            *cell = value(n);
-            count += 1;
-        }
-        let values = &mut scratch[..count];
-        // An order has two neighbours at least. Selecting, unlike sorting, does not recurse.
-        let (below, &mut middle, _) = values.select_nth_unstable(count / 2);
-        let below = if count.is_multiple_of(2) {
-            below.iter().copied().max()
-        } else {
-            None
-        };
-        (i32::midpoint(below.unwrap_or(middle), middle), count)
+    value: impl Fn(usize) -> i32,
+) -> (i32, usize) {
+    let mut count = 0;
+    for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
+        *cell = value(n);
+        count += 1;
+    }
+    let values = &mut scratch[..count];
+    // An order has two neighbours at least. Selecting, unlike sorting, does not recurse.
+    let (below, &mut middle, _) = values.select_nth_unstable(count / 2);
+    let below = if count.is_multiple_of(2) {
+        below.iter().copied().max()
+    } else {
+        None
     };
-    let signal_log = |n: usize| log2(coefficients[n - 1].power().into());
-    let noise_log = |n: usize| log2(noise.single[n - 1].into());
-    let (ratio, count) = median(&|n| signal_log(n) - noise_log(n));
-    let (plain, _) = median(&signal_log);
-    let by_ratio = ratio + noise_log(order);
-    let signal_rules = i64::from((ratio - 5 * Q).clamp(0, 2 * Q));
-    let over = i64::from(plain - by_ratio) * signal_rules / i64::from(2 * Q);
-    // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
-    const MEAN_OVER_MEDIAN: i32 = 34_654;
-    #[allow(clippy::cast_possible_truncation)]
-    let level = by_ratio + over as i32 + MEAN_OVER_MEDIAN;
-    (exp2(level), count)
+    (i32::midpoint(below.unwrap_or(middle), middle), count)
 }
-
-/// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
-/// geometric mean over the neighbours with the slope of the fourth power taken out, and not below the same mean over
-/// [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
-fn smooth_noise(
-    plan: OrderPlan,
-    noise: &mut Powers,
-    own: &mut [i32; ORDERS_MAX],
-    scratch: &mut [i32; ORDERS_MAX],
-) {
-    // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
-    const MEAN_OVER_LOG_MEAN: i64 = 54_574;
-    let slope = |order: usize| 4 * log2(order as u128);
-    for order in single_orders(plan) {
-        own[order - 1] = log2(noise.single[order - 1].into());
-        scratch[order - 1] = own[order - 1] + slope(order);
-    }
-    for order in single_orders(plan) {
-        let mean = |orders: &mut dyn Iterator<Item = usize>| {
-            let (mut sum, mut count) = (0_i64, 0_i64);
-            for n in orders {
-                sum += i64::from(scratch[n - 1]);
-                count += 1;
-            }
-            sum / count.max(1)
-        };
-        let last = (order + ORDERS_ABOVE)
-            .max(order + order / 3)
-            .min(plan.single);
-        let first = order.min(last.saturating_sub(ORDERS_ABOVE)).max(1);
-        let above = mean(&mut (first..=last).filter(|&n| !plan.is_class_order(n)));
-        let level = mean(&mut neighbours(plan, order)).max(above) - i64::from(slope(order))
-            + MEAN_OVER_LOG_MEAN;
-        #[allow(clippy::cast_possible_truncation)]
-        let level = exp2(level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
-        // At least the smallest number, so that ratios to it mean something.
-        noise.single[order - 1] = level.max(1);
-    }
-}
-
-/// Orders that the noise at an order is judged from at the least.
-const ORDERS_ABOVE: usize = 24;

@@ -1,0 +1,139 @@
+//! From orders back to edges: what is to be taken from every edge is drawn on a coarse grid and interpolated.
+
+use super::close::saturated;
+use super::scale::Fine;
+use super::spectrum::Sequence;
+use super::weigh::WEIGHT_ONE;
+use crate::shape::CLASSES_MAX;
+
+/// Cubic interpolation between the samples of a turn.
+struct Curve<'a, S: ?Sized> {
+    grid: &'a S,
+    samples: usize,
+    /// Edges from one sample to the next.
+    apart: usize,
+}
+
+impl<S: Sequence + ?Sized> Curve<'_, S> {
+    fn at(&self, sample: usize) -> i64 {
+        let wrapped = if sample >= self.samples { sample - self.samples } else { sample };
+        i64::from(self.grid.get(wrapped))
+    }
+
+    /// Value `part` edges after a sample, by Lagrange's cubic through two samples on either side.
+    fn value(&self, sample: usize, part: usize) -> i64 {
+        if part == 0 {
+            return self.at(sample);
+        }
+        let n = self.apart as i64;
+        let t = part as i64;
+        let [before, here, next, after] = [
+            self.at(sample + self.samples - 1),
+            self.at(sample),
+            self.at(sample + 1),
+            self.at(sample + 2),
+        ];
+        // All over 6 n^3.
+        let sum = -before * (t * (n - t) * (2 * n - t))
+            + 3 * here * ((n + t) * (n - t) * (2 * n - t))
+            + 3 * next * ((n + t) * t * (2 * n - t))
+            - after * ((n + t) * t * (n - t));
+        self.divided(sum)
+    }
+
+    /// `sum` over 6 `apart`^3, `apart` being a power of two.
+    fn divided(&self, sum: i64) -> i64 {
+        const SIXTH_Q32: i128 = 715_827_883;
+        let shift = 32 + 3 * self.apart.trailing_zeros();
+        #[allow(clippy::cast_possible_truncation)]
+        let value = ((i128::from(sum) * SIXTH_Q32 + (1 << (shift - 1))) >> shift) as i64;
+        value
+    }
+}
+
+/// Adds the curve drawn in the first `samples` of `grid` to every error, after weighing it with `common`, and puts right what
+/// the motion found did to it.
+///
+/// The curve F is what is taken out of the errors as motion, with its sign turned. Where the shaft ran fast by a share v, an
+/// edge's error came out short by v of it, from the time at which it was passed: it is put back with v = -dF/dtheta
+/// (amplitude modulation, eq. (5)).
+pub(super) fn draw<S: Sequence + ?Sized>(
+    errors: &mut [i32],
+    grid: &S,
+    samples: usize,
+    common: u32,
+    offsets: &[i32; CLASSES_MAX],
+    classes: usize,
+    fine: Fine,
+) {
+    let edges = errors.len();
+    let curve = Curve {
+        grid,
+        samples,
+        apart: edges / samples,
+    };
+    let (mut before, mut here) = (curve.value(samples - 1, curve.apart - 1), curve.value(0, 0));
+    let (mut sample, mut part, mut class) = (0, 0, 0);
+    let half = 1_i64 << (WEIGHT_ONE.trailing_zeros() - 1);
+    for error in errors {
+        part += 1;
+        if part == curve.apart {
+            (sample, part) = (sample + 1, 0);
+        }
+        let next = curve.value(sample, part);
+        let kept = (i64::from(*error) * i64::from(common) + half) >> WEIGHT_ONE.trailing_zeros();
+        let believed = kept + here;
+        let whole = believed + i64::from(offsets[class]);
+        // Steps to either side, as a share of the grid's.
+        let slope = i128::from(next - before) * edges as i128;
+        #[allow(clippy::cast_possible_truncation)]
+        let put_back = ((i128::from(whole) * slope) >> (33 + fine.bits)) as i64;
+        *error = saturated(believed - put_back);
+        (before, here) = (here, next);
+        class = if class + 1 == classes { 0 } else { class + 1 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    const NO_OFFSETS: [i32; CLASSES_MAX] = [0; CLASSES_MAX];
+
+    #[test]
+    fn a_wave_on_a_coarse_grid_is_drawn_at_every_edge() {
+        let (edges, samples) = (10_000_usize, 2500);
+        let wave = |x: f64| 2e5 * (core::f64::consts::TAU * 30.0 * x + 0.4).sin();
+        let grid: Vec<i32> = (0..samples).map(|j| wave(j as f64 / 2500.0).round() as i32).collect();
+        let mut errors = std::vec![0; edges];
+        let fine = Fine { bits: 10 };
+        draw(&mut errors, grid.as_slice(), samples, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
+        for (k, &error) in errors.iter().enumerate() {
+            let want = wave(k as f64 / edges as f64);
+            assert!((f64::from(error) - want).abs() < 3.0, "{k}: {error} {want}");
+        }
+    }
+
+    #[test]
+    fn a_pattern_modulated_by_a_known_swing_comes_back() {
+        let edges = 400_usize;
+        let fine = Fine { bits: 4 };
+        let turn = 4_294_967_296.0 * 16.0;
+        let angle = |k: usize, order: f64| core::f64::consts::TAU * order * k as f64 / edges as f64;
+        // Errors of a 2000th of a turn and a swing of the speed by 10 % at order 3.
+        let truth = |k: usize| turn / 2000.0 * angle(k, 90.0).sin();
+        let swing = |k: usize| -0.1 / (3.0 * core::f64::consts::TAU) * turn * angle(k, 3.0).cos();
+        let fast = |k: usize| 0.1 * angle(k, 3.0).sin();
+        // e(observed) = motion + e (1 - v); what is taken out is the motion with its sign turned.
+        let observed = |k: usize| swing(k) + truth(k) * (1.0 - fast(k));
+        let mut errors: Vec<i32> = (0..edges).map(|k| observed(k) as i32).collect();
+        let grid: Vec<i32> = (0..edges).map(|k| -swing(k) as i32).collect();
+        draw(&mut errors, grid.as_slice(), edges, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
+        for (k, &error) in errors.iter().enumerate() {
+            let off = f64::from(error) - truth(k);
+            assert!(off.abs() < 0.012 * turn / 2000.0, "{k}: {off}");
+        }
+    }
+}

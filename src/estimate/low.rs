@@ -1,0 +1,157 @@
+//! The lowest orders of every turn as it comes in: they hold nearly all of the shaft's noise, so their scatter from turn to
+//! turn says how well the estimate is known, and which turn does not agree with the others.
+
+use super::close::saturated;
+use crate::trig::sin_cos;
+use crate::units::Turn32;
+
+/// Orders looked at in every turn.
+pub(super) const LOW_ORDERS: usize = 6;
+
+/// Fraction bits of a phasor beside a sample.
+const PHASOR_BITS: u32 = 16;
+
+/// Fraction bits of a [`LowOrder`]'s parts.
+pub(super) const LOW_BITS: u32 = 4;
+
+/// One order of one turn, complex, 2^-(32 + LOW_BITS) turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LowOrder {
+    pub re: i32,
+    pub im: i32,
+}
+
+impl LowOrder {
+    /// Squared distance.
+    pub(super) fn distance(self, other: Self) -> u64 {
+        let square = |a: i32, b: i32| (i64::from(a) - i64::from(b)).unsigned_abs().pow(2);
+        square(self.re, other.re).saturating_add(square(self.im, other.im))
+    }
+}
+
+/// Unit phasors of the lowest orders, Q30.
+#[derive(Clone, Copy)]
+struct Phasor {
+    cos: i32,
+    sin: i32,
+}
+
+/// Sums of the lowest orders over the samples of the turn that is coming in.
+#[derive(Clone, Copy)]
+pub(super) struct LowOrders {
+    step: [Phasor; LOW_ORDERS],
+    now: [Phasor; LOW_ORDERS],
+    re: [i64; LOW_ORDERS],
+    im: [i64; LOW_ORDERS],
+    /// From a sum of samples to the mean, from step fractions to turns: 2^45 / (edges blocks).
+    scale: i64,
+    /// 1 / (2 P), Q32.
+    half_block_q32: i64,
+}
+
+impl LowOrders {
+    /// For turns of `edges` edges and `blocks` samples.
+    pub(super) fn new(edges: usize, blocks: usize) -> Self {
+        let step = core::array::from_fn(|index| {
+            #[allow(clippy::cast_possible_truncation)]
+            let angle = (((index as u64 + 1) << 32) / blocks.max(1) as u64) as u32;
+            let (sin, cos) = sin_cos(Turn32(angle));
+            Phasor { cos, sin }
+        });
+        Self {
+            step,
+            now: [Phasor { cos: 1 << 30, sin: 0 }; LOW_ORDERS],
+            re: [0; LOW_ORDERS],
+            im: [0; LOW_ORDERS],
+            scale: ((1_u64 << 45) / (edges * blocks).max(1) as u64).cast_signed(),
+            half_block_q32: (1_i64 << 31) / blocks.max(1) as i64,
+        }
+    }
+
+    /// Starts a turn.
+    pub(super) fn start(&mut self) {
+        self.now = [Phasor { cos: 1 << 30, sin: 0 }; LOW_ORDERS];
+        self.re = [0; LOW_ORDERS];
+        self.im = [0; LOW_ORDERS];
+    }
+
+    /// Takes the next sample, in step fractions.
+    pub(super) fn take(&mut self, sample: i32) {
+        let high = |a: i32, b: i32, c: i32, d: i32| {
+            let sum = i64::from(a) * i64::from(b) + i64::from(c) * i64::from(d);
+            #[allow(clippy::cast_possible_truncation)]
+            let rounded = ((sum + (1 << 29)) >> 30) as i32;
+            rounded
+        };
+        let sums = self.re.iter_mut().zip(&mut self.im);
+        for ((now, step), (re, im)) in self.now.iter_mut().zip(&self.step).zip(sums) {
+            *now = Phasor {
+                cos: high(now.cos, step.cos, -now.sin, step.sin),
+                sin: high(now.sin, step.cos, now.cos, step.sin),
+            };
+            *re += i64::from(sample) * i64::from(now.cos >> (30 - PHASOR_BITS));
+            *im -= i64::from(sample) * i64::from(now.sin >> (30 - PHASOR_BITS));
+        }
+    }
+
+    /// The orders of the turn that is over: its samples' less those of a motion of constant acceleration through the turn's
+    /// ends, which is `linear` too long (2^-32 turn) and has the bend of [`Motion`](super::fold::Motion).
+    ///
+    /// With x = 0..1 of the turn such a motion is passed at `(1 + linear) (x + bend x (1 - x) + bend^2 x (1 - x) (1 - 2 x))`.
+    /// Sampled at the ends of P blocks, `x` has the orders i / (2 pi n) + 1 / (2 P), `x (1 - x)` has -1 / (2 pi^2 n^2), and
+    /// `x (1 - x) (1 - 2 x)` has -3 i / (2 pi^3 n^3).
+    pub(super) fn finish(&self, linear: i64, bend_q32: i32) -> [LowOrder; LOW_ORDERS] {
+        let bend = i64::from(bend_q32);
+        let stretched = bend + ((bend * (linear >> 4)) >> 28);
+        let square = (bend * bend) >> 32;
+        core::array::from_fn(|index| {
+            let mean = |sum: i64| ((sum >> PHASOR_BITS) * self.scale) >> (28 - LOW_BITS);
+            let part = |size: i64, share_q16: i64| (size * share_q16) >> (16 - LOW_BITS);
+            let offset = (linear * self.half_block_q32) >> (32 - LOW_BITS);
+            let re = mean(self.re[index]) - offset + part(stretched, BEND_Q16[index]);
+            let im = mean(self.im[index]) - part(linear, LINEAR_Q16[index])
+                + part(square, SQUARE_Q16[index]);
+            LowOrder {
+                re: saturated(re),
+                im: saturated(im),
+            }
+        })
+    }
+}
+
+/// 1 / (2 pi n), 1 / (2 pi^2 n^2) and 3 / (2 pi^3 n^3), Q16.
+const LINEAR_Q16: [i64; LOW_ORDERS] = [10_430, 5215, 3477, 2608, 2086, 1738];
+const BEND_Q16: [i64; LOW_ORDERS] = [3320, 830, 369, 208, 133, 92];
+const SQUARE_Q16: [i64; LOW_ORDERS] = [3170, 396, 117, 50, 25, 15];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_steady_acceleration_has_no_low_orders_and_a_swing_has_its_own() {
+        let (edges, blocks) = (10_000, 1000);
+        let mut orders = LowOrders::new(edges, blocks);
+        orders.start();
+        let (linear, bend, swing) = (0.02, -0.01, 1e-5);
+        let steps = f64::from(1 << 15) * edges as f64;
+        for i in 1..=blocks {
+            let x = i as f64 / blocks as f64;
+            let arc = x * (1.0 - x);
+            let motion = (1.0 + linear) * (x + bend * arc + bend * bend * arc * (1.0 - 2.0 * x));
+            let angle = motion - x
+                + swing * (core::f64::consts::TAU * 3.0 * x + 0.5).cos();
+            orders.take((angle * steps).round() as i32);
+        }
+        let turn = 4_294_967_296.0;
+        let found = orders.finish((linear * turn) as i64, (bend * turn) as i32);
+        let unit = turn * f64::from(1 << LOW_BITS);
+        for (index, order) in found.iter().enumerate() {
+            let expected = if index == 2 { [0.5_f64.cos(), 0.5_f64.sin()] } else { [0.0; 2] };
+            for (got, want) in [order.re, order.im].into_iter().zip(expected) {
+                let off = f64::from(got) / unit - want * swing / 2.0;
+                assert!(off.abs() < 1e-6, "{index}: {off:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What the turns' speeds make of signal and noise: how far geometry and torque come apart, and how much of the noise is left.
+//!
+//! With w the weight of a turn in the sum, u the square of its duration over the first one's, g geometry and r the angle that
+//! locked torque makes at the first turn's speed, the weighed mean is g + r u_w and the plain mean g + r u_1. White torque
+//! noise makes angle noise with power as the cube of the duration.
+
+use super::scale::Ratio;
+use super::speeds::{BINS, Bin, Speeds, Weighing, octaves_q16, power_of_two};
+use crate::log2::LOG2_BITS;
+
+/// One, in the unit of a turn's share of an estimate.
+const ONE_Q30: i64 = 1 << 30;
+
+/// What a turn of each speed adds to an estimate: Q30, for turns that count plus and minus in the contrasts.
+#[derive(Clone, Copy)]
+pub(super) struct Shares([[i64; 2]; BINS]);
+
+/// The weighed mean and the plain one.
+#[derive(Clone, Copy)]
+pub(super) enum Mean {
+    Weighed,
+    Plain,
+}
+
+/// Moments of all turns.
+pub(super) struct Moments {
+    pub weight_q16: u64,
+    pub turns: u32,
+    /// Share of a turn of each bin in the weighed mean, Q30.
+    weighed: [i64; BINS],
+    /// u_w and u_1, Q32.
+    weighed_square: i128,
+    plain_square: i128,
+    /// u_w / (u_1 - u_w), Q30, where the speeds differ enough to tell geometry from torque.
+    pub separation: Option<i64>,
+}
+
+impl Moments {
+    pub(super) fn of(speeds: &Speeds, weighing: &Weighing, two_speeds: bool) -> Self {
+        let bins = &speeds.bins;
+        let turns: u32 = bins.iter().map(Bin::count).sum();
+        let weight_q16: u64 = (0..BINS)
+            .map(|b| u64::from(bins[b].count()) * weighing.weight_q16(b))
+            .sum();
+        let share = Ratio::new(30, weight_q16);
+        let weighed: [i64; BINS] =
+            core::array::from_fn(|b| share.times(weighing.weight_q16(b).cast_signed()));
+        let square = |b: usize| i128::from(bins[b].square());
+        let weighed_square = (0..BINS)
+            .map(|b| (square(b) * i128::from(weighed[b])) >> 30)
+            .sum();
+        let plain_square = (0..BINS).map(square).sum::<i128>() / i128::from(turns.max(1));
+        let difference = plain_square - weighed_square;
+        let separation = if two_speeds && difference > 0 {
+            i64::try_from((weighed_square << 30) / difference).ok()
+        } else {
+            None
+        };
+        Self {
+            weight_q16,
+            turns,
+            weighed,
+            weighed_square,
+            plain_square,
+            // A turn or two at another speed tell nothing apart.
+            separation: separation.filter(|&s| s < ONE_Q30 << 4),
+        }
+    }
+
+    /// Share of a turn of a bin in a mean, Q30.
+    fn share(&self, mean: Mean, bin: usize) -> i64 {
+        match mean {
+            Mean::Weighed => self.weighed[bin],
+            Mean::Plain => ONE_Q30 / i64::from(self.turns.max(1)),
+        }
+    }
+
+    /// Shares of the turns in a mean.
+    pub(super) fn shares(&self, mean: Mean) -> Shares {
+        Shares(core::array::from_fn(|b| [self.share(mean, b); 2]))
+    }
+
+    /// What the contrast of a mean holds of geometry and of torque, as a combination of the weighed and the plain mean, Q30.
+    pub(super) fn leftover(&self, mean: Mean, speeds: &Speeds) -> [i64; 2] {
+        let (mut geometry, mut torque) = (0_i128, 0_i128);
+        for (b, bin) in speeds.bins.iter().enumerate() {
+            let share = i128::from(self.share(mean, b));
+            let signed = |x: [i128; 2]| x[0] - x[1];
+            geometry += share * signed(bin.turns.map(i128::from));
+            torque += (share * signed(bin.squares.map(i128::from))) >> 30;
+        }
+        let plain = if self.separation.is_some() {
+            // a u_w + b u_1 = torque, a + b = geometry
+            let excess = torque - ((geometry * self.weighed_square) >> 30);
+            (excess << 30) / (self.plain_square - self.weighed_square).max(1)
+        } else {
+            0
+        };
+        #[allow(clippy::cast_possible_truncation)]
+        [(geometry - plain) as i64, plain as i64]
+    }
+
+    /// Shares of the turns in the contrast of a mean, less what it holds of geometry and torque.
+    pub(super) fn contrast(&self, mean: Mean, speeds: &Speeds) -> Shares {
+        let [weighed, plain] = self.leftover(mean, speeds).map(i128::from);
+        Shares(core::array::from_fn(|b| {
+            let share = self.share(mean, b);
+            let repeats = weighed * i128::from(self.share(Mean::Weighed, b))
+                + plain * i128::from(self.share(Mean::Plain, b));
+            #[allow(clippy::cast_possible_truncation)]
+            let repeats = (repeats >> 30) as i64;
+            [share - repeats, -share - repeats]
+        }))
+    }
+
+    /// Torque's angle at the first turn's speed over its part in the plain less the weighed mean: 1 / (u_1 - u_w), Q30.
+    pub(super) fn torque_scale_q30(&self) -> i64 {
+        let difference = (self.plain_square - self.weighed_square).max(1);
+        i64::try_from((1_i128 << 62) / difference).unwrap_or(i64::MAX)
+    }
+
+    /// Mean of the turns' speed over the first one's, as the weighed mean has it, Q16.
+    pub(super) fn mean_speed_q16(&self, speeds: &Speeds) -> u64 {
+        let mut sum = 0_u128;
+        for (bin, share) in speeds.bins.iter().zip(self.weighed) {
+            // Speed is one over duration; turns of a bin are alike.
+            let count = u128::from(bin.count());
+            let speed_q16 = (count << 48)
+                .checked_div(u128::from(bin.durations))
+                .unwrap_or(0);
+            sum += (speed_q16 * count * u128::from(share.unsigned_abs())) >> 30;
+        }
+        u64::try_from(sum).unwrap_or(u64::MAX)
+    }
+}
+
+impl Shares {
+    /// Shares in the difference of two estimates.
+    pub(super) fn minus(&self, other: &Self) -> Self {
+        Self(core::array::from_fn(|b| {
+            core::array::from_fn(|side| self.0[b][side] - other.0[b][side])
+        }))
+    }
+
+    /// Sum over turns of share^2 x `power` of a turn of the bin: Q32 times the powers' unit.
+    pub(super) fn of_powers(&self, speeds: &Speeds, power: impl Fn(usize) -> u64) -> u128 {
+        let mut sum = 0_u128;
+        for (b, bin) in speeds.bins.iter().enumerate() {
+            if bin.count() == 0 {
+                continue;
+            }
+            for side in 0..2 {
+                let share = u128::from(self.0[b][side].unsigned_abs());
+                let square = ((share * share) >> 28) * u128::from(bin.turns[side]);
+                sum = sum.saturating_add(square.saturating_mul(u128::from(power(b))));
+            }
+        }
+        sum
+    }
+}
+
+/// Power of white torque noise in a turn of a bin over that in one of the first turn's speed, Q24: the cube of the duration.
+pub(super) fn torque_power_q24(bin: usize) -> u64 {
+    power_of_two((24 << LOG2_BITS) + 3 * octaves_q16(bin))
+}

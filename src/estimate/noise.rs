@@ -1,0 +1,190 @@
+//! What the turns say of the noise at every order.
+//!
+//! At the lowest orders, which hold nearly all of it, turns of like speed are compared pair by pair. Above, the contrast
+//! speaks: noise of a shaft falls with the fourth power of the order, so its level is averaged over neighbours after that
+//! slope is taken out. High orders know no torque; there, time stamps' jitter is all.
+
+use super::low::{LOW_BITS, LOW_ORDERS};
+use super::moments::{Shares, torque_power_q24};
+use super::order::{ORDERS_MAX, OrderPlan};
+use super::scale::Fine;
+use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
+use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
+use super::weigh::{neighbours, single_orders};
+use crate::log2::{LOG2_BITS, exp2, log2};
+use crate::units::STEP_FRACTION_BITS;
+
+/// Noise power at every order of an estimate and of all orders above, in 2^-[`POWER_BITS`] of the squared fine unit.
+#[derive(Clone)]
+pub(super) struct NoisePowers {
+    /// Order n at n - 1.
+    pub single: [u64; ORDERS_MAX],
+    /// Logarithm of what the contrast showed at each order itself over its level.
+    pub own: [i32; ORDERS_MAX],
+}
+
+impl NoisePowers {
+    pub(super) const ZERO: Self = Self {
+        single: [0; ORDERS_MAX],
+        own: [0; ORDERS_MAX],
+    };
+
+    /// From the powers of a contrast in `single`, to the noise of the estimate whose turns have `shares` where they have
+    /// `contrast` there.
+    #[inline(never)]
+    pub(super) fn settle(
+        &mut self,
+        plan: OrderPlan,
+        speeds: &Speeds,
+        shares: &Shares,
+        contrast: &Shares,
+        fine: Fine,
+    ) {
+        let mut scratch = [0; ORDERS_MAX];
+        smooth_noise(plan, &mut self.single, &mut self.own, &mut scratch);
+        let norm = contrast.of_powers(speeds, torque_power_q24);
+        let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
+        for (power, own) in self.single.iter_mut().zip(&mut self.own).take(plan.single) {
+            *own = own.saturating_sub(log2((*power).into()));
+            *power = ratio.times(*power);
+        }
+        for index in 0..LOW_ORDERS.min(plan.single) {
+            let sum = shares.of_powers(speeds, |b| {
+                let expected = Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm)
+                    .times(self.single[index]);
+                low_power(&speeds.bins[b], index, expected, fine)
+            });
+            self.single[index] = u64::try_from(sum >> 32).unwrap_or(u64::MAX);
+        }
+        for power in &mut self.single {
+            *power = (*power).max(1);
+        }
+    }
+}
+
+/// A quotient of two large numbers, as a factor.
+struct Ratio128 {
+    q40: u128,
+}
+
+impl Ratio128 {
+    fn new(numerator: u128, denominator: u128) -> Self {
+        // Whatever is lost of either is below one part in a million.
+        let down = 88_u32.saturating_sub(numerator.leading_zeros());
+        Self {
+            q40: ((numerator >> down) << 40) / (denominator >> down).max(1),
+        }
+    }
+
+    fn times(&self, value: u64) -> u64 {
+        u64::try_from(u128::from(value).saturating_mul(self.q40) >> 40).unwrap_or(u64::MAX)
+    }
+}
+
+/// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
+/// are none, and by both where there are few, as a pair or two can look quiet by chance.
+fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u64 {
+    let pairs = u64::from(bin.pairs);
+    if pairs == 0 {
+        return expected;
+    }
+    // From 2^-(32 + LOW_BITS) turn to the coefficients' unit, and a pair has two turns.
+    let up = 2 * (fine.bits + COEFFICIENT_BITS - LOW_BITS);
+    let pair_q16 = u128::from(pair_excess_q16(&bin.scatter));
+    let scatter = (u128::from(bin.scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
+    let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
+    let prior = 4_u64.saturating_sub(pairs);
+    (seen / (pairs + prior)).saturating_mul(pairs) + (expected / (pairs + prior)).saturating_mul(prior)
+}
+
+/// Noise of the weighed mean at every order that is not single: jitter of time stamps, and the tail of torque, whose power at
+/// the last single order is `last`.
+pub(super) fn common_noise(
+    plan: OrderPlan,
+    speeds: &Speeds,
+    shares: &Shares,
+    last: u64,
+    fine: Fine,
+) -> u64 {
+    let norm = shares.of_powers(speeds, |b| {
+        power_of_two((16 << LOG2_BITS) - 2 * octaves_q16(b))
+    });
+    // From squared step fractions to squared fine units, of N edges to one order.
+    let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
+    let edges = plan.edges as u128;
+    let per_edge = ((jitter_q16(plan, speeds) * (norm >> 32)) << up) >> (32 - POWER_BITS);
+    let jitter = per_edge / (edges * edges * edges);
+    // Beyond K the sum of (K / n)^4 is K / 3.
+    let tail = u128::from(last) * 2 * plan.single as u128 / (3 * plan.common_count().max(1) as u128);
+    u64::try_from(jitter + tail).unwrap_or(u64::MAX).max(1)
+}
+
+/// Variance of a time stamp at the first turn's speed, in squared step fractions, Q16: a second difference of two turns has
+/// twelve of them. The speed that shows least of it counts, as all else that makes turns differ only adds.
+fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
+    let of_bin = |(b, bin): (usize, &Bin)| {
+        let square_q16 = power_of_two((16 << LOG2_BITS) + 2 * octaves_q16(b));
+        let sum_q16 = u128::from(bin.jitter) * u128::from(square_q16);
+        sum_q16.checked_div(12 * plan.edges as u128 * u128::from(bin.jitter_turns))
+    };
+    speeds.bins.iter().enumerate().filter_map(of_bin).min().unwrap_or(0)
+}
+
+/// How much more pairs of turns differ than their long-run noise, Q16.
+///
+/// A motion through the ends of two turns follows a wandering speed imperfectly, and neighbours share the blame, so that it
+/// cancels in the sum but not in a difference. Where speed wanders like a random walk (its noise falls with the fourth power
+/// of the order down to order 1) pairs show twice the noise, where it forgets within a fraction of a turn (order 1 far below
+/// that slope) just the noise; in between, `1 + 0.95 x^2` with x = order 1 over slope is within 5 %, by simulation.
+fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
+    let slope = (scatter[3] / 3)
+        .saturating_mul(256)
+        .saturating_add((scatter[4] / 3).saturating_mul(625))
+        .saturating_add((scatter[5] / 3).saturating_mul(1296));
+    let ratio_q16 = (u128::from(scatter[0]) << 16) / u128::from(slope.max(1));
+    let ratio_q16 = u64::try_from(ratio_q16).unwrap_or(u64::MAX).min(1 << 16);
+    const EXCESS_Q16: u64 = 62_259;
+    (1 << 16) + ((((ratio_q16 * ratio_q16) >> 16) * EXCESS_Q16) >> 16)
+}
+
+/// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
+/// geometric mean over the neighbours with the slope of the fourth power taken out, and not below the same mean over
+/// [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
+pub(super) fn smooth_noise(
+    plan: OrderPlan,
+    noise: &mut [u64; ORDERS_MAX],
+    own: &mut [i32; ORDERS_MAX],
+    scratch: &mut [i32; ORDERS_MAX],
+) {
+    // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
+    const MEAN_OVER_LOG_MEAN: i64 = 54_574;
+    let slope = |order: usize| 4 * log2(order as u128);
+    for order in single_orders(plan) {
+        own[order - 1] = log2(noise[order - 1].into());
+        scratch[order - 1] = own[order - 1] + slope(order);
+    }
+    for order in single_orders(plan) {
+        let mean = |orders: &mut dyn Iterator<Item = usize>| {
+            let (mut sum, mut count) = (0_i64, 0_i64);
+            for n in orders {
+                sum += i64::from(scratch[n - 1]);
+                count += 1;
+            }
+            sum / count.max(1)
+        };
+        let last = (order + ORDERS_ABOVE)
+            .max(order + order / 3)
+            .min(plan.single);
+        let first = order.min(last.saturating_sub(ORDERS_ABOVE)).max(1);
+        let above = mean(&mut (first..=last).filter(|&n| !plan.is_class_order(n)));
+        let level = mean(&mut neighbours(plan, order)).max(above) - i64::from(slope(order))
+            + MEAN_OVER_LOG_MEAN;
+        #[allow(clippy::cast_possible_truncation)]
+        let level = exp2(level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
+        // At least the smallest number, so that ratios to it mean something.
+        noise[order - 1] = level.max(1);
+    }
+}
+
+/// Orders that the noise at an order is judged from at the least.
+const ORDERS_ABOVE: usize = 24;

@@ -1,0 +1,82 @@
+//! Geometry and locked torque, order by order: geometry has its size at every speed, torque's angle falls with the square
+//! of the speed, so the plain mean over turns holds more of it than the mean weighed by the speed squared.
+
+use super::moments::Moments;
+use super::noise::NoisePowers;
+use super::order::{ORDERS_MAX, OrderPlan, TORQUES_MAX, TorqueOrder};
+use super::scale::Fine;
+use super::spectrum::Coefficient;
+
+/// The strongest orders of torque found.
+pub(super) type Torques = heapless::Vec<TorqueOrder, TORQUES_MAX>;
+
+/// Torque is taken for certain at so many times the noise, and for none at half of it: noise alone is six times its mean
+/// once in 400 orders.
+const CERTAIN: u64 = 12;
+
+/// Takes torque, where there is evidence of it, out of the `coefficients` of the weighed mean, whose `noise` grows by what it
+/// costs. `difference` holds the plain mean less the weighed one, and in the end what was added to the coefficients;
+/// `doubt` is its noise.
+pub(super) fn separate(
+    plan: OrderPlan,
+    moments: &Moments,
+    coefficients: &mut [Coefficient; ORDERS_MAX],
+    noise: &mut NoisePowers,
+    difference: &mut [Coefficient; ORDERS_MAX],
+    doubt: &NoisePowers,
+    fine: Fine,
+) -> Torques {
+    let mut torques = Torques::new();
+    let Some(share_q30) = moments.separation else {
+        difference.fill(Coefficient::default());
+        return torques;
+    };
+    let scale_q30 = moments.torque_scale_q30();
+    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
+        let index = order - 1;
+        let doubt = doubt.single[index];
+        let evidence = difference[index].power() / (doubt / 16).max(1);
+        let half = CERTAIN * 16 / 2;
+        let belief = evidence.saturating_sub(half).min(half);
+        if belief == half {
+            let amplitude = difference[index].scaled(scale_q30);
+            let error = Coefficient {
+                re: i64::try_from(doubt.isqrt()).unwrap_or(i64::MAX),
+                im: 0,
+            };
+            keep_strongest(
+                &mut torques,
+                TorqueOrder {
+                    #[allow(clippy::cast_possible_truncation)]
+                    order: order as u16,
+                    amplitude: peak(amplitude, fine),
+                    standard_error: peak(error.scaled(scale_q30), fine),
+                },
+            );
+        }
+        let taken_q30 = share_q30 / half.cast_signed() * belief.cast_signed();
+        difference[index] = difference[index].scaled(-taken_q30);
+        coefficients[index] = coefficients[index].plus(difference[index]);
+        // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
+        let more = (u128::from(doubt) * u128::from(taken_q30.unsigned_abs())) >> 30;
+        let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
+        let more = u64::try_from(more).unwrap_or(u64::MAX);
+        noise.single[index] = noise.single[index].saturating_add(more);
+    }
+    torques
+}
+
+/// Peak size of an order in 2^-32 turn.
+fn peak(coefficient: Coefficient, fine: Fine) -> u32 {
+    fine.root_mean_square(coefficient.power().saturating_mul(4))
+}
+
+/// Keeps `torque` in a list of the strongest.
+fn keep_strongest(list: &mut Torques, torque: TorqueOrder) {
+    if list.push(torque).is_err()
+        && let Some(weakest) = list.iter_mut().min_by_key(|kept| kept.amplitude)
+        && weakest.amplitude < torque.amplitude
+    {
+        *weakest = torque;
+    }
+}
