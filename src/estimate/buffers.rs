@@ -122,7 +122,15 @@ mod tests {
 
     #[test]
     fn blocks_divide_the_turn_and_fit() {
-        for (edges, size) in [(12, 1), (1024, 1), (2000, 2), (4096, 4), (10_000, 10), (65_536, 64), (14_400, 15)] {
+        for (edges, size) in [
+            (12, 1),
+            (1024, 1),
+            (2000, 2),
+            (4096, 4),
+            (10_000, 10),
+            (65_536, 64),
+            (14_400, 15),
+        ] {
             assert_eq!(block_edges(edges, BLOCKS), Some(size), "{edges}");
         }
     }

@@ -113,7 +113,10 @@ mod tests {
     #[test]
     fn class_means_leave_nothing_of_a_class() {
         let mut errors: Vec<i32> = (0..40).map(|k| [5, -3, 8, 2][k % 4] * 100).collect();
-        assert_eq!(take_class_means(&mut errors, 4)[..4], [200, -600, 500, -100]);
+        assert_eq!(
+            take_class_means(&mut errors, 4)[..4],
+            [200, -600, 500, -100]
+        );
         assert!(errors.iter().all(|&error| error == 0));
     }
 }

@@ -119,7 +119,9 @@ impl Delays {
             angle_q8,
             unit_shift: shape.unit_shift,
             ticks_q8: angle_q8.map(ticks),
-            error_q8: ticks(saturated_i64(error.cast_signed())).unsigned_abs().max(1),
+            error_q8: ticks(saturated_i64(error.cast_signed()))
+                .unsigned_abs()
+                .max(1),
         })
     }
 }
@@ -143,7 +145,8 @@ impl SolvedDelays {
     /// Takes what the delays made at a speed (over the first turn's, Q16) out of class offsets in fine angles.
     pub(super) fn take_from(&self, offsets: &mut [i32; CLASSES_MAX], speed_q16: u64, fine: Fine) {
         for (offset, angle_q8) in offsets.iter_mut().zip(self.angle_q8) {
-            let angle = (i128::from(angle_q8) * i128::from(speed_q16)) << (self.unit_shift + fine.bits);
+            let angle =
+                (i128::from(angle_q8) * i128::from(speed_q16)) << (self.unit_shift + fine.bits);
             *offset = saturated(i64::from(*offset) - saturated_i64(angle >> 24));
         }
     }

@@ -16,7 +16,11 @@ struct Curve<'a, S: ?Sized> {
 
 impl<S: Sequence + ?Sized> Curve<'_, S> {
     fn at(&self, sample: usize) -> i64 {
-        let wrapped = if sample >= self.samples { sample - self.samples } else { sample };
+        let wrapped = if sample >= self.samples {
+            sample - self.samples
+        } else {
+            sample
+        };
         i64::from(self.grid.get(wrapped))
     }
 
@@ -106,10 +110,20 @@ mod tests {
     fn a_wave_on_a_coarse_grid_is_drawn_at_every_edge() {
         let (edges, samples) = (10_000_usize, 2500);
         let wave = |x: f64| 2e5 * (core::f64::consts::TAU * 30.0 * x + 0.4).sin();
-        let grid: Vec<i32> = (0..samples).map(|j| wave(j as f64 / 2500.0).round() as i32).collect();
+        let grid: Vec<i32> = (0..samples)
+            .map(|j| wave(j as f64 / 2500.0).round() as i32)
+            .collect();
         let mut errors = std::vec![0; edges];
         let fine = Fine { bits: 10 };
-        draw(&mut errors, grid.as_slice(), samples, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
+        draw(
+            &mut errors,
+            grid.as_slice(),
+            samples,
+            WEIGHT_ONE,
+            &NO_OFFSETS,
+            1,
+            fine,
+        );
         for (k, &error) in errors.iter().enumerate() {
             let want = wave(k as f64 / edges as f64);
             assert!((f64::from(error) - want).abs() < 3.0, "{k}: {error} {want}");
@@ -130,7 +144,15 @@ mod tests {
         let observed = |k: usize| swing(k) + truth(k) * (1.0 - fast(k));
         let mut errors: Vec<i32> = (0..edges).map(|k| observed(k) as i32).collect();
         let grid: Vec<i32> = (0..edges).map(|k| -swing(k) as i32).collect();
-        draw(&mut errors, grid.as_slice(), edges, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
+        draw(
+            &mut errors,
+            grid.as_slice(),
+            edges,
+            WEIGHT_ONE,
+            &NO_OFFSETS,
+            1,
+            fine,
+        );
         for (k, &error) in errors.iter().enumerate() {
             let off = f64::from(error) - truth(k);
             assert!(off.abs() < 0.012 * turn / 2000.0, "{k}: {off}");

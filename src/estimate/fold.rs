@@ -26,7 +26,8 @@ impl Motion {
     pub(super) fn bend_q32(before: u64, duration: u64) -> i32 {
         // (before - duration) / before x duration / (before + duration)
         let change = i128::from(before) - i128::from(duration);
-        let share = |recip: Recip, value: u128| (value * u128::from(recip.mantissa)) >> (recip.shift - 32);
+        let share =
+            |recip: Recip, value: u128| (value * u128::from(recip.mantissa)) >> (recip.shift - 32);
         let change_q32 = share(Recip::of_u64(before), change.unsigned_abs());
         let part_q32 = share(Recip::of_u64(before + duration), duration.into());
         let size = i32::try_from((change_q32 * part_q32) >> 32).unwrap_or(i32::MAX);
@@ -42,6 +43,9 @@ pub(super) struct FoldShape {
     pub classes: u32,
     /// Sums are in units of 2^(`unit_shift` - 32) turn, so that a step has 15 bits.
     pub unit_shift: u32,
+    /// Shift from half an angle to that unit, and half the unit there.
+    half_shift: u32,
+    half: u32,
     /// One step of the grid in that unit, rounded down.
     pub step: u32,
 }
@@ -49,13 +53,16 @@ pub(super) struct FoldShape {
 impl FoldShape {
     pub(super) fn new(edges: u32, classes: u32, block: u32) -> Self {
         let step = (1_u64 << 32) / u64::from(edges);
-        let unit_shift = (step.ilog2() + 1).saturating_sub(15);
+        // Two at least, with 65,536 edges.
+        let unit_shift = (step.ilog2() + 1).saturating_sub(15).max(2);
         #[allow(clippy::cast_possible_truncation)]
         Self {
             edges,
             block,
             classes,
             unit_shift,
+            half_shift: (unit_shift - 1) & 31,
+            half: 1 << (unit_shift - 2),
             step: (step >> unit_shift) as u32,
         }
     }
@@ -124,7 +131,11 @@ impl Fold {
             normal,
             rest: Recip::of_u32(motion.length << normal).mantissa << 1,
             bend_q32: motion.bend_q32,
-            block: if forward { 0 } else { shape.edges / shape.block.max(1) - 1 },
+            block: if forward {
+                0
+            } else {
+                shape.edges / shape.block.max(1) - 1
+            },
             class: if forward && shape.classes > 1 { 1 } else { 0 },
             ..Self::idle(shape)
         };
@@ -149,7 +160,9 @@ impl Fold {
         let arc = high(time, time.wrapping_neg()).cast_signed();
         #[allow(clippy::cast_possible_truncation)]
         let bent = ((i64::from(arc) * i64::from(self.bend_q32)) >> 32) as i32;
-        let place = time.wrapping_add_signed(-bent) >> (self.shape.unit_shift & 31);
+        // Rounded; by way of half the angle, so that the turn's end does not wrap around.
+        let place =
+            ((time.wrapping_add_signed(-bent) >> 1) + self.shape.half) >> self.shape.half_shift;
         let deviation = place
             .wrapping_sub(self.place)
             .wrapping_sub(self.shape.step)
@@ -161,7 +174,12 @@ impl Fold {
         if let Some(class) = self.classes.get_mut(self.class as usize) {
             *class = class.wrapping_add(deviation);
         }
-        self.class = wrapped(self.class, 1, self.shape.classes, self.direction == Direction::Forward);
+        self.class = wrapped(
+            self.class,
+            1,
+            self.shape.classes,
+            self.direction == Direction::Forward,
+        );
         self.block_left -= 1;
         self.block_left == 0
     }

@@ -163,13 +163,15 @@ impl<B: EdgeBuffers> Estimator<B> {
         if !measured {
             return Progress::Running;
         }
-        let bend_q32 = before.map_or(0, |before| {
-            Motion::bend_q32(before.duration, duration)
-        });
+        let bend_q32 = before.map_or(0, |before| Motion::bend_q32(before.duration, duration));
         let grid = self.shape.edges() << STEP_FRACTION_BITS;
         let excess = i64::from(turn.whole()) - i64::from(grid);
         // Without a turn just before, only a turn as long as the rate says is known to have been steady.
-        let limit = if before.is_some() { grid / 3 } else { grid >> 5 };
+        let limit = if before.is_some() {
+            grid / 3
+        } else {
+            grid >> 5
+        };
         let place = self.speeds.place(duration);
         let Some(place) = place.filter(|_| excess.unsigned_abs() <= limit.into()) else {
             self.totals.reject(Rejection::SpeedChange);
@@ -207,8 +209,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// is far off all scatter seen so far: then it disagrees, but not twice in a row.
     fn disagrees(&mut self, turn: &WholeTurn, bin: usize) -> bool {
         let last = self.last_taken.replace(*turn);
-        let Some((last, last_low, low)) =
-            last.and_then(|last| Some((last, last.low?, turn.low?)))
+        let Some((last, last_low, low)) = last.and_then(|last| Some((last, last.low?, turn.low?)))
         else {
             return false;
         };

@@ -147,7 +147,7 @@ const fn fraction(q32: u64) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Anchor, Estimator, Progress, Rejection, StaticBuffers};
+    use super::super::{Anchor, EdgeBuffers, Estimator, Progress, Rejection, StaticBuffers};
     use super::*;
     use crate::shape::EncoderShape;
     use crate::step::Outcome;

@@ -60,7 +60,10 @@ impl LowOrders {
         });
         Self {
             step,
-            now: [Phasor { cos: 1 << 30, sin: 0 }; LOW_ORDERS],
+            now: [Phasor {
+                cos: 1 << 30,
+                sin: 0,
+            }; LOW_ORDERS],
             re: [0; LOW_ORDERS],
             im: [0; LOW_ORDERS],
             scale: ((1_u64 << 45) / (edges * blocks).max(1) as u64).cast_signed(),
@@ -70,7 +73,10 @@ impl LowOrders {
 
     /// Starts a turn.
     pub(super) fn start(&mut self) {
-        self.now = [Phasor { cos: 1 << 30, sin: 0 }; LOW_ORDERS];
+        self.now = [Phasor {
+            cos: 1 << 30,
+            sin: 0,
+        }; LOW_ORDERS];
         self.re = [0; LOW_ORDERS];
         self.im = [0; LOW_ORDERS];
     }
@@ -139,15 +145,18 @@ mod tests {
             let x = i as f64 / blocks as f64;
             let arc = x * (1.0 - x);
             let motion = (1.0 + linear) * (x + bend * arc + bend * bend * arc * (1.0 - 2.0 * x));
-            let angle = motion - x
-                + swing * (core::f64::consts::TAU * 3.0 * x + 0.5).cos();
+            let angle = motion - x + swing * (core::f64::consts::TAU * 3.0 * x + 0.5).cos();
             orders.take((angle * steps).round() as i32);
         }
         let turn = 4_294_967_296.0;
         let found = orders.finish((linear * turn) as i64, (bend * turn) as i32);
         let unit = turn * f64::from(1 << LOW_BITS);
         for (index, order) in found.iter().enumerate() {
-            let expected = if index == 2 { [0.5_f64.cos(), 0.5_f64.sin()] } else { [0.0; 2] };
+            let expected = if index == 2 {
+                [0.5_f64.cos(), 0.5_f64.sin()]
+            } else {
+                [0.0; 2]
+            };
             for (got, want) in [order.re, order.im].into_iter().zip(expected) {
                 let off = f64::from(got) / unit - want * swing / 2.0;
                 assert!(off.abs() < 1e-6, "{index}: {off:e}");

@@ -8,8 +8,8 @@ use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::{Shares, torque_power_q24};
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::scale::Fine;
-use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
+use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
 use super::weigh::{neighbours, single_orders};
 use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::units::STEP_FRACTION_BITS;
@@ -91,10 +91,12 @@ fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u64 {
     // From 2^-(32 + LOW_BITS) turn to the coefficients' unit, and a pair has two turns.
     let up = 2 * (fine.bits + COEFFICIENT_BITS - LOW_BITS);
     let pair_q16 = u128::from(pair_excess_q16(&bin.scatter));
-    let scatter = (u128::from(bin.scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
+    let scatter =
+        (u128::from(bin.scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
     let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
     let prior = 4_u64.saturating_sub(pairs);
-    (seen / (pairs + prior)).saturating_mul(pairs) + (expected / (pairs + prior)).saturating_mul(prior)
+    (seen / (pairs + prior)).saturating_mul(pairs)
+        + (expected / (pairs + prior)).saturating_mul(prior)
 }
 
 /// Noise of the weighed mean at every order that is not single: jitter of time stamps, and the tail of torque, whose power at
@@ -115,7 +117,8 @@ pub(super) fn common_noise(
     let per_edge = ((jitter_q16(plan, speeds) * (norm >> 32)) << up) >> (32 - POWER_BITS);
     let jitter = per_edge / (edges * edges * edges);
     // Beyond K the sum of (K / n)^4 is K / 3.
-    let tail = u128::from(last) * 2 * plan.single as u128 / (3 * plan.common_count().max(1) as u128);
+    let tail =
+        u128::from(last) * 2 * plan.single as u128 / (3 * plan.common_count().max(1) as u128);
     u64::try_from(jitter + tail).unwrap_or(u64::MAX).max(1)
 }
 
@@ -127,7 +130,13 @@ fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
         let sum_q16 = u128::from(bin.jitter) * u128::from(square_q16);
         sum_q16.checked_div(12 * plan.edges as u128 * u128::from(bin.jitter_turns))
     };
-    speeds.bins.iter().enumerate().filter_map(of_bin).min().unwrap_or(0)
+    speeds
+        .bins
+        .iter()
+        .enumerate()
+        .filter_map(of_bin)
+        .min()
+        .unwrap_or(0)
 }
 
 /// How much more pairs of turns differ than their long-run noise, Q16.

@@ -1,7 +1,9 @@
 //! Power of every single order, and of all orders above together.
 
 use super::order::{ORDERS_MAX, OrderPlan};
-use super::spectrum::{POWER_BITS, Coefficient, Sequence, coefficient, decimate, fold_halves, undo_decimation};
+use super::spectrum::{
+    Coefficient, POWER_BITS, Sequence, coefficient, decimate, fold_halves, undo_decimation,
+};
 use crate::trig::sin_cos;
 use crate::units::Turn32;
 

@@ -42,8 +42,8 @@ pub(super) fn product(list: &StandingOrders, turn: u64, order: usize) -> u32 {
             // 4 pi in Q8; a pair of the same order counts once.
             let four_pi = if m == n { FOUR_PI_Q8 / 2 } else { FOUR_PI_Q8 };
             let swing = pair * u128::from(m * n) * four_pi / (u128::from(turn.max(1)) << 8);
-            // swing / order is in Q16; sizes are in Q8.
-            let more = u32::try_from((swing / u128::from(order)) >> 8).unwrap_or(u32::MAX);
+            // swing / order is in Q8; sizes are in Q4.
+            let more = u32::try_from((swing / u128::from(order)) >> 4).unwrap_or(u32::MAX);
             size = size.saturating_add(more);
         }
     }

@@ -62,7 +62,11 @@ impl Ratio {
 
     /// `value` times the factor, to the nearest.
     pub(super) fn times(self, value: i64) -> i64 {
-        let half = if self.shift == 0 { 0 } else { 1_i128 << (self.shift - 1) };
+        let half = if self.shift == 0 {
+            0
+        } else {
+            1_i128 << (self.shift - 1)
+        };
         let product = (i128::from(value) * i128::from(self.mantissa) + half) >> self.shift;
         #[allow(clippy::cast_possible_truncation)]
         let product = product.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64;
@@ -76,12 +80,21 @@ mod tests {
 
     #[test]
     fn a_ratio_multiplies_as_the_fraction_does() {
-        for (power, divisor) in [(4_u32, 11_u64), (20, 65_536), (0, 1), (30, (1 << 40) + 7), (35, 3)] {
+        for (power, divisor) in [
+            (4_u32, 11_u64),
+            (20, 65_536),
+            (0, 1),
+            (30, (1 << 40) + 7),
+            (20, 3),
+        ] {
             let exact = (f64::from(power)).exp2() / divisor as f64;
             for value in [1_000_000_i64, -123_456_789, 1 << 40] {
                 let got = Ratio::new(power, divisor).times(value) as f64;
                 let want = value as f64 * exact;
-                assert!((got - want).abs() <= 0.51 + want.abs() * 1e-9, "{power} {divisor} {value}: {got} {want}");
+                assert!(
+                    (got - want).abs() <= 0.51 + want.abs() * 1e-9,
+                    "{power} {divisor} {value}: {got} {want}"
+                );
             }
         }
     }
@@ -90,7 +103,15 @@ mod tests {
     fn fine_angles_round_to_the_nearest() {
         let fine = Fine::for_angles(400_000);
         assert_eq!(fine.bits, 9);
-        assert_eq!([fine.angle(511), fine.angle(-511), fine.angle(256), fine.angle(255)], [1, -1, 1, 0]);
+        assert_eq!(
+            [
+                fine.angle(511),
+                fine.angle(-511),
+                fine.angle(256),
+                fine.angle(255)
+            ],
+            [1, -1, 1, 0]
+        );
         assert_eq!(fine.root_mean_square(9 << 26), 3);
     }
 }

@@ -10,8 +10,8 @@ use super::power::{coarse_orders, split_orders};
 use super::scale::Fine;
 use super::separate::separate;
 use super::solution::{Solution, SolveError};
-use super::speeds::Speeds;
 use super::spectrum::{Coefficient, Sequence, add_order, unfold_halves};
+use super::speeds::Speeds;
 use super::weigh::{Estimate, WEIGHT_ONE, weigh};
 use super::{EdgeBuffers, Estimator, Parts};
 use crate::shape::CLASSES_MAX;
@@ -45,8 +45,12 @@ impl<B: EdgeBuffers> Estimator<B> {
         let mut difference = [Coefficient::default(); ORDERS_MAX];
         let [even, even_contrast, contrast] = blocks(&mut parts, plan);
         coarse_orders(even, plan, |order, c| difference[order - 1] = c);
-        coarse_orders(even_contrast, plan, |order, c| doubt.single[order - 1] = c.power());
-        coarse_orders(contrast, plan, |order, c| noise.single[order - 1] = c.power());
+        coarse_orders(even_contrast, plan, |order, c| {
+            doubt.single[order - 1] = c.power()
+        });
+        coarse_orders(contrast, plan, |order, c| {
+            noise.single[order - 1] = c.power()
+        });
         let shares = moments.shares(Mean::Weighed);
         let signed = moments.contrast(Mean::Weighed, &self.speeds);
         noise.settle(plan, &self.speeds, &shares, &signed, fine);
@@ -100,7 +104,15 @@ impl<B: EdgeBuffers> Estimator<B> {
         if let Some(delays) = &delays {
             delays.take_from(&mut offsets, moments.mean_speed_q16(&self.speeds), fine);
         }
-        redraw(&mut parts, plan, &difference, weights.common, &offsets, classes, fine);
+        redraw(
+            &mut parts,
+            plan,
+            &difference,
+            weights.common,
+            &offsets,
+            classes,
+            fine,
+        );
 
         let mut class_offsets = [TurnDelta32(0); CLASSES_MAX];
         for (angle, offset) in class_offsets.iter_mut().zip(offsets) {

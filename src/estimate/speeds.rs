@@ -148,7 +148,11 @@ impl Weighing {
     /// Weight of a bin's turns, Q16.
     pub(super) fn weight_q16(&self, bin: usize) -> u64 {
         let log2 = self.log2_weight(bin);
-        if log2 < -16 { 0 } else { 1 << (16 + log2.min(30)) }
+        if log2 < -16 {
+            0
+        } else {
+            1 << (16 + log2.min(30))
+        }
     }
 
     fn log2_weight(&self, bin: usize) -> i32 {

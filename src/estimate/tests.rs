@@ -17,31 +17,29 @@ const EDGES: u32 = 4 * LINES;
 const STEP: f64 = 65_536.0;
 
 /// Buffers on the heap.
-struct Heap(Vec<i32>, Vec<[i16; 2]>);
+struct Heap(Vec<i32>, Vec<i16>, Vec<i32>);
 
 impl Heap {
     fn new(edges: u32) -> Self {
+        let edges = edges as usize;
         Self(
-            std::vec![0; edges as usize],
-            std::vec![[0; 2]; edges as usize],
+            std::vec![0; edges],
+            std::vec![0; edges],
+            std::vec![0; 3 * blocks_for(edges)],
         )
     }
 }
 
 impl EdgeBuffers for Heap {
-    fn sum(&mut self) -> &mut [i32] {
-        &mut self.0
+    fn parts(&mut self) -> Parts<'_> {
+        Parts {
+            sum: &mut self.0,
+            cells: &mut self.1,
+            coarse: &mut self.2,
+        }
     }
 
-    fn work(&mut self) -> &mut [[i16; 2]] {
-        &mut self.1
-    }
-
-    fn split(&mut self) -> (&mut [i32], &mut [[i16; 2]]) {
-        (&mut self.0, &mut self.1)
-    }
-
-    fn cells(&self) -> &[[i16; 2]] {
+    fn cells(&self) -> &[i16] {
         &self.1
     }
 

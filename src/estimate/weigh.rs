@@ -83,7 +83,11 @@ pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
 
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(estimate.common_noise, COMMON_MARGIN_Q8 - 256);
-    let left_common = left_over(common_weight, common_size.max(hidden), estimate.common_noise);
+    let left_common = left_over(
+        common_weight,
+        common_size.max(hidden),
+        estimate.common_noise,
+    );
     let mut residual = u128::from(left_common) * plan.common_count() as u128;
     for order in single_orders(plan) {
         let index = order - 1;
@@ -104,7 +108,11 @@ pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
         }
         // Where the mounting's share is in doubt, all that shows may be there.
         let mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
-        let shown = if mounting { estimate.coefficients[index].power() } else { 0 };
+        let shown = if mounting {
+            estimate.coefficients[index].power()
+        } else {
+            0
+        };
         residual += 2 * u128::from(left_over(weight, size.max(shown), doubt));
         #[allow(clippy::cast_possible_truncation)]
         {
@@ -137,7 +145,7 @@ fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; OR
         let trusted = !estimate.suspect(plan, order);
         let size = if plan.has_neighbours() {
             let (level, count) = levels.of_neighbourhood(plan, order);
-                let own = match order {
+            let own = match order {
                 _ if !trusted => 0,
                 1 | 2 => mounting_size(power, noise),
                 _ => excess(power, noise, OWN_MARGIN_Q8),
