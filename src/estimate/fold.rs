@@ -41,6 +41,8 @@ pub(super) struct FoldShape {
     pub edges: u32,
     pub block: u32,
     pub classes: u32,
+    /// 2^32 / classes, rounded up.
+    class_inverse: u32,
     /// Sums are in units of 2^(`unit_shift` - 32) turn, so that a step has 15 bits.
     pub unit_shift: u32,
     /// Shift from half an angle to that unit, and half the unit there.
@@ -60,6 +62,7 @@ impl FoldShape {
             edges,
             block,
             classes,
+            class_inverse: (u32::MAX / classes.max(1)).wrapping_add(1),
             unit_shift,
             half_shift: (unit_shift - 1) & 31,
             half: 1 << (unit_shift - 2),
@@ -89,10 +92,10 @@ pub(super) struct Fold {
     rest: u32,
     bend_q32: i32,
     place: u32,
-    block_left: u32,
+    /// Edges until the present block ends.
+    pub block_left: u32,
     block_place: u32,
     block: u32,
-    class: u32,
     /// Deviations of this turn summed by class.
     pub classes: [i32; crate::shape::CLASSES_MAX],
 }
@@ -113,7 +116,6 @@ impl Fold {
             block_left: shape.block,
             block_place: 0,
             block: 0,
-            class: 0,
             classes: [0; crate::shape::CLASSES_MAX],
         }
     }
@@ -136,7 +138,6 @@ impl Fold {
             } else {
                 shape.edges / shape.block.max(1) - 1
             },
-            class: if forward && shape.classes > 1 { 1 } else { 0 },
             ..Self::idle(shape)
         };
     }
@@ -150,9 +151,9 @@ impl Fold {
         self.direction == direction && self.slot == u32::from(direction == Direction::Forward)
     }
 
-    /// Folds the next entry, `slot` and `remaining` left as they are; true where a block ends.
+    /// Folds the entry of `slot`, the next one; where the fold is, its caller counts.
     #[inline]
-    pub(super) fn entry(&mut self, cell: i16, sum: &mut i32) -> bool {
+    pub(super) fn entry(&mut self, slot: u32, cell: i16, sum: &mut i32) {
         let step = (1_i32 << STEP_FRACTION_BITS) + i32::from(cell);
         self.phase = self.phase.wrapping_add_signed(step);
         let scaled = self.phase << (self.normal & 31);
@@ -171,17 +172,12 @@ impl Fold {
         let shifts = self.scale.sum;
         let counted = (deviation << (shifts.turn_up & 31)) >> (shifts.turn_down & 31);
         *sum = (*sum >> (shifts.sum_down & 31)).wrapping_add(counted);
-        if let Some(class) = self.classes.get_mut(self.class as usize) {
+        // Slots are below 2^16, so the product's upper word is the quotient.
+        let line = high(slot, self.shape.class_inverse);
+        let class = slot.wrapping_sub(line.wrapping_mul(self.shape.classes));
+        if let Some(class) = self.classes.get_mut(class as usize) {
             *class = class.wrapping_add(deviation);
         }
-        self.class = wrapped(
-            self.class,
-            1,
-            self.shape.classes,
-            self.direction == Direction::Forward,
-        );
-        self.block_left -= 1;
-        self.block_left == 0
     }
 
     /// Adds the block that ends here to the coarse sums.
@@ -222,12 +218,15 @@ impl Fold {
             return;
         }
         self.remaining -= 1;
-        let slot = self.slot as usize;
+        let slot = self.slot;
         let forward = self.direction == Direction::Forward;
         self.slot = wrapped(self.slot, 1, self.shape.edges, forward);
-        if let (Some(&cell), Some(sum)) = (parts.cells.get(slot), parts.sum.get_mut(slot))
-            && self.entry(cell, sum)
-        {
+        self.block_left -= 1;
+        let place = slot as usize;
+        if let (Some(&cell), Some(sum)) = (parts.cells.get(place), parts.sum.get_mut(place)) {
+            self.entry(slot, cell, sum);
+        }
+        if self.block_left == 0 {
             self.end_block(parts.coarse);
         }
     }

@@ -76,6 +76,7 @@ impl Lockstep {
         turn.sample = self.sample;
         let forward = turn.direction == Direction::Forward;
         (fold.slot, fold.remaining) = place(turn.edge, edges, forward);
+        fold.block_left = self.sample.left;
         self.next = NO_EDGE;
     }
 
@@ -116,8 +117,9 @@ impl Lockstep {
         self.jitter.take(new, old);
         self.phase_q32 = phase_q32;
         self.next = step.edge.wrapping_add(self.stride);
-        let block_ends = self.sample.advance();
-        if fold.entry(old, sum) || block_ends {
+        #[allow(clippy::cast_possible_truncation)]
+        fold.entry(slot as u32, old, sum);
+        if self.sample.advance() {
             fold.end_block(parts.coarse);
             self.sample.sample(whole(phase_q32), low);
         }

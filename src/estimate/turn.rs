@@ -122,6 +122,7 @@ impl Sampling {
     }
 
     /// Samples at a block's end, `reached` step fractions from the start.
+    #[inline(never)]
     pub fn sample(&mut self, reached: u32, low: &mut LowOrders) {
         low.take(reached.wrapping_sub(self.grid).cast_signed());
         self.left = self.size;
