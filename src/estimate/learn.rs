@@ -4,6 +4,7 @@ use super::fold::{Motion, TurnScale};
 use super::lockstep::Lockstep;
 use super::low::{LOW_ORDERS, LowOrder};
 
+use super::speeds::Place;
 use super::turn::{Turn, TurnRate};
 use super::{Anchor, BROKEN, EdgeBuffers, Estimator, Progress, Rejection, TURNS_MAX};
 use crate::edge::Direction;
@@ -179,15 +180,16 @@ impl<B: EdgeBuffers> Estimator<B> {
         };
         let linear = (excess * i64::from(self.inverse_edges_q32)) >> STEP_FRACTION_BITS;
         whole.low = Some(self.low.finish(linear, bend_q32));
-        if self.disagrees(&whole, place.bin) {
+        if self.disagrees(&whole, place) {
             self.totals.reject(Rejection::Disagrees);
             return Progress::TurnRejected(Rejection::Disagrees);
         }
         self.before = Some(whole);
-        if before.is_some_and(|before| before.low.is_some()) {
-            let bin = &mut self.speeds.bins[place.bin];
+        if before.is_some_and(|before| before.low.is_some())
+            && let Some(bin) = self.speeds.bin(place)
+        {
             bin.jitter = bin.jitter.saturating_add(turn.jitter.squares);
-            bin.jitter_turns += 1;
+            bin.jitter_turns = bin.jitter_turns.saturating_add(1);
         }
         let plus = plus_in_contrast(self.totals.turns);
         self.speeds.count(place, plus);
@@ -207,7 +209,7 @@ impl<B: EdgeBuffers> Estimator<B> {
 
     /// Compares a turn's lowest orders with those of the turn taken last. One of like speed adds to the scatter, unless it
     /// is far off all scatter seen so far: then it disagrees, but not twice in a row.
-    fn disagrees(&mut self, turn: &WholeTurn, bin: usize) -> bool {
+    fn disagrees(&mut self, turn: &WholeTurn, place: Place) -> bool {
         let last = self.last_taken.replace(*turn);
         let Some((last, last_low, low)) = last.and_then(|last| Some((last, last.low?, turn.low?)))
         else {
@@ -219,12 +221,15 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         let mut squares = [0; LOW_ORDERS];
         let mut level = 0_u64;
-        for (index, square) in squares.iter_mut().enumerate() {
-            *square = low[index].distance(last_low[index]);
+        let both = low.iter().zip(&last_low);
+        for ((square, (one, other)), n) in squares.iter_mut().zip(both).zip(1_u64..) {
+            *square = one.distance(*other);
             // Torque noise falls with the fourth power of the order.
-            level = level.saturating_add(square.saturating_mul((index as u64 + 1).pow(4)));
+            level = level.saturating_add(square.saturating_mul(n.pow(4)));
         }
-        let bin = &mut self.speeds.bins[bin];
+        let Some(bin) = self.speeds.bin(place) else {
+            return false;
+        };
         let usual = bin
             .scatter
             .iter()
@@ -241,7 +246,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         self.disagreed = false;
         if !far_off {
-            bin.pairs += 1;
+            bin.pairs = bin.pairs.saturating_add(1);
             for (sum, square) in bin.scatter.iter_mut().zip(squares) {
                 *sum = sum.saturating_add(square);
             }

@@ -125,9 +125,9 @@ impl Moments {
         for (bin, share) in speeds.bins.iter().zip(self.weighed) {
             // Speed is one over duration; turns of a bin are alike.
             let count = u128::from(bin.count());
-            let speed_q16 = (count << 48)
-                .checked_div(u128::from(bin.durations))
-                .unwrap_or(0);
+            let mean_square_q32 = u128::from(bin.square()).checked_div(count).unwrap_or(0);
+            let duration_q32 = (mean_square_q32 << 32).isqrt();
+            let speed_q16 = (1_u128 << 48).checked_div(duration_q32).unwrap_or(0);
             sum += (speed_q16 * count * u128::from(share.unsigned_abs())) >> 30;
         }
         u64::try_from(sum).unwrap_or(u64::MAX)

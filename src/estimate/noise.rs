@@ -14,51 +14,39 @@ use super::weigh::{neighbours, single_orders};
 use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::units::STEP_FRACTION_BITS;
 
-/// Noise power at every order of an estimate and of all orders above, in 2^-[`POWER_BITS`] of the squared fine unit.
-#[derive(Clone)]
-pub(super) struct NoisePowers {
-    /// Order n at n - 1.
-    pub single: [u64; ORDERS_MAX],
-    /// Logarithm of what the contrast showed at each order itself over its level.
-    pub own: [i32; ORDERS_MAX],
-}
-
-impl NoisePowers {
-    pub(super) const ZERO: Self = Self {
-        single: [0; ORDERS_MAX],
-        own: [0; ORDERS_MAX],
-    };
-
-    /// From the powers of a contrast in `single`, to the noise of the estimate whose turns have `shares` where they have
-    /// `contrast` there.
-    #[inline(never)]
-    pub(super) fn settle(
-        &mut self,
-        plan: OrderPlan,
-        speeds: &Speeds,
-        shares: &Shares,
-        contrast: &Shares,
-        fine: Fine,
-    ) {
-        let mut scratch = [0; ORDERS_MAX];
-        smooth_noise(plan, &mut self.single, &mut self.own, &mut scratch);
-        let norm = contrast.of_powers(speeds, torque_power_q24);
-        let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
-        for (power, own) in self.single.iter_mut().zip(&mut self.own).take(plan.single) {
-            *own = own.saturating_sub(log2((*power).into()));
-            *power = ratio.times(*power);
-        }
-        for index in 0..LOW_ORDERS.min(plan.single) {
-            let sum = shares.of_powers(speeds, |b| {
-                let expected = Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm)
-                    .times(self.single[index]);
-                low_power(&speeds.bins[b], index, expected, fine)
-            });
-            self.single[index] = u64::try_from(sum >> 32).unwrap_or(u64::MAX);
-        }
-        for power in &mut self.single {
-            *power = (*power).max(1);
-        }
+/// Turns the powers of a contrast, in `noise`, into the noise of the estimate whose turns have `shares` where they have
+/// `contrast` there, in 2^-[`POWER_BITS`] of the squared fine unit; order n at n - 1. Logarithms of what the contrast showed at
+/// each order itself over its level go to `own`.
+#[inline(never)]
+pub(super) fn settle_noise(
+    plan: OrderPlan,
+    noise: &mut [u64; ORDERS_MAX],
+    own: &mut [i32; ORDERS_MAX],
+    speeds: &Speeds,
+    shares: &Shares,
+    contrast: &Shares,
+    fine: Fine,
+) {
+    smooth_noise(plan, noise, own);
+    let norm = contrast.of_powers(speeds, torque_power_q24);
+    let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
+    for (power, own) in noise.iter_mut().zip(own).take(plan.single) {
+        *own = own.saturating_sub(log2((*power).into()));
+        *power = ratio.times(*power);
+    }
+    for (index, power) in noise
+        .iter_mut()
+        .enumerate()
+        .take(LOW_ORDERS.min(plan.single))
+    {
+        let sum = shares.of_powers(speeds, |b| {
+            let expected = Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(*power);
+            low_power(&speeds.bins[b], index, expected, fine)
+        });
+        *power = u64::try_from(sum >> 32).unwrap_or(u64::MAX);
+    }
+    for power in noise {
+        *power = (*power).max(1);
     }
 }
 
@@ -159,12 +147,8 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
 /// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
 /// geometric mean over the neighbours with the slope of the fourth power taken out, and not below the same mean over
 /// [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
-pub(super) fn smooth_noise(
-    plan: OrderPlan,
-    noise: &mut [u64; ORDERS_MAX],
-    own: &mut [i32; ORDERS_MAX],
-    scratch: &mut [i32; ORDERS_MAX],
-) {
+fn smooth_noise(plan: OrderPlan, noise: &mut [u64; ORDERS_MAX], own: &mut [i32; ORDERS_MAX]) {
+    let mut scratch = [0; ORDERS_MAX];
     // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
     const MEAN_OVER_LOG_MEAN: i64 = 54_574;
     let slope = |order: usize| 4 * log2(order as u128);

@@ -10,11 +10,12 @@ pub(super) struct Fine {
 }
 
 impl Fine {
-    /// Digits that keep angles of up to `largest` (2^-32 turn) within 2^28.
+    /// Digits that keep angles of up to `largest` (2^-32 turn) within 2^26, so that twice that in a coefficient's unit fits
+    /// 32 bits.
     pub(super) fn for_angles(largest: u64) -> Self {
         let used = u64::BITS - largest.leading_zeros();
         Self {
-            bits: 28_u32.saturating_sub(used).min(10),
+            bits: 26_u32.saturating_sub(used).min(10),
         }
     }
 
@@ -102,16 +103,16 @@ mod tests {
     #[test]
     fn fine_angles_round_to_the_nearest() {
         let fine = Fine::for_angles(400_000);
-        assert_eq!(fine.bits, 9);
+        assert_eq!(fine.bits, 7);
         assert_eq!(
             [
-                fine.angle(511),
-                fine.angle(-511),
-                fine.angle(256),
-                fine.angle(255)
+                fine.angle(127),
+                fine.angle(-127),
+                fine.angle(64),
+                fine.angle(63)
             ],
             [1, -1, 1, 0]
         );
-        assert_eq!(fine.root_mean_square(9 << 26), 3);
+        assert_eq!(fine.root_mean_square(9 << 22), 3);
     }
 }

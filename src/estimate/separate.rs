@@ -2,7 +2,6 @@
 //! of the speed, so the plain mean over turns holds more of it than the mean weighed by the speed squared.
 
 use super::moments::Moments;
-use super::noise::NoisePowers;
 use super::order::{ORDERS_MAX, OrderPlan, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
 use super::spectrum::Coefficient;
@@ -21,9 +20,9 @@ pub(super) fn separate(
     plan: OrderPlan,
     moments: &Moments,
     coefficients: &mut [Coefficient; ORDERS_MAX],
-    noise: &mut NoisePowers,
+    noise: &mut [u64; ORDERS_MAX],
     difference: &mut [Coefficient; ORDERS_MAX],
-    doubt: &NoisePowers,
+    doubt: &[u64; ORDERS_MAX],
     fine: Fine,
 ) -> Torques {
     let mut torques = Torques::new();
@@ -34,14 +33,14 @@ pub(super) fn separate(
     let scale_q30 = moments.torque_scale_q30();
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
         let index = order - 1;
-        let doubt = doubt.single[index];
+        let doubt = doubt[index];
         let evidence = difference[index].power() / (doubt / 16).max(1);
         let half = CERTAIN * 16 / 2;
         let belief = evidence.saturating_sub(half).min(half);
         if belief == half {
             let amplitude = difference[index].scaled(scale_q30);
             let error = Coefficient {
-                re: i64::try_from(doubt.isqrt()).unwrap_or(i64::MAX),
+                re: i32::try_from(doubt.isqrt()).unwrap_or(i32::MAX),
                 im: 0,
             };
             keep_strongest(
@@ -61,7 +60,7 @@ pub(super) fn separate(
         let more = (u128::from(doubt) * u128::from(taken_q30.unsigned_abs())) >> 30;
         let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
         let more = u64::try_from(more).unwrap_or(u64::MAX);
-        noise.single[index] = noise.single[index].saturating_add(more);
+        noise[index] = noise[index].saturating_add(more);
     }
     torques
 }

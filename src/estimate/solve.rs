@@ -4,7 +4,7 @@ use super::close::{SumScale, close_sum, largest_error, saturated, take_class_mea
 use super::draw::draw;
 use super::fold::thirds;
 use super::moments::{Mean, Moments};
-use super::noise::{NoisePowers, common_noise};
+use super::noise::{common_noise, settle_noise};
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
 use super::power::{coarse_orders, split_orders};
 use super::scale::Fine;
@@ -40,23 +40,29 @@ impl<B: EdgeBuffers> Estimator<B> {
         let fine = close(&mut parts, plan, &moments, &self.speeds, unit_shift);
         let mut offsets = take_class_means(parts.sum, classes);
 
-        let mut noise = NoisePowers::ZERO;
-        let mut doubt = NoisePowers::ZERO;
+        let mut noise = [0; ORDERS_MAX];
+        let mut doubt = [0; ORDERS_MAX];
+        let mut own = [0; ORDERS_MAX];
         let mut difference = [Coefficient::default(); ORDERS_MAX];
         let [even, even_contrast, contrast] = blocks(&mut parts, plan);
         coarse_orders(even, plan, |order, c| difference[order - 1] = c);
-        coarse_orders(even_contrast, plan, |order, c| {
-            doubt.single[order - 1] = c.power()
-        });
-        coarse_orders(contrast, plan, |order, c| {
-            noise.single[order - 1] = c.power()
-        });
+        coarse_orders(even_contrast, plan, |order, c| doubt[order - 1] = c.power());
+        coarse_orders(contrast, plan, |order, c| noise[order - 1] = c.power());
+        let speeds = &self.speeds;
         let shares = moments.shares(Mean::Weighed);
-        let signed = moments.contrast(Mean::Weighed, &self.speeds);
-        noise.settle(plan, &self.speeds, &shares, &signed, fine);
         let more = moments.shares(Mean::Plain).minus(&shares);
-        let signed = moments.contrast(Mean::Plain, &self.speeds).minus(&signed);
-        doubt.settle(plan, &self.speeds, &more, &signed, fine);
+        let signed = moments.contrast(Mean::Weighed, speeds);
+        let more_signed = moments.contrast(Mean::Plain, speeds).minus(&signed);
+        settle_noise(
+            plan,
+            &mut doubt,
+            &mut own,
+            speeds,
+            &more,
+            &more_signed,
+            fine,
+        );
+        settle_noise(plan, &mut noise, &mut own, speeds, &shares, &signed, fine);
         let mut coefficients = [Coefficient::default(); ORDERS_MAX];
         let common = if plan.decimation == 1 {
             split_orders(parts.sum, parts.coarse, plan, &mut coefficients)
@@ -64,7 +70,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             let scratch = parts.cells.as_chunks_mut().0;
             split_orders(parts.sum, scratch, plan, &mut coefficients)
         };
-        let last = noise.single[plan.single - 1];
+        let last = noise[plan.single - 1];
         let common_noise = common_noise(plan, &self.speeds, &shares, last, fine);
         let torques = separate(
             plan,
@@ -79,6 +85,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             coefficients: &coefficients,
             common,
             noise: &noise,
+            own: &own,
             common_noise,
             one_speed_turn: moments
                 .separation

@@ -57,28 +57,28 @@ impl Sequence for [[i16; 2]] {
 /// One order's complex size, in 2^-[`COEFFICIENT_BITS`] of the sequence's unit: the mean of x exp(-i n theta).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Coefficient {
-    pub re: i64,
-    pub im: i64,
+    pub re: i32,
+    pub im: i32,
 }
 
 /// Fraction bits of a [`Coefficient`].
 pub(super) const COEFFICIENT_BITS: u32 = 4;
 
-/// Fraction bits of the square of one. With sequences below 2^28 no power overflows 64 bits.
+/// Fraction bits of the square of one. With sequences below 2^27 no coefficient overflows 32 bits.
 pub(super) const POWER_BITS: u32 = 2 * COEFFICIENT_BITS;
 
 impl Coefficient {
-    /// Squared size in 2^-[`POWER_BITS`] of the squared unit, saturating.
+    /// Squared size in 2^-[`POWER_BITS`] of the squared unit.
     pub(super) fn power(self) -> u64 {
-        let square = |x: i64| u128::from(x.unsigned_abs()) * u128::from(x.unsigned_abs());
-        u64::try_from(square(self.re) + square(self.im)).unwrap_or(u64::MAX)
+        let square = |x: i32| u64::from(x.unsigned_abs()).pow(2);
+        square(self.re) + square(self.im)
     }
 
-    /// Both parts times `factor_q30` in Q30.
+    /// Both parts times `factor_q30` in Q30, capped.
     pub(super) fn scaled(self, factor_q30: i64) -> Self {
-        let times = |x: i64| {
+        let times = |x: i32| {
             let product = (i128::from(x) * i128::from(factor_q30)) >> 30;
-            i64::try_from(product).unwrap_or(if x < 0 { i64::MIN } else { i64::MAX })
+            i32::try_from(product).unwrap_or(if x < 0 { i32::MIN } else { i32::MAX })
         };
         Self {
             re: times(self.re),
@@ -160,15 +160,15 @@ pub(super) fn coefficient<S: Sequence + ?Sized>(
             im -= i64::from(folded.get(samples - index)) * i64::from(s >> DROPPED);
         }
     });
-    let scale = |sum: i64| (sum / samples as i64) >> (SINE_BITS - DROPPED - COEFFICIENT_BITS);
+    let scale =
+        |sum: i64| saturated((sum / samples as i64) >> (SINE_BITS - DROPPED - COEFFICIENT_BITS));
     Coefficient {
         re: scale(re),
         im: scale(im),
     }
 }
 
-/// Adds `2 Re(factor exp(i order theta))` to a folded sequence, `factor` in 2^-[`COEFFICIENT_BITS`] of its unit and at most
-/// 2^28 of it.
+/// Adds `2 Re(factor exp(i order theta))` to a folded sequence, `factor` in 2^-[`COEFFICIENT_BITS`] of its unit.
 pub(super) fn add_order<S: Sequence + ?Sized>(
     folded: &mut S,
     samples: usize,
@@ -176,24 +176,16 @@ pub(super) fn add_order<S: Sequence + ?Sized>(
     factor: Coefficient,
 ) {
     const SHIFT: u32 = SINE_BITS + COEFFICIENT_BITS - 1;
-    // Two words of the factor would cost twice the work: its size goes into the shift.
-    let size = factor
-        .re
-        .unsigned_abs()
-        .max(factor.im.unsigned_abs())
-        .max(1);
-    let down = (size.ilog2() + 1).saturating_sub(31);
-    let (re, im) = (saturated(factor.re >> down), saturated(factor.im >> down));
-    let shift = SHIFT - down;
-    let rounding = 1_i64 << (shift - 1);
+    const ROUNDING: i64 = 1 << (SHIFT - 1);
+    let Coefficient { re, im } = factor;
     let half = samples.div_ceil(2);
     half_turn_phasor(order, samples, |index, c, s| {
         #[allow(clippy::cast_possible_truncation)]
-        let even = ((i64::from(re) * i64::from(c) + rounding) >> shift) as i32;
+        let even = ((i64::from(re) * i64::from(c) + ROUNDING) >> SHIFT) as i32;
         folded.set(index, folded.get(index).wrapping_add(even));
         if index != 0 && index < half {
             #[allow(clippy::cast_possible_truncation)]
-            let odd = ((i64::from(im) * i64::from(s) + rounding) >> shift) as i32;
+            let odd = ((i64::from(im) * i64::from(s) + ROUNDING) >> SHIFT) as i32;
             let mirror = samples - index;
             folded.set(mirror, folded.get(mirror).wrapping_sub(odd));
         }
@@ -304,8 +296,8 @@ pub(super) fn undo_decimation(
         .unsigned_abs();
     let inverse = Ratio::new(SINE_BITS, gain_q30);
     Coefficient {
-        re: inverse.times(raw.re),
-        im: inverse.times(raw.im),
+        re: saturated(inverse.times(raw.re.into())),
+        im: saturated(inverse.times(raw.im.into())),
     }
 }
 
@@ -370,8 +362,8 @@ mod tests {
             let mut x = std::vec![0_i32; samples];
             for &(n, size, phase) in &parts {
                 let factor = Coefficient {
-                    re: (size * 8.0 * phase.cos()) as i64,
-                    im: (size * 8.0 * phase.sin()) as i64,
+                    re: (size * 8.0 * phase.cos()) as i32,
+                    im: (size * 8.0 * phase.sin()) as i32,
                 };
                 add_order(x.as_mut_slice(), samples, n, factor);
             }

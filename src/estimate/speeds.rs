@@ -6,7 +6,7 @@ use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::recip::Recip;
 
 /// Speed bins, half an octave each.
-pub(super) const BINS: usize = 24;
+pub(super) const BINS: usize = 30;
 
 /// The bin of the first turn taken.
 const FIRST: i32 = BINS as i32 / 2;
@@ -15,22 +15,20 @@ const FIRST: i32 = BINS as i32 / 2;
 #[derive(Clone, Copy, Default)]
 pub(super) struct Bin {
     /// Turns that count plus and minus in the contrast.
-    pub turns: [u32; 2],
+    pub turns: [u16; 2],
     /// Sum of (duration / first turn's)^2 over each of them, Q32.
     pub squares: [u64; 2],
-    /// Sum of duration / first turn's, Q32.
-    pub durations: u64,
     /// Sum of squared second differences of two turns' deviations over one turn, and how many turns.
     pub jitter: u64,
-    pub jitter_turns: u32,
+    pub jitter_turns: u16,
     /// Pairs of turns compared, and for each of the lowest orders the sum of the squared differences.
-    pub pairs: u32,
+    pub pairs: u16,
     pub scatter: [u64; LOW_ORDERS],
 }
 
 impl Bin {
     pub(super) fn count(&self) -> u32 {
-        self.turns[0] + self.turns[1]
+        u32::from(self.turns[0]) + u32::from(self.turns[1])
     }
 
     pub(super) fn square(&self) -> u64 {
@@ -59,7 +57,6 @@ impl Speeds {
         bins: [Bin {
             turns: [0; 2],
             squares: [0; 2],
-            durations: 0,
             jitter: 0,
             jitter_turns: 0,
             pairs: 0,
@@ -74,7 +71,7 @@ impl Speeds {
         self.reference
     }
 
-    /// Bin of a turn; the first one sets the reference. None where the speed is more than 64 times off it.
+    /// Bin of a turn; the first one sets the reference. None where the speed is more than 160 times off it.
     pub(super) fn place(&mut self, duration: u64) -> Option<Place> {
         if self.reference == 0 {
             self.reference = duration;
@@ -90,15 +87,21 @@ impl Speeds {
         Some(Place { bin, ratio_q32 })
     }
 
+    /// The bin of a place.
+    pub(super) fn bin(&mut self, place: Place) -> Option<&mut Bin> {
+        self.bins.get_mut(place.bin)
+    }
+
     /// Counts a turn with its sign in the contrast.
     pub(super) fn count(&mut self, place: Place, plus: bool) {
-        let bin = &mut self.bins[place.bin];
+        let Some(bin) = self.bins.get_mut(place.bin) else {
+            return;
+        };
         let side = usize::from(!plus);
-        bin.turns[side] += 1;
+        bin.turns[side] = bin.turns[side].saturating_add(1);
         let square = (u128::from(place.ratio_q32) * u128::from(place.ratio_q32)) >> 32;
         let square = u64::try_from(square).unwrap_or(u64::MAX);
         bin.squares[side] = bin.squares[side].saturating_add(square);
-        bin.durations = bin.durations.saturating_add(place.ratio_q32);
     }
 }
 

@@ -6,7 +6,6 @@
 //! decisions are continuous, so that no rounding can flip one.
 
 use super::DriveKnowledge;
-use super::noise::NoisePowers;
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::ripple::{Standing, StandingOrders, keep_strongest, product};
 use super::spectrum::Coefficient;
@@ -34,7 +33,9 @@ pub(super) struct Estimate<'a> {
     pub coefficients: &'a [Coefficient; ORDERS_MAX],
     /// Power of the orders above the single ones.
     pub common: u64,
-    pub noise: &'a NoisePowers,
+    pub noise: &'a [u64; ORDERS_MAX],
+    /// Logarithms of what the contrast showed at each order itself over its level.
+    pub own: &'a [i32; ORDERS_MAX],
     pub common_noise: u64,
     /// Length of a turn in the sequence's unit where all turns were too alike in speed to tell torque from geometry.
     pub one_speed_turn: Option<u64>,
@@ -68,7 +69,7 @@ pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
     };
     for order in single_orders(plan).filter(|&n| estimate.suspect(plan, n)) {
         let power = estimate.coefficients[order - 1].power();
-        if height(power, sizes[order - 1], estimate.noise.single[order - 1]) > STANDING_HEIGHT {
+        if height(power, sizes[order - 1], estimate.noise[order - 1]) > STANDING_HEIGHT {
             #[allow(clippy::cast_possible_truncation)]
             keep_strongest(
                 &mut weights.standing,
@@ -93,8 +94,8 @@ pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
         let index = order - 1;
         let size = sizes[index];
         // Not below half of what the order itself shows, for a line that comes and goes.
-        let noise = estimate.noise.single[index];
-        let own = log2(noise.into()).saturating_add(estimate.noise.own[index]) - Q;
+        let noise = estimate.noise[index];
+        let own = log2(noise.into()).saturating_add(estimate.own[index]) - Q;
         let product = u64::from(product(&weights.standing, turn, order));
         let doubt = noise.max(exp2(own)).saturating_add(product.pow(2));
         let mut weight = wiener(size, doubt);
@@ -133,14 +134,14 @@ fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; OR
     };
     for index in 0..plan.single {
         levels.signal[index] = log2(estimate.coefficients[index].power().into());
-        levels.noise[index] = log2(estimate.noise.single[index].into());
+        levels.noise[index] = log2(estimate.noise[index].into());
     }
     let mut sizes = [0; ORDERS_MAX];
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
         let (power, noise) = (
             estimate.coefficients[order - 1].power(),
-            estimate.noise.single[order - 1],
+            estimate.noise[order - 1],
         );
         let trusted = !estimate.suspect(plan, order);
         let size = if plan.has_neighbours() {
