@@ -129,7 +129,7 @@ fn image_and_host_agree(rig: Rig, gain: f64) {
         "{fixed} bytes of statics, ELF has {size:?}"
     );
     // The paint can't tell how deep a stack goes that fills its whole region.
-    assert!((1000..20 << 10).contains(&stack), "{stack} bytes of stack");
+    assert!((1000..40 << 10).contains(&stack), "{stack} bytes of stack");
     assert!(fixed + stack <= RAM, "{fixed} + {stack} bytes of RAM");
 }
 
@@ -174,7 +174,7 @@ fn every_stage_has_its_price_in_instructions() {
     assert!(bench.written(SLOT) == session::run(&events).unwrap().slot);
     for (stage, most) in [
         ("front", 200.0),
-        ("learn", 160.0),
+        ("learn", 200.0),
         ("correct", 130.0),
         ("angle_at", 200.0),
     ] {
@@ -183,10 +183,9 @@ fn every_stage_has_its_price_in_instructions() {
         println!("{stage:<9} {each:>6.1} instructions each, {calls} calls");
         assert!((10.0..most).contains(&each), "{stage}: {each}");
     }
-    println!(
-        "solve     {} instructions",
-        number(&output, "solve_instructions")
-    );
+    let solve = number(&output, "solve_instructions");
+    println!("solve     {solve} instructions");
+    assert!(solve < 30_000_000, "{solve}");
     assert_eq!(output.stdout, bench.succeed(&[EVENTS, SLOT]).stdout);
 }
 

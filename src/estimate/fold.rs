@@ -39,7 +39,9 @@ impl Motion {
 #[derive(Clone, Copy)]
 pub(super) struct FoldShape {
     pub edges: u32,
+    /// Edges of a block, and blocks of a turn.
     pub block: u32,
+    pub blocks: u32,
     pub classes: u32,
     /// 2^32 / classes, rounded up.
     class_inverse: u32,
@@ -61,6 +63,7 @@ impl FoldShape {
         Self {
             edges,
             block,
+            blocks: edges / block.max(1),
             classes,
             class_inverse: (u32::MAX / classes.max(1)).wrapping_add(1),
             unit_shift,
@@ -136,7 +139,7 @@ impl Fold {
             block: if forward {
                 0
             } else {
-                shape.edges / shape.block.max(1) - 1
+                shape.blocks.wrapping_sub(1)
             },
             ..Self::idle(shape)
         };

@@ -49,20 +49,9 @@ impl<B: EdgeBuffers> Estimator<B> {
         coarse_orders(even_contrast, plan, |order, c| doubt[order - 1] = c.power());
         coarse_orders(contrast, plan, |order, c| noise[order - 1] = c.power());
         let speeds = &self.speeds;
-        let shares = moments.shares(Mean::Weighed);
-        let more = moments.shares(Mean::Plain).minus(&shares);
-        let signed = moments.contrast(Mean::Weighed, speeds);
-        let more_signed = moments.contrast(Mean::Plain, speeds).minus(&signed);
-        settle_noise(
-            plan,
-            &mut doubt,
-            &mut own,
-            speeds,
-            &more,
-            &more_signed,
-            fine,
+        let common_noise = settle(
+            plan, &moments, speeds, &mut noise, &mut doubt, &mut own, fine,
         );
-        settle_noise(plan, &mut noise, &mut own, speeds, &shares, &signed, fine);
         let mut coefficients = [Coefficient::default(); ORDERS_MAX];
         let common = if plan.decimation == 1 {
             split_orders(parts.sum, parts.coarse, plan, &mut coefficients)
@@ -70,8 +59,6 @@ impl<B: EdgeBuffers> Estimator<B> {
             let scratch = parts.cells.as_chunks_mut().0;
             split_orders(parts.sum, scratch, plan, &mut coefficients)
         };
-        let last = noise[plan.single - 1];
-        let common_noise = common_noise(plan, &self.speeds, &shares, last, fine);
         let torques = separate(
             plan,
             &moments,
@@ -159,6 +146,27 @@ impl<B: EdgeBuffers> Estimator<B> {
     }
 }
 
+/// From the powers of both contrasts to the noise of the weighed mean and of what the plain mean differs from it; returns
+/// the noise of the orders above.
+#[inline(never)]
+fn settle(
+    plan: OrderPlan,
+    moments: &Moments,
+    speeds: &Speeds,
+    noise: &mut [u64; ORDERS_MAX],
+    doubt: &mut [u64; ORDERS_MAX],
+    own: &mut [i32; ORDERS_MAX],
+    fine: Fine,
+) -> u64 {
+    let shares = moments.shares(Mean::Weighed);
+    let signed = moments.contrast(Mean::Weighed, speeds);
+    let more = moments.shares(Mean::Plain).minus(&shares);
+    let more_signed = moments.contrast(Mean::Plain, speeds).minus(&signed);
+    settle_noise(plan, doubt, own, speeds, &more, &more_signed, fine);
+    settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
+    common_noise(plan, speeds, &shares, noise[plan.single - 1], fine)
+}
+
 /// The coarse sums of the blocks there are.
 fn blocks<'a>(parts: &'a mut Parts<'_>, plan: OrderPlan) -> [&'a mut [i32]; 3] {
     thirds(parts.coarse).map(|third| &mut third[..plan.blocks])
@@ -166,6 +174,7 @@ fn blocks<'a>(parts: &'a mut Parts<'_>, plan: OrderPlan) -> [&'a mut [i32]; 3] {
 
 /// Closes all sums; leaves in the coarse ones the plain mean less the weighed one, its contrast, and the contrast of the
 /// weighed mean, with what repeats taken out of the contrasts.
+#[inline(never)]
 fn close(
     parts: &mut Parts<'_>,
     plan: OrderPlan,
@@ -214,6 +223,7 @@ fn close(
 }
 
 /// Draws the orders in `more` over the weighed mean, which is weighed with `common`.
+#[inline(never)]
 fn redraw(
     parts: &mut Parts<'_>,
     plan: OrderPlan,
@@ -256,6 +266,7 @@ fn draw_orders<S: Sequence + ?Sized>(
 
 /// Scales the errors to 2^-32 turn and packs them as 16-bit entries in the cells; returns their shift, and the RMS of the
 /// whole table.
+#[inline(never)]
 fn pack(
     parts: &mut Parts<'_>,
     fine: Fine,

@@ -130,7 +130,7 @@ fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; OR
     let mut levels = Levels {
         signal: [0; ORDERS_MAX],
         noise: [0; ORDERS_MAX],
-        scratch: [0; ORDERS_MAX],
+        scratch: [0; NEIGHBOURS_MAX],
     };
     for index in 0..plan.single {
         levels.signal[index] = log2(estimate.coefficients[index].power().into());
@@ -236,6 +236,9 @@ fn left_over(weight: u32, size: u64, noise: u64) -> u64 {
         .unwrap_or(u64::MAX)
 }
 
+/// Neighbours at the most: half as many as there are orders, and more where few are left above.
+const NEIGHBOURS_MAX: usize = ORDERS_MAX * 2 / 3 + 2;
+
 /// Neighbours of an order: a third of it to either side, two at least.
 pub(super) fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = usize> {
     let reach = (order / 3).max(2);
@@ -248,7 +251,7 @@ pub(super) fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = 
 struct Levels {
     signal: [i32; ORDERS_MAX],
     noise: [i32; ORDERS_MAX],
-    scratch: [i32; ORDERS_MAX],
+    scratch: [i32; NEIGHBOURS_MAX],
 }
 
 impl Levels {
@@ -276,7 +279,7 @@ impl Levels {
 fn median(
     plan: OrderPlan,
     order: usize,
-    scratch: &mut [i32; ORDERS_MAX],
+    scratch: &mut [i32; NEIGHBOURS_MAX],
     value: impl Fn(usize) -> i32,
 ) -> (i32, usize) {
     let mut count = 0;

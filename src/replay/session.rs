@@ -198,11 +198,7 @@ where
         0 => TURNS_DEFAULT,
         turns => turns,
     };
-    let mut estimator =
-        Estimator::new(shape, Anchor::Index, buffers).map_err(SessionError::Shape)?;
-    let learned_until = learn(&mut front, &mut estimator, turns)?;
-    let learned = *estimator.totals();
-    let solution = estimator.solve().map_err(SessionError::Solve)?;
+    let (solution, learned, learned_until) = learn(&mut front, shape, buffers, turns)?;
     slot::write(
         &slot_header(&solution, learned_until),
         solution.entries(),
@@ -240,20 +236,29 @@ where
     })
 }
 
-/// Feeds the estimator until it has taken `turns` turns; returns the tick at which it had.
+/// What was learned: the table, the turns it rests on, and the tick at which the last of them was over.
+type Learned<B> = (Solution<B>, Totals, Ticks);
+
+/// Learns `turns` turns and solves. Not inlined, so that the stack it needs is free again for what comes after.
+#[inline(never)]
 fn learn<B, S, F>(
     front: &mut Front<'_, S>,
-    estimator: &mut Estimator<B>,
+    shape: EncoderShape,
+    buffers: B,
     turns: u32,
-) -> Result<Ticks, SessionError<F>>
+) -> Result<Learned<B>, SessionError<F>>
 where
     B: EdgeBuffers,
     S: FnMut(&mut [u8]) -> Result<usize, F>,
 {
+    let mut estimator =
+        Estimator::new(shape, Anchor::Index, buffers).map_err(SessionError::Shape)?;
     while let Some(sample) = front.next_sample()? {
         let progress = estimator.push(&front.decoder.push(sample));
         if matches!(progress, Progress::TurnTaken(taken) if taken >= turns) {
-            return Ok(sample.ticks);
+            let learned = *estimator.totals();
+            let solution = estimator.solve().map_err(SessionError::Solve)?;
+            return Ok((solution, learned, sample.ticks));
         }
     }
     Err(SessionError::TooFewTurns(*estimator.totals()))
