@@ -1,28 +1,19 @@
 //! What the servo loop gets: the corrected angle at every edge and, by extrapolation from the last two, between edges.
+//!
+//! # Time
+//! The table's delays say how late each edge is captured. An edge keeps its captured time in whole ticks and, beside it, how late
+//! that is in 2^-8 tick, so that nothing is rounded where a tick is long. Extrapolation takes both into account.
+
+mod edge;
 
 use crate::edge::Direction;
 use crate::estimate::Anchor;
-use crate::recip::Recip;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
-use crate::table::{Entry, ErrorTable};
-use crate::units::{Ticks, Turn32, TurnDelta32};
+use crate::table::{Entry, ErrorTable, OfClass};
+use crate::units::{TickDelta8, Ticks, Turn32, TurnDelta32};
 
-/// One edge, corrected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CorrectedEdge {
-    /// Time of the edge.
-    pub ticks: Ticks,
-    /// Shaft angle. Before the index its origin is where counting began.
-    pub angle: Turn32,
-    /// Corrected angle moved since the previous edge, negative in reverse, 0 where the direction changed.
-    pub moved: TurnDelta32,
-    /// Time since the previous edge, ticks; 0 at the first edge.
-    pub interval: u32,
-    /// Facts about the step: [`Flags::TURN_SUSPECT`] says that the angle may be off by whole edges.
-    pub flags: Flags,
-}
+pub use edge::CorrectedEdge;
 
 /// An edge, and what extrapolation from it needs.
 #[derive(Clone, Copy, Debug)]
@@ -38,14 +29,19 @@ const NOTHING: Last = Last {
         angle: Turn32(0),
         moved: TurnDelta32(0),
         interval: 0,
+        late: TickDelta8::ZERO,
+        stretch: TickDelta8::ZERO,
         flags: Flags::NONE,
     },
     number: 0,
     direction: Direction::Forward,
 };
 
-/// Flags that decide whether an edge's angle can be subtracted from the one before.
-const RELATION: Flags = Flags::FIRST.with(Flags::REFERENCED).with(Flags::INDEX);
+/// Flags that decide whether an edge's angle can be subtracted from the one before, and what is known of its class.
+const RELATION: Flags = Flags::FIRST
+    .with(Flags::REVERSED)
+    .with(Flags::REFERENCED)
+    .with(Flags::INDEX);
 
 /// Never a step's relation.
 const NO_RELATION: Flags = Flags(u16::MAX);
@@ -56,8 +52,8 @@ pub struct Corrector<'a, E: Entry = i16> {
     anchor: Anchor,
     /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
     related: Flags,
-    /// Class means by the last two bits of an edge's number.
-    offsets: [TurnDelta32; 4],
+    /// What an edge has from its class in the present direction, by the last two bits of its number.
+    classes: [OfClass; 4],
     /// The table's entries once the index is seen, none before.
     entries: &'a [E],
     /// Place of the newest edge in the history.
@@ -76,7 +72,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             table,
             anchor,
             related: NO_RELATION,
-            offsets: [TurnDelta32(0); 4],
+            classes: [OfClass::NONE; 4],
             entries: &[],
             newest: false,
             known: 0,
@@ -102,19 +98,21 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let (angle, moved, interval) = if step.flags.within(RELATION) == self.related {
-            let offset = self.offsets[step.edge as usize % 4];
+        let edge = if step.flags.within(RELATION) == self.related {
+            let OfClass { offset, delay } = self.classes[step.edge as usize % 4];
             let angle = self.table.angle_with(step.edge, offset, self.entries);
-            (angle, angle.minus(self.newest().edge.angle), step.interval)
+            let before = &self.newest().edge;
+            CorrectedEdge {
+                ticks: step.ticks,
+                angle,
+                moved: angle.minus(before.angle),
+                interval: step.interval,
+                late: delay,
+                stretch: delay.minus(before.late),
+                flags: step.flags,
+            }
         } else {
             self.relate(step)
-        };
-        let edge = CorrectedEdge {
-            ticks: step.ticks,
-            angle,
-            moved,
-            interval,
-            flags: step.flags,
         };
         self.newest = !self.newest;
         self.history[usize::from(self.newest)] = Last {
@@ -125,10 +123,10 @@ impl<'a, E: Entry> Corrector<'a, E> {
         edge
     }
 
-    /// Angle of a step that may not follow the one before plainly, and the way and time from there.
+    /// A step that may not follow the one before plainly.
     #[cold]
     #[inline(never)]
-    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32) {
+    fn relate(&mut self, step: &Step) -> CorrectedEdge {
         let first = step.flags.contains(Flags::FIRST);
         let referenced = self.applies(step.flags);
         let angle = self.table.angle(step.edge, referenced);
@@ -140,20 +138,33 @@ impl<'a, E: Entry> Corrector<'a, E> {
             }
             _ => TurnDelta32(self.grid_steps(step)),
         };
+        let late = self.table.delay(step.edge, step.direction);
+        let stretch = match self.last() {
+            Some(last) if !first => late.minus(last.late),
+            _ => TickDelta8::ZERO,
+        };
         self.known = (self.known + 1).min(2);
-        self.expect(step.flags);
-        (angle, moved, if first { 0 } else { step.interval })
+        self.expect(step.flags, step.direction);
+        CorrectedEdge {
+            ticks: step.ticks,
+            angle,
+            moved,
+            interval: if first { 0 } else { step.interval },
+            late,
+            stretch,
+            flags: step.flags,
+        }
     }
 
-    /// Gets ready for steps that plainly follow one with `flags`.
-    fn expect(&mut self, flags: Flags) {
+    /// Gets ready for steps that plainly follow one with `flags` in `direction`.
+    fn expect(&mut self, flags: Flags, direction: Direction) {
         self.related = NO_RELATION;
         // Six classes take the longer way at every edge: Hall sensors give few.
-        if let Some(offsets) = self.table.offsets_by_bits()
+        if let Some(classes) = self.table.classes_by_bits(direction)
             && self.known == 2
         {
             self.related = flags.within(Flags::REFERENCED);
-            self.offsets = offsets;
+            self.classes = classes;
             self.entries = if self.applies(flags) {
                 self.table.entries()
             } else {
@@ -170,7 +181,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             Outcome::Glitch(_) if self.known == 2 => {
                 let before = self.history[usize::from(!self.newest)];
                 self.history[usize::from(self.newest)] = before;
-                self.expect(before.edge.flags);
+                self.expect(before.edge.flags, before.direction);
             }
             Outcome::Glitch(_) => self.known = 0,
             Outcome::Index(index) if index.resync != 0 => {
@@ -205,28 +216,21 @@ impl<'a, E: Entry> Corrector<'a, E> {
             return None;
         }
         let last = self.newest();
-        let elapsed = u32::try_from(now.saturating_sub(last.edge.ticks)).unwrap_or(u32::MAX);
         if last.edge.interval == 0 {
             return Some(last.edge.angle);
         }
-        let travel = u64::from(last.edge.moved.0.unsigned_abs()) * u64::from(elapsed);
-        let travel = Recip::of_u32(last.edge.interval).times(travel);
         let next = self.next_edge(last.number, last.direction);
-        let limit = self
+        let way = self
             .table
             .angle(next, self.applies(last.edge.flags))
             .minus(last.edge.angle)
             .0
             .unsigned_abs();
-        let travel = u32::try_from(travel)
-            .unwrap_or(u32::MAX)
-            .min(limit)
-            .cast_signed();
-        Some(
-            last.edge
-                .angle
-                .plus(TurnDelta32(travel.wrapping_mul(last.direction.sign()))),
-        )
+        // An edge that is captured late may have been passed already.
+        let limit = i64::from(way) + last.edge.way_in(self.table.delay(next, last.direction));
+        let travel = last.edge.travel_until(now).min(limit.max(0)) as i32;
+        let travel = travel.wrapping_mul(last.direction.sign());
+        Some(last.edge.angle.plus(TurnDelta32(travel)))
     }
 
     fn next_edge(&self, edge: u32, direction: Direction) -> u32 {

@@ -166,7 +166,10 @@ pub fn verify(
 
     let mut decoder = plan.decoder()?;
     let mut raw: Corrector<'_> = Corrector::uncorrected(Grid::new(shape));
-    let mut corrected = Corrector::new(slot.table().map_err(VerifyError::Table)?, plan.anchor());
+    let mut corrected = Corrector::new(
+        slot.table_at(clock_hz).map_err(VerifyError::Table)?,
+        plan.anchor(),
+    );
     let mut meter = ScatterMeter::new(shape, plan.gap_edges(), clock_hz);
     let mut comparison = reference.map(|reference| Comparison::new(reference, shape, clock_hz));
     for row in rows {

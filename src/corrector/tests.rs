@@ -71,17 +71,19 @@ proptest! {
     #[test]
     fn a_plain_step_is_corrected_as_any_step(
         steps in prop::collection::vec((0u32..24, 0u16..16, any::<bool>(), 0u8..20, -1i32..2), 1..100), classes in 1u32..=6,
-        offsets in prop::array::uniform6(-1000i32..1000)
+        offsets in prop::array::uniform6(-1000i32..1000), delays in prop::array::uniform6(-5000i32..5000)
     ) {
         prop_assume!(24 % classes == 0);
         let shape = EncoderShape::new(24, classes).unwrap();
         let entries: [i16; 24] = core::array::from_fn(|k| k as i16 * 77 - 900);
         let table = ErrorTable::new(shape, offsets.map(TurnDelta32), &entries, 4).unwrap();
+        let table = table.with_delays(delays.map(TickDelta8));
         let (mut quick, mut careful) = (Corrector::new(table, Anchor::Index), Corrector::new(table, Anchor::Index));
         for (i, (edge, flags, forward, kind, resync)) in steps.into_iter().enumerate() {
             let direction = if forward { Direction::Forward } else { Direction::Reverse };
             let ticks = 100 * i as Ticks;
-            let flags = Flags(flags);
+            let turned = quick.newest().direction != direction;
+            let flags = if turned { Flags(flags).with(Flags::REVERSED) } else { Flags(flags) };
             // Only an index moves the count.
             let resync = if flags.contains(Flags::INDEX) { resync } else { 0 };
             let outcome = match kind {
