@@ -10,36 +10,37 @@ use crate::edge::Direction;
 use crate::estimate::Anchor;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
-use crate::table::{Entry, ErrorTable, OfClass};
-use crate::units::{TickDelta8, Ticks, Turn32, TurnDelta32};
+use crate::table::{Delay, Entry, ErrorTable, OfClass};
+use crate::units::{Ticks, Turn32, TurnDelta32};
 
 pub use edge::CorrectedEdge;
 
-/// An edge, and what extrapolation from it needs.
+/// An edge, and what extrapolation from it needs. Its delay follows from its class.
 #[derive(Clone, Copy, Debug)]
 struct Last {
-    edge: CorrectedEdge,
-    number: u32,
+    ticks: Ticks,
+    angle: Turn32,
+    moved: TurnDelta32,
+    interval: u32,
+    flags: Flags,
     direction: Direction,
+    number: u32,
 }
 
 const NOTHING: Last = Last {
-    edge: CorrectedEdge {
-        ticks: 0,
-        angle: Turn32(0),
-        moved: TurnDelta32(0),
-        interval: 0,
-        late: TickDelta8::ZERO,
-        stretch: TickDelta8::ZERO,
-        flags: Flags::NONE,
-    },
-    number: 0,
+    ticks: 0,
+    angle: Turn32(0),
+    moved: TurnDelta32(0),
+    interval: 0,
+    flags: Flags::NONE,
     direction: Direction::Forward,
+    number: 0,
 };
 
-/// Flags that decide whether an edge's angle can be subtracted from the one before, and what is known of its class.
+/// Flags that decide whether an edge's angle can be subtracted from the one before, and which class that is of.
 const RELATION: Flags = Flags::FIRST
     .with(Flags::REVERSED)
+    .with(Flags::ILLEGAL)
     .with(Flags::REFERENCED)
     .with(Flags::INDEX);
 
@@ -98,62 +99,57 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let edge = if step.flags.within(RELATION) == self.related {
-            let OfClass { offset, delay } = self.classes[step.edge as usize % 4];
-            let angle = self.table.angle_with(step.edge, offset, self.entries);
-            let before = &self.newest().edge;
-            CorrectedEdge {
-                ticks: step.ticks,
-                angle,
-                moved: angle.minus(before.angle),
-                interval: step.interval,
-                late: delay,
-                stretch: delay.minus(before.late),
-                flags: step.flags,
-            }
+        let (angle, moved, interval, delay) = if step.flags.within(RELATION) == self.related {
+            let class = self.classes[step.edge as usize % 4];
+            let angle = self.table.angle_with(step.edge, class.offset, self.entries);
+            let moved = angle.minus(self.newest().angle);
+            (angle, moved, step.interval, class.delay)
         } else {
             self.relate(step)
         };
         self.newest = !self.newest;
         self.history[usize::from(self.newest)] = Last {
-            edge,
-            number: step.edge,
+            ticks: step.ticks,
+            angle,
+            moved,
+            interval,
+            flags: step.flags,
             direction: step.direction,
+            number: step.edge,
         };
-        edge
+        CorrectedEdge {
+            ticks: step.ticks,
+            angle,
+            moved,
+            interval,
+            late: delay.late,
+            stretch: delay.stretch,
+            flags: step.flags,
+        }
     }
 
-    /// A step that may not follow the one before plainly.
+    /// Angle of a step that may not follow the one before plainly, and the way and time from there, as captured and as it was.
     #[cold]
     #[inline(never)]
-    fn relate(&mut self, step: &Step) -> CorrectedEdge {
+    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32, Delay) {
         let first = step.flags.contains(Flags::FIRST);
         let referenced = self.applies(step.flags);
         let angle = self.table.angle(step.edge, referenced);
         // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
         let comparable = step.resync == 0 && !first;
-        let moved = match self.last() {
+        let moved = match self.recent() {
             Some(last) if comparable && self.applies(last.flags) == referenced => {
                 angle.minus(last.angle)
             }
             _ => TurnDelta32(self.grid_steps(step)),
         };
-        let late = self.table.delay(step.edge, step.direction);
-        let stretch = match self.last() {
-            Some(last) if !first => late.minus(last.late),
-            _ => TickDelta8::ZERO,
-        };
         self.known = (self.known + 1).min(2);
         self.expect(step.flags, step.direction);
-        CorrectedEdge {
-            ticks: step.ticks,
-            angle,
-            moved,
-            interval: if first { 0 } else { step.interval },
-            late,
-            stretch,
-            flags: step.flags,
-        }
+        let interval = if first { 0 } else { step.interval };
+        let delay = self
+            .table
+            .delay_after(step.edge, step.direction, step.flags);
+        (angle, moved, interval, delay)
     }
 
     /// Gets ready for steps that plainly follow one with `flags` in `direction`.
@@ -181,7 +177,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             Outcome::Glitch(_) if self.known == 2 => {
                 let before = self.history[usize::from(!self.newest)];
                 self.history[usize::from(self.newest)] = before;
-                self.expect(before.edge.flags, before.direction);
+                self.expect(before.flags, before.direction);
             }
             Outcome::Glitch(_) => self.known = 0,
             Outcome::Index(index) if index.resync != 0 => {
@@ -202,35 +198,48 @@ impl<'a, E: Entry> Corrector<'a, E> {
         &self.history[usize::from(self.newest)]
     }
 
+    fn recent(&self) -> Option<&Last> {
+        (self.known != 0).then(|| self.newest())
+    }
+
     /// The edge accepted last.
     #[must_use]
-    pub fn last(&self) -> Option<&CorrectedEdge> {
-        (self.known != 0).then(|| &self.newest().edge)
+    pub fn last(&self) -> Option<CorrectedEdge> {
+        let last = self.recent()?;
+        let delay = self
+            .table
+            .delay_after(last.number, last.direction, last.flags);
+        Some(CorrectedEdge {
+            ticks: last.ticks,
+            angle: last.angle,
+            moved: last.moved,
+            interval: last.interval,
+            late: delay.late,
+            stretch: delay.stretch,
+            flags: last.flags,
+        })
     }
 
     /// Angle at `now`: from the last edge on at the speed of the last interval, but never past the next edge, which would
     /// have been seen. `None` before the first edge. For the control loop; no division.
     #[must_use]
     pub fn angle_at(&self, now: Ticks) -> Option<Turn32> {
-        if self.known == 0 {
-            return None;
+        let (last, place) = (self.last()?, self.newest());
+        if last.interval == 0 {
+            return Some(last.angle);
         }
-        let last = self.newest();
-        if last.edge.interval == 0 {
-            return Some(last.edge.angle);
-        }
-        let next = self.next_edge(last.number, last.direction);
+        let next = self.next_edge(place.number, place.direction);
         let way = self
             .table
-            .angle(next, self.applies(last.edge.flags))
-            .minus(last.edge.angle)
+            .angle(next, self.applies(last.flags))
+            .minus(last.angle)
             .0
             .unsigned_abs();
         // An edge that is captured late may have been passed already.
-        let limit = i64::from(way) + last.edge.way_in(self.table.delay(next, last.direction));
-        let travel = last.edge.travel_until(now).min(limit.max(0)) as i32;
-        let travel = travel.wrapping_mul(last.direction.sign());
-        Some(last.edge.angle.plus(TurnDelta32(travel)))
+        let limit = i64::from(way) + last.way_in(self.table.delay(next, place.direction));
+        let travel = last.travel_until(now).min(limit.max(0)) as i32;
+        let travel = travel.wrapping_mul(place.direction.sign());
+        Some(last.angle.plus(TurnDelta32(travel)))
     }
 
     fn next_edge(&self, edge: u32, direction: Direction) -> u32 {

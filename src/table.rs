@@ -7,6 +7,7 @@
 
 use crate::edge::Direction;
 use crate::shape::{CLASSES_MAX, EncoderShape, Grid};
+use crate::step::Flags;
 use crate::units::{TickDelta8, Turn32, TurnDelta32};
 
 /// A table's entries do not match the encoder.
@@ -47,14 +48,26 @@ pub(crate) struct OfClass {
     /// Mean error.
     pub offset: TurnDelta32,
     /// Delay of the capture.
-    pub delay: TickDelta8,
+    pub delay: Delay,
+}
+
+/// What the delays do to an edge's time and to the interval before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Delay {
+    /// How late the edge is captured.
+    pub late: TickDelta8,
+    /// By how much that is more than for the edge before.
+    pub stretch: TickDelta8,
 }
 
 impl OfClass {
     /// Nothing.
     pub const NONE: Self = Self {
         offset: TurnDelta32(0),
-        delay: TickDelta8::ZERO,
+        delay: Delay {
+            late: TickDelta8::ZERO,
+            stretch: TickDelta8::ZERO,
+        },
     };
 }
 
@@ -151,6 +164,30 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         self.class_delays.get(class).copied().unwrap_or_default()
     }
 
+    /// Delay of a step's edge, and by how much it is more than that of the edge before.
+    pub(crate) fn delay_after(&self, edge: u32, direction: Direction, flags: Flags) -> Delay {
+        let late = self.delay(edge, direction);
+        let before = if flags.intersects(Flags::FIRST.with(Flags::ILLEGAL)) {
+            // Which edge was before is not known.
+            late
+        } else if flags.contains(Flags::REVERSED) {
+            self.delay(edge, direction.opposite())
+        } else {
+            // The first and the last class of a line meet at its end.
+            let last = self.shape().classes() - 1;
+            match direction {
+                Direction::Forward if self.grid.class(edge) == 0 => self.delay(last, direction),
+                Direction::Forward => self.delay(edge.wrapping_sub(1), direction),
+                Direction::Reverse if self.grid.class(edge) == last => self.delay(0, direction),
+                Direction::Reverse => self.delay(edge.wrapping_add(1), direction),
+            }
+        };
+        Delay {
+            late,
+            stretch: late.minus(before),
+        }
+    }
+
     /// The class of the same channel's other edge: half of the classes on. With an odd number of classes there is none, and the
     /// class stands for itself.
     #[inline]
@@ -207,7 +244,7 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
             let edge = bits as u32;
             OfClass {
                 offset: self.error(edge, false),
-                delay: self.delay(edge, direction),
+                delay: self.delay_after(edge, direction, Flags::NONE),
             }
         };
         classes

@@ -82,13 +82,22 @@ mod tests {
     fn a_delay_is_the_same_time_at_every_clock() {
         // 100 ns: 8.4 ticks of 84 MHz, 0.003 ticks of 30 kHz.
         let delay = TickDelta8(2150);
-        assert_eq!(delay.at_clock(84_000_000, 168_000_000), Some(TickDelta8(4300)));
-        assert_eq!(TickDelta8(-2151).at_clock(84_000_000, 42_000_000), Some(TickDelta8(-1076)));
+        assert_eq!(
+            delay.at_clock(84_000_000, 168_000_000),
+            Some(TickDelta8(4300))
+        );
+        assert_eq!(
+            TickDelta8(-2151).at_clock(84_000_000, 42_000_000),
+            Some(TickDelta8(-1076))
+        );
         assert_eq!(delay.at_clock(84_000_000, 30_000), Some(TickDelta8(1)));
         assert!((delay.seconds(84e6) - 99.98e-9).abs() < 1e-11);
         assert_eq!(delay.at_clock(1, u64::MAX), None);
         assert_eq!(delay.at_clock(0, 84_000_000), None);
-        assert_eq!(TickDelta8::ZERO.at_clock(0, 84_000_000), Some(TickDelta8::ZERO));
+        assert_eq!(
+            TickDelta8::ZERO.at_clock(0, 84_000_000),
+            Some(TickDelta8::ZERO)
+        );
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::shape::{CLASSES_MAX, EncoderShape};
+use crate::units::TickDelta8;
 use proptest::prelude::*;
 
 fn step(edge: u32, ticks: Ticks, direction: Direction) -> Outcome {

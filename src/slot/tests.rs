@@ -63,7 +63,7 @@ fn a_slot_read_back_is_the_slot_written() {
 fn every_single_bit_flip_and_every_cut_is_found() {
     let (_, _, bytes) = sample(12, 6);
     for (_, bytes) in EVERY_VERSION.into_iter().chain([(VERSION, &bytes[..])]) {
-    every_flip_and_cut_is_found(bytes);
+        every_flip_and_cut_is_found(bytes);
     }
 }
 
@@ -96,7 +96,11 @@ fn a_slot_of_every_version_ever_written_is_read() {
     for (version, old) in EVERY_VERSION {
         let slot = Slot::parse(old).unwrap();
         let delays = if version < 2 { Delays::NONE } else { DELAYS };
-        assert_eq!(slot.header, SlotHeader { delays, ..newest }, "version {version}");
+        assert_eq!(
+            slot.header,
+            SlotHeader { delays, ..newest },
+            "version {version}"
+        );
         let table = slot.table_at(84_000_000).unwrap();
         for edge in 0..12 {
             let entry = i32::from(entries[edge as usize]) << 3;
@@ -105,8 +109,15 @@ fn a_slot_of_every_version_ever_written_is_read() {
         }
         assert_eq!(table.class_delays(), &delays.of_class);
     }
-    assert_eq!(EVERY_VERSION.last().map(|(version, _)| *version), Some(VERSION));
-    assert_eq!(EVERY_VERSION.last().map(|(_, old)| *old), Some(&bytes[..]), "the bytes of a version never change");
+    assert_eq!(
+        EVERY_VERSION.last().map(|(version, _)| *version),
+        Some(VERSION)
+    );
+    assert_eq!(
+        EVERY_VERSION.last().map(|(_, old)| *old),
+        Some(&bytes[..]),
+        "the bytes of a version never change"
+    );
 }
 
 #[test]
@@ -142,7 +153,10 @@ fn delays_hold_at_the_clock_of_the_device_or_are_refused() {
             TableError::Clock(clock_hz)
         );
     }
-    assert_eq!(slot.angles().unwrap().delay(1, Direction::Forward), TickDelta8(0));
+    assert_eq!(
+        slot.angles().unwrap().delay(1, Direction::Forward),
+        TickDelta8(0)
+    );
     // Without a clock in the slot its delays mean nothing.
     bytes[92..100].fill(0);
     seal(&mut bytes);
