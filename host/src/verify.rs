@@ -193,9 +193,9 @@ pub fn verify(
             }
             continue;
         }
-        meter.push(step.edge, before.interval, before.moved, after.moved);
+        meter.push(step.edge, &before, &after);
         if let Some(comparison) = &mut comparison {
-            comparison.push(step.edge, step.ticks, before.moved, after.moved);
+            comparison.push(step.edge, &before, &after);
         }
     }
     let (scatter, profile) = meter.finish().ok_or(VerifyError::NothingLeft)?;
