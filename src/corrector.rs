@@ -237,7 +237,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             .unsigned_abs();
         // An edge that is captured late may have been passed already.
         let limit = i64::from(way) + last.way_in(self.table.delay(next, place.direction));
-        let travel = last.travel_until(now).min(limit.max(0)) as i32;
+        let travel = last.way_until(now).min(limit).max(-i64::from(way)) as i32;
         let travel = travel.wrapping_mul(place.direction.sign());
         Some(last.angle.plus(TurnDelta32(travel)))
     }

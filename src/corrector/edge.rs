@@ -34,15 +34,19 @@ impl CorrectedEdge {
     pub fn interval_q8(&self) -> u64 {
         match self.interval {
             0 => 0,
-            ticks => less(Ticks::from(ticks), self.stretch).max(1),
+            ticks => {
+                let time = (i64::from(ticks) << TICK_FRACTION_BITS) - i64::from(self.stretch.0);
+                time.max(1).cast_unsigned()
+            }
         }
     }
 
-    /// Way from here until `now` at the speed of the last interval, 2^-32 turn, without sign.
+    /// Way from here until `now` at the speed of the last interval, 2^-32 turn, positive in the direction of motion. Right after an
+    /// edge that is captured earlier than the mean the shaft is still short of it.
     #[inline]
-    pub(super) fn travel_until(&self, now: Ticks) -> i64 {
+    pub(super) fn way_until(&self, now: Ticks) -> i64 {
         let elapsed = now.saturating_sub(self.ticks).min(AHEAD_MAX);
-        self.way(less(elapsed, TickDelta8(self.late.0.saturating_neg())))
+        self.way((elapsed << TICK_FRACTION_BITS).cast_signed() + i64::from(self.late.0))
     }
 
     /// Way in a time at the speed of the last interval, 2^-32 turn, with the sign of the time.
@@ -50,25 +54,19 @@ impl CorrectedEdge {
     pub(super) fn way_in(&self, time: TickDelta8) -> i64 {
         match time.0 {
             0 => 0,
-            late if late < 0 => -self.way(u64::from(late.unsigned_abs())),
-            late => self.way(u64::from(late.unsigned_abs())),
+            time => self.way(i64::from(time)),
         }
     }
 
-    /// Way in a time of 2^-8 tick, at most 2^63 - 1.
+    /// Way in a time of 2^-8 tick, with its sign.
     #[inline]
-    fn way(&self, time_q8: u64) -> i64 {
+    fn way(&self, time_q8: i64) -> i64 {
+        let time = time_q8.unsigned_abs();
         // Both times are made to fit: their product with the way has 64 bits.
-        let excess = 32_u32.saturating_sub(time_q8.leading_zeros());
-        let (time, interval) = (time_q8 >> excess, self.interval_q8() >> excess);
+        let excess = 32_u32.saturating_sub(time.leading_zeros());
+        let (time, interval) = (time >> excess, self.interval_q8() >> excess);
         let way = Recip::of_u64(interval).times(u64::from(self.moved.0.unsigned_abs()) * time);
-        i64::try_from(way).unwrap_or(i64::MAX)
+        let way = i64::try_from(way).unwrap_or(i64::MAX);
+        if time_q8 < 0 { -way } else { way }
     }
-}
-
-/// `ticks`, at most [`AHEAD_MAX`], less a delay, in 2^-8 tick; at least 0.
-#[inline]
-fn less(ticks: Ticks, delay: TickDelta8) -> u64 {
-    let time = (ticks << TICK_FRACTION_BITS).cast_signed() - i64::from(delay.0);
-    time.max(0).cast_unsigned()
 }
