@@ -49,12 +49,10 @@ pub fn describe(delays: &[ClassDelay]) -> Option<String> {
     let each: Vec<String> = delays
         .iter()
         .map(|delay| {
-            let ticks = delay.ticks;
-            format!(
-                "{} {} ({ticks:.2} ticks)",
-                delay.class,
-                si(delay.seconds, "s")
-            )
+            // The same minus sign as in the time.
+            let ticks = format!("{:.2}", delay.ticks).replace('-', "\u{2212}");
+            let time = si(delay.seconds, "s");
+            format!("{} {time} ({ticks} ticks)", delay.class)
         })
         .collect();
     let error = si(first.standard_error_seconds, "s");
@@ -78,8 +76,8 @@ mod tests {
         let text = describe(&class_delays(kind, &delays)).unwrap();
         assert_eq!(
             text.replace('\u{a0}', " "),
-            "A rises 125.0 ns (10.50 ticks), B rises -125.0 ns (-10.50 ticks), A falls 31.25 ns (2.62 ticks), \
-             B falls -31.25 ns (-2.62 ticks); standard error 9.998 ns"
+            "A rises 125 ns (10.50 ticks), B rises \u{2212}125 ns (\u{2212}10.50 ticks), A falls 31.2 ns (2.62 ticks), \
+             B falls \u{2212}31.2 ns (\u{2212}2.62 ticks); standard error 10.0 ns"
         );
     }
 }
