@@ -248,8 +248,8 @@ impl Comparison {
         sums.count += 1.0;
         let place = &mut sums.edges[edge as usize];
         place.1 += 1.0;
-        for which in 0..2 {
-            let error = self.angles[which] - shaft[which];
+        for (which, shaft) in shaft.into_iter().enumerate() {
+            let error = self.angles[which] - shaft;
             sums.sum[which] += error;
             sums.squares[which] += error * error;
             place.0[which] += error;
