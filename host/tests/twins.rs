@@ -61,7 +61,7 @@ fn delays_show_where_the_shaft_is_fast() {
         let all: Vec<f64> = events
             .iter()
             .filter(|event| event.truth.class == class)
-            .map(|event| late(event))
+            .map(late)
             .collect();
         all.iter().sum::<f64>() / all.len() as f64
     };
