@@ -1,51 +1,48 @@
 //! What the servo loop gets: the corrected angle at every edge and, by extrapolation from the last two, between edges.
+//!
+//! # Time
+//! The table's delays say how late each edge is captured. An edge keeps its captured time in whole ticks and, beside it, how late
+//! that is in 2^-8 tick, so that nothing is rounded where a tick is long. Extrapolation takes both into account.
+
+mod edge;
 
 use crate::edge::Direction;
 use crate::estimate::Anchor;
-use crate::recip::Recip;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
-use crate::table::{Entry, ErrorTable};
+use crate::table::{Delay, Entry, ErrorTable, OfClass};
 use crate::units::{Ticks, Turn32, TurnDelta32};
 
-/// One edge, corrected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CorrectedEdge {
-    /// Time of the edge.
-    pub ticks: Ticks,
-    /// Shaft angle. Before the index its origin is where counting began.
-    pub angle: Turn32,
-    /// Corrected angle moved since the previous edge, negative in reverse, 0 where the direction changed.
-    pub moved: TurnDelta32,
-    /// Time since the previous edge, ticks; 0 at the first edge.
-    pub interval: u32,
-    /// Facts about the step: [`Flags::TURN_SUSPECT`] says that the angle may be off by whole edges.
-    pub flags: Flags,
-}
+pub use edge::CorrectedEdge;
 
-/// An edge, and what extrapolation from it needs.
+/// An edge, and what extrapolation from it needs. Its delay follows from its class.
 #[derive(Clone, Copy, Debug)]
 struct Last {
-    edge: CorrectedEdge,
-    number: u32,
+    ticks: Ticks,
+    angle: Turn32,
+    moved: TurnDelta32,
+    interval: u32,
+    flags: Flags,
     direction: Direction,
+    number: u32,
 }
 
 const NOTHING: Last = Last {
-    edge: CorrectedEdge {
-        ticks: 0,
-        angle: Turn32(0),
-        moved: TurnDelta32(0),
-        interval: 0,
-        flags: Flags::NONE,
-    },
-    number: 0,
+    ticks: 0,
+    angle: Turn32(0),
+    moved: TurnDelta32(0),
+    interval: 0,
+    flags: Flags::NONE,
     direction: Direction::Forward,
+    number: 0,
 };
 
-/// Flags that decide whether an edge's angle can be subtracted from the one before.
-const RELATION: Flags = Flags::FIRST.with(Flags::REFERENCED).with(Flags::INDEX);
+/// Flags that decide whether an edge's angle can be subtracted from the one before, and which class that is of.
+const RELATION: Flags = Flags::FIRST
+    .with(Flags::REVERSED)
+    .with(Flags::ILLEGAL)
+    .with(Flags::REFERENCED)
+    .with(Flags::INDEX);
 
 /// Never a step's relation.
 const NO_RELATION: Flags = Flags(u16::MAX);
@@ -56,8 +53,8 @@ pub struct Corrector<'a, E: Entry = i16> {
     anchor: Anchor,
     /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
     related: Flags,
-    /// Class means by the last two bits of an edge's number.
-    offsets: [TurnDelta32; 4],
+    /// What an edge has from its class in the present direction, by the last two bits of its number.
+    classes: [OfClass; 4],
     /// The table's entries once the index is seen, none before.
     entries: &'a [E],
     /// Place of the newest edge in the history.
@@ -76,7 +73,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             table,
             anchor,
             related: NO_RELATION,
-            offsets: [TurnDelta32(0); 4],
+            classes: [OfClass::NONE; 4],
             entries: &[],
             newest: false,
             known: 0,
@@ -102,58 +99,68 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     #[inline]
     fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let (angle, moved, interval) = if step.flags.within(RELATION) == self.related {
-            let offset = self.offsets[step.edge as usize % 4];
-            let angle = self.table.angle_with(step.edge, offset, self.entries);
-            (angle, angle.minus(self.newest().edge.angle), step.interval)
+        let (angle, moved, interval, delay) = if step.flags.within(RELATION) == self.related {
+            let class = self.classes[step.edge as usize % 4];
+            let angle = self.table.angle_with(step.edge, class.offset, self.entries);
+            let moved = angle.minus(self.newest().angle);
+            (angle, moved, step.interval, class.delay)
         } else {
             self.relate(step)
         };
-        let edge = CorrectedEdge {
+        self.newest = !self.newest;
+        self.history[usize::from(self.newest)] = Last {
             ticks: step.ticks,
             angle,
             moved,
             interval,
             flags: step.flags,
-        };
-        self.newest = !self.newest;
-        self.history[usize::from(self.newest)] = Last {
-            edge,
-            number: step.edge,
             direction: step.direction,
+            number: step.edge,
         };
-        edge
+        CorrectedEdge {
+            ticks: step.ticks,
+            angle,
+            moved,
+            interval,
+            late: delay.late,
+            stretch: delay.stretch,
+            flags: step.flags,
+        }
     }
 
-    /// Angle of a step that may not follow the one before plainly, and the way and time from there.
+    /// Angle of a step that may not follow the one before plainly, and the way and time from there, as captured and as it was.
     #[cold]
     #[inline(never)]
-    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32) {
+    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32, Delay) {
         let first = step.flags.contains(Flags::FIRST);
         let referenced = self.applies(step.flags);
         let angle = self.table.angle(step.edge, referenced);
         // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
         let comparable = step.resync == 0 && !first;
-        let moved = match self.last() {
+        let moved = match self.recent() {
             Some(last) if comparable && self.applies(last.flags) == referenced => {
                 angle.minus(last.angle)
             }
             _ => TurnDelta32(self.grid_steps(step)),
         };
         self.known = (self.known + 1).min(2);
-        self.expect(step.flags);
-        (angle, moved, if first { 0 } else { step.interval })
+        self.expect(step.flags, step.direction);
+        let interval = if first { 0 } else { step.interval };
+        let delay = self
+            .table
+            .delay_after(step.edge, step.direction, step.flags);
+        (angle, moved, interval, delay)
     }
 
-    /// Gets ready for steps that plainly follow one with `flags`.
-    fn expect(&mut self, flags: Flags) {
+    /// Gets ready for steps that plainly follow one with `flags` in `direction`.
+    fn expect(&mut self, flags: Flags, direction: Direction) {
         self.related = NO_RELATION;
         // Six classes take the longer way at every edge: Hall sensors give few.
-        if let Some(offsets) = self.table.offsets_by_bits()
+        if let Some(classes) = self.table.classes_by_bits(direction)
             && self.known == 2
         {
             self.related = flags.within(Flags::REFERENCED);
-            self.offsets = offsets;
+            self.classes = classes;
             self.entries = if self.applies(flags) {
                 self.table.entries()
             } else {
@@ -170,7 +177,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             Outcome::Glitch(_) if self.known == 2 => {
                 let before = self.history[usize::from(!self.newest)];
                 self.history[usize::from(self.newest)] = before;
-                self.expect(before.edge.flags);
+                self.expect(before.flags, before.direction);
             }
             Outcome::Glitch(_) => self.known = 0,
             Outcome::Index(index) if index.resync != 0 => {
@@ -191,42 +198,48 @@ impl<'a, E: Entry> Corrector<'a, E> {
         &self.history[usize::from(self.newest)]
     }
 
+    fn recent(&self) -> Option<&Last> {
+        (self.known != 0).then(|| self.newest())
+    }
+
     /// The edge accepted last.
     #[must_use]
-    pub fn last(&self) -> Option<&CorrectedEdge> {
-        (self.known != 0).then(|| &self.newest().edge)
+    pub fn last(&self) -> Option<CorrectedEdge> {
+        let last = self.recent()?;
+        let delay = self
+            .table
+            .delay_after(last.number, last.direction, last.flags);
+        Some(CorrectedEdge {
+            ticks: last.ticks,
+            angle: last.angle,
+            moved: last.moved,
+            interval: last.interval,
+            late: delay.late,
+            stretch: delay.stretch,
+            flags: last.flags,
+        })
     }
 
     /// Angle at `now`: from the last edge on at the speed of the last interval, but never past the next edge, which would
     /// have been seen. `None` before the first edge. For the control loop; no division.
     #[must_use]
     pub fn angle_at(&self, now: Ticks) -> Option<Turn32> {
-        if self.known == 0 {
-            return None;
+        let (last, place) = (self.last()?, self.newest());
+        if last.interval == 0 {
+            return Some(last.angle);
         }
-        let last = self.newest();
-        let elapsed = u32::try_from(now.saturating_sub(last.edge.ticks)).unwrap_or(u32::MAX);
-        if last.edge.interval == 0 {
-            return Some(last.edge.angle);
-        }
-        let travel = u64::from(last.edge.moved.0.unsigned_abs()) * u64::from(elapsed);
-        let travel = Recip::of_u32(last.edge.interval).times(travel);
-        let next = self.next_edge(last.number, last.direction);
-        let limit = self
+        let next = self.next_edge(place.number, place.direction);
+        let way = self
             .table
-            .angle(next, self.applies(last.edge.flags))
-            .minus(last.edge.angle)
+            .angle(next, self.applies(last.flags))
+            .minus(last.angle)
             .0
             .unsigned_abs();
-        let travel = u32::try_from(travel)
-            .unwrap_or(u32::MAX)
-            .min(limit)
-            .cast_signed();
-        Some(
-            last.edge
-                .angle
-                .plus(TurnDelta32(travel.wrapping_mul(last.direction.sign()))),
-        )
+        // An edge that is captured late may have been passed already.
+        let limit = i64::from(way) + last.way_in(self.table.delay(next, place.direction));
+        let travel = last.way_until(now).min(limit).max(-i64::from(way)) as i32;
+        let travel = travel.wrapping_mul(place.direction.sign());
+        Some(last.angle.plus(TurnDelta32(travel)))
     }
 
     fn next_edge(&self, edge: u32, direction: Direction) -> u32 {

@@ -2,7 +2,8 @@
 //!
 //! At x4 every edge is held against the one before (pi/2M in the paper's terms), at x2 against the edge before that, which is
 //! of the same channel, so that the quadrature error drops out. Known edge errors correct the angle: the shaft moved by the
-//! grid step less the difference of the two edges' errors.
+//! grid step less the difference of the two edges' errors. Known delays of the capture correct the time: an interval is too long by
+//! the difference of the two edges' delays.
 //!
 //! # Units and error
 //! [`Speed`] is i64 in 2^-60 turn a tick. At 84 MHz 15 r/min is 3.43e9 LSB and 6000 r/min 1.37e12, a ten-millionth of
@@ -19,7 +20,7 @@
 use crate::edge::Direction;
 use crate::recip::Recip;
 use crate::step::{Flags, Step};
-use crate::units::{Ticks, TurnDelta32};
+use crate::units::{TICK_FRACTION_BITS, TickDelta8, Ticks, TurnDelta32};
 
 /// Binary digits of a speed below one turn a tick.
 pub const SPEED_FRACTION_BITS: u32 = 60;
@@ -38,6 +39,18 @@ impl Speed {
     #[must_use]
     pub const fn over(angle: i64, ticks: u32) -> Self {
         Self(Recip::of_u32(ticks).times_signed(angle))
+    }
+
+    /// Mean speed over `angle` (2^-60 turn) in a time of 2^-8 tick; less than a tick counts as one.
+    #[inline]
+    #[must_use]
+    pub const fn over_q8(angle: i64, time_q8: u64) -> Self {
+        let least = 1 << TICK_FRACTION_BITS;
+        let time_q8 = if time_q8 < least { least } else { time_q8 };
+        // At least a tick, so the reciprocal has these digits to give.
+        let Recip { mantissa, shift } = Recip::of_u64(time_q8);
+        let shift = shift - TICK_FRACTION_BITS;
+        Self(Recip { mantissa, shift }.times_signed(angle))
     }
 
     /// Revolutions a minute at a tick rate of `clock_hz`. For reports only.
@@ -74,8 +87,10 @@ impl IntervalConfig {
 struct Passed {
     /// Angle moved, 2^-60 turn, 0 where it is unknown or the direction changed.
     moved: i64,
-    /// Duration, `u32::MAX` if unknown.
+    /// Duration as captured, `u32::MAX` if unknown.
     ticks: u32,
+    /// How much longer that is than the shaft took.
+    stretch: TickDelta8,
     /// Single edge step without a reversal.
     plain: bool,
 }
@@ -83,6 +98,7 @@ struct Passed {
 const UNKNOWN: Passed = Passed {
     moved: 0,
     ticks: u32::MAX,
+    stretch: TickDelta8::ZERO,
     plain: false,
 };
 
@@ -91,7 +107,7 @@ impl Passed {
         if self.moved == 0 {
             Speed::ZERO
         } else {
-            Speed::over(self.moved, self.ticks)
+            mean(self.moved, self.ticks, self.stretch)
         }
     }
 }
@@ -126,6 +142,13 @@ impl Interval {
     /// `correction` is e(this edge) - e(previous edge), 0 without a table.
     #[inline]
     pub fn push(&mut self, step: &Step, correction: TurnDelta32) {
+        self.push_delayed(step, correction, TickDelta8::ZERO);
+    }
+
+    /// As [`Self::push`]. `stretch` is delay(this edge) - delay(previous edge) of the capture, as in
+    /// [`crate::corrector::CorrectedEdge::stretch`].
+    #[inline]
+    pub fn push_delayed(&mut self, step: &Step, correction: TurnDelta32, stretch: TickDelta8) {
         let plain =
             step.advance == 1 && step.interval != u32::MAX && !step.flags.contains(Flags::REVERSED);
         let moved = if plain {
@@ -140,6 +163,7 @@ impl Interval {
         self.newest = Passed {
             moved,
             ticks: step.interval,
+            stretch,
             plain,
         };
     }
@@ -175,7 +199,8 @@ impl Interval {
 
     /// Speed at x2, the mean over the last two intervals; none across a reversal or an illegal change.
     ///
-    /// `correction` is e(last edge) - e(the edge two before), 0 without a table.
+    /// `correction` is e(last edge) - e(the edge two before), 0 without a table. The delays of the two edges differ as given to
+    /// [`Self::push_delayed`].
     #[inline]
     #[must_use]
     pub fn x2(&self, correction: TurnDelta32) -> Option<Speed> {
@@ -184,7 +209,9 @@ impl Interval {
             return None;
         }
         let two = self.moved_by(2, self.direction);
-        Some(Speed::over(two.wrapping_sub(widen(correction)), both))
+        let stretch = self.newest.stretch.0.saturating_add(self.older.stretch.0);
+        let moved = two.wrapping_sub(widen(correction));
+        Some(mean(moved, both, TickDelta8(stretch)))
     }
 
     /// Takes the last step back (after a [`crate::step::Glitch`]). One step can be taken back, not several in a row; the
@@ -213,6 +240,16 @@ impl Interval {
         let size = last.0.unsigned_abs().min(bound).cast_signed();
         Speed(if last.0 < 0 { -size } else { size })
     }
+}
+
+/// Mean speed over `moved` (2^-60 turn) in `ticks` less `stretch`.
+#[inline]
+const fn mean(moved: i64, ticks: u32, stretch: TickDelta8) -> Speed {
+    if stretch.0 == 0 {
+        return Speed::over(moved, ticks);
+    }
+    let time = ((ticks as i64) << TICK_FRACTION_BITS) - stretch.0 as i64;
+    Speed::over_q8(moved, if time < 0 { 0 } else { time.cast_unsigned() })
 }
 
 /// 2^-32 turn to 2^-60 turn.

@@ -13,10 +13,11 @@
 //! |---|---|
 //! | [`decoder::QuadratureDecoder::push`], outcome written to memory | 48 |
 //! | the same where every tenth edge is a reversal without slowing down | 197 |
-//! | [`corrector::Corrector::push`]: table, angle, way and time since the edge before | 47 |
-//! | decoder and corrector in a row | 96 |
-//! | [`interval::Interval::push`] | 38 |
-//! | [`interval::Interval::speed_at`], for the control loop | 98 |
+//! | [`corrector::Corrector::push`]: table, angle, way and time since the edge before | 49 |
+//! | the same where the caller uses the delays too | 56 |
+//! | decoder and corrector in a row | 97 |
+//! | [`interval::Interval::push`] | 42 |
+//! | [`interval::Interval::speed_at`], for the control loop | 103 |
 //! | [`estimate::Estimator::push`], one turn coming in and one being folded | 58 |
 //!
 //! These paths divide nothing, use no floating point and hold no panic. Anything but one more edge of settled motion, Z low,

@@ -1,7 +1,14 @@
-//! The error table: what is subtracted from the grid angle of an edge to get the shaft's.
+//! The error table: what is subtracted from the grid angle of an edge to get the shaft's, and from its time.
+//!
+//! # Delays
+//! An edge is captured some time after the mark on the disc passed the head. What all edges have in common can't be told from
+//! the shaft's own position, so only the differences between edge classes are kept, and they sum to zero. A delay belongs to
+//! the electrical edge, an error to the mark: passed in reverse, the mark at which A rises makes A fall, with that edge's delay.
 
+use crate::edge::Direction;
 use crate::shape::{CLASSES_MAX, EncoderShape, Grid};
-use crate::units::{Turn32, TurnDelta32};
+use crate::step::Flags;
+use crate::units::{TickDelta8, Turn32, TurnDelta32};
 
 /// A table's entries do not match the encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +18,8 @@ pub enum TableError {
     Length(usize),
     /// A scale that shifts entries out of 32 bits.
     Shift(u32),
+    /// Delays for a clock of 0 Hz, or too long for ticks of the clock asked for, in hertz.
+    Clock(u64),
 }
 
 /// One stored entry of a table: a word in RAM, or two bytes of a slot, least significant first.
@@ -33,12 +42,45 @@ impl Entry for [u8; 2] {
     }
 }
 
+/// What an edge has from its class, in one direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OfClass {
+    /// Mean error.
+    pub offset: TurnDelta32,
+    /// Delay of the capture.
+    pub delay: Delay,
+}
+
+/// What the delays do to an edge's time and to the interval before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Delay {
+    /// How late the edge is captured.
+    pub late: TickDelta8,
+    /// By how much that is more than for the edge before.
+    pub stretch: TickDelta8,
+}
+
+impl OfClass {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        offset: TurnDelta32(0),
+        delay: Delay {
+            late: TickDelta8::ZERO,
+            stretch: TickDelta8::ZERO,
+        },
+    };
+}
+
+const NO_DELAYS: [TickDelta8; CLASSES_MAX] = [TickDelta8::ZERO; CLASSES_MAX];
+
 /// A view of an error table, wherever its entries are (RAM or memory-mapped flash):
 /// error of edge k = class offset + (entry k << shift), in 2^-32 turn.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorTable<'a, E: Entry = i16> {
     grid: Grid,
     class_offsets: [TurnDelta32; CLASSES_MAX],
+    /// Zero beyond C.
+    class_delays: [TickDelta8; CLASSES_MAX],
     entries: &'a [E],
     /// `1 << shift`.
     scale: i32,
@@ -64,9 +106,17 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         Ok(Self {
             grid: Grid::new(shape),
             class_offsets,
+            class_delays: NO_DELAYS,
             entries,
             scale: 1 << shift,
         })
+    }
+
+    /// This table with a delay for every edge class, in ticks of the clock that will stamp the edges; those beyond C are ignored.
+    #[must_use]
+    pub const fn with_delays(mut self, class_delays: [TickDelta8; CLASSES_MAX]) -> Self {
+        self.class_delays = class_delays;
+        self
     }
 
     /// A table that corrects nothing.
@@ -74,6 +124,7 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         Self {
             grid,
             class_offsets: [TurnDelta32(0); CLASSES_MAX],
+            class_delays: NO_DELAYS,
             entries: &[],
             scale: 1,
         }
@@ -93,6 +144,63 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
     #[must_use]
     pub const fn class_offsets(&self) -> &[TurnDelta32; CLASSES_MAX] {
         &self.class_offsets
+    }
+
+    /// How much later than the mean of all classes each electrical edge is captured; see the [module's](self) head.
+    #[must_use]
+    pub const fn class_delays(&self) -> &[TickDelta8; CLASSES_MAX] {
+        &self.class_delays
+    }
+
+    /// Delay of the capture of an edge crossed in a direction.
+    #[inline]
+    #[must_use]
+    pub fn delay(&self, edge: u32, direction: Direction) -> TickDelta8 {
+        let class = self.grid.class(edge) as usize;
+        let class = match direction {
+            Direction::Forward => class,
+            Direction::Reverse => self.opposite(class),
+        };
+        self.class_delays.get(class).copied().unwrap_or_default()
+    }
+
+    /// Delay of a step's edge, and by how much it is more than that of the edge before.
+    pub(crate) fn delay_after(&self, edge: u32, direction: Direction, flags: Flags) -> Delay {
+        let late = self.delay(edge, direction);
+        let before = if flags.intersects(Flags::FIRST.with(Flags::ILLEGAL)) {
+            // Which edge was before is not known.
+            late
+        } else if flags.contains(Flags::REVERSED) {
+            self.delay(edge, direction.opposite())
+        } else {
+            // The first and the last class of a line meet at its end.
+            let last = self.shape().classes() - 1;
+            match direction {
+                Direction::Forward if self.grid.class(edge) == 0 => self.delay(last, direction),
+                Direction::Forward => self.delay(edge.wrapping_sub(1), direction),
+                Direction::Reverse if self.grid.class(edge) == last => self.delay(0, direction),
+                Direction::Reverse => self.delay(edge.wrapping_add(1), direction),
+            }
+        };
+        Delay {
+            late,
+            stretch: late.minus(before),
+        }
+    }
+
+    /// The class of the same channel's other edge: half of the classes on. With an odd number of classes there is none, and the
+    /// class stands for itself.
+    #[inline]
+    const fn opposite(&self, class: usize) -> usize {
+        let classes = self.shape().classes() as usize;
+        let on = class + classes / 2;
+        if classes % 2 == 1 {
+            class
+        } else if on >= classes {
+            on - classes
+        } else {
+            on
+        }
     }
 
     /// Line position errors in `1 << shift` of 2^-32 turn.
@@ -129,10 +237,16 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         TurnDelta32(offset.wrapping_add(entry.wrapping_mul(self.scale)))
     }
 
-    /// Class means by the last two bits of an edge's number, where classes are a power of two.
-    pub(crate) fn offsets_by_bits(&self) -> Option<[TurnDelta32; 4]> {
-        let classes = self.shape().classes() as usize;
-        let of_bits = |bits: usize| self.class_offsets[bits % classes];
+    /// What each class has of its own for a direction, by the last two bits of an edge's number, where classes are a power of two.
+    pub(crate) fn classes_by_bits(&self, direction: Direction) -> Option<[OfClass; 4]> {
+        let classes = self.shape().classes();
+        let of_bits = |bits: usize| {
+            let edge = bits as u32;
+            OfClass {
+                offset: self.error(edge, false),
+                delay: self.delay_after(edge, direction, Flags::NONE),
+            }
+        };
         classes
             .is_power_of_two()
             .then(|| core::array::from_fn(of_bits))
@@ -159,54 +273,4 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn offsets() -> [TurnDelta32; CLASSES_MAX] {
-        [
-            TurnDelta32(-30),
-            TurnDelta32(10),
-            TurnDelta32(15),
-            TurnDelta32(5),
-            TurnDelta32(0),
-            TurnDelta32(0),
-        ]
-    }
-
-    #[test]
-    fn before_the_index_only_the_class_is_corrected() {
-        let entries = [100, -100, 7, 8, 0, 0, 0, 0];
-        let shape = EncoderShape::new(8, 4).unwrap();
-        let table = ErrorTable::new(shape, offsets(), &entries, 2).unwrap();
-        assert_eq!(table.error(1, false), TurnDelta32(10));
-        assert_eq!(table.error(1, true), TurnDelta32(10 - 400));
-        assert_eq!(table.angle(2, true), Turn32((1 << 30) - 15 - 28));
-        assert_eq!(table.angle(0, true), Turn32(0_u32.wrapping_sub(400 - 30)));
-    }
-
-    #[test]
-    fn a_table_of_another_length_or_scale_is_refused() {
-        let shape = EncoderShape::new(8, 4).unwrap();
-        assert_eq!(
-            ErrorTable::new(shape, offsets(), &[0; 7], 2).unwrap_err(),
-            TableError::Length(7)
-        );
-        assert_eq!(
-            ErrorTable::new(shape, offsets(), &[0; 8], 17).unwrap_err(),
-            TableError::Shift(17)
-        );
-    }
-
-    proptest! {
-        #[test]
-        fn any_edge_number_is_answered(edge in any::<u32>(), entry in any::<i16>(), shift in 0_u32..=16) {
-            let entries = [entry; 12];
-            let shape = EncoderShape::new(12, 6).unwrap();
-            let table = ErrorTable::new(shape, offsets(), &entries, shift).unwrap();
-            let error = table.error(edge, true).0;
-            prop_assert!((error - (i32::from(entry) << shift)).abs() <= 30 || edge >= 12);
-            prop_assert!(table.error(edge, false).0.abs() <= 30);
-        }
-    }
-}
+mod tests;

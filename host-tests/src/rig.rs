@@ -144,7 +144,7 @@ impl Run {
     /// # Errors
     /// The slot's.
     pub fn table_gain(&self, slot: &[u8]) -> Result<f64, SlotError> {
-        let table = Slot::parse(slot)?.table().map_err(SlotError::Table)?;
+        let table = Slot::parse(slot)?.angles().map_err(SlotError::Table)?;
         let error = |edge: u32| f64::from(table.error(edge, true).0) * RAD_PER_TURN32;
         let learned: Vec<f64> = (0..4 * self.header.lines).map(error).collect();
         let zero = vec![0.0; learned.len()];

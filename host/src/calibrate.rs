@@ -1,7 +1,7 @@
 //! From a recording to an error table: survey, decode, learn, solve.
 
 use quadcal::estimate::{Anchor, Estimator, Progress, Solution, Totals};
-use quadcal::slot::SlotHeader;
+use quadcal::slot::{Delays, SlotHeader};
 use quadcal::step::Faults;
 use thiserror::Error;
 
@@ -122,6 +122,7 @@ impl Calibration {
             source,
             learned_until: self.learned_until,
             class_offsets: *self.solution.class_offsets(),
+            delays: Delays::NONE,
         }
     }
 }

@@ -4,6 +4,7 @@
 pub mod buffers;
 pub mod calibrate;
 pub mod cli;
+pub mod delays;
 pub mod demo;
 pub mod findings;
 pub mod pattern;

@@ -98,7 +98,7 @@ pub fn describe(error: &SlotError) -> String {
             };
             format!("the table has format version {found}, this quadcal knows {VERSION}; {newer}")
         }
-        SlotError::Shape(_) | SlotError::Table(_) => {
+        SlotError::Shape(_) | SlotError::Table(_) | SlotError::Clock => {
             format!("the table's header is damaged; {AGAIN}")
         }
         SlotError::Crc { stored, computed } => format!(
@@ -139,10 +139,10 @@ mod tests {
             assert!(text.starts_with(expected), "{text}");
         }
         let mut other = vec![0; 80];
-        other[..6].copy_from_slice(b"QCTB\x02\x00");
+        other[..6].copy_from_slice(b"QCTB\x03\x00");
         let text = describe(&parse(&other).unwrap_err());
         assert!(
-            text.contains("version 2") && text.contains("update"),
+            text.contains("version 3") && text.contains("update"),
             "{text}"
         );
     }

@@ -166,7 +166,10 @@ pub fn verify(
 
     let mut decoder = plan.decoder()?;
     let mut raw: Corrector<'_> = Corrector::uncorrected(Grid::new(shape));
-    let mut corrected = Corrector::new(slot.table().map_err(VerifyError::Table)?, plan.anchor());
+    let mut corrected = Corrector::new(
+        slot.table_at(clock_hz).map_err(VerifyError::Table)?,
+        plan.anchor(),
+    );
     let mut meter = ScatterMeter::new(shape, plan.gap_edges(), clock_hz);
     let mut comparison = reference.map(|reference| Comparison::new(reference, shape, clock_hz));
     for row in rows {
@@ -190,9 +193,9 @@ pub fn verify(
             }
             continue;
         }
-        meter.push(step.edge, before.interval, before.moved, after.moved);
+        meter.push(step.edge, &before, &after);
         if let Some(comparison) = &mut comparison {
-            comparison.push(step.edge, step.ticks, before.moved, after.moved);
+            comparison.push(step.edge, &before, &after);
         }
     }
     let (scatter, profile) = meter.finish().ok_or(VerifyError::NothingLeft)?;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use quadcal_host::sim::{Event, Simulation};
+use quadcal_host::sim::{Class, Event, Simulation};
 use quadcal_host::twin::Twin;
 
 fn load(name: &str) -> Twin {
@@ -32,6 +32,7 @@ fn every_file_in_the_folder_is_tried_here() {
     assert_eq!(
         found,
         [
+            "delays.toml",
             "hall.toml",
             "paper.toml",
             "run-down.toml",
@@ -50,6 +51,39 @@ fn the_paper_s_file_is_the_built_in_twin() {
     file.name = paper.name.clone();
     file.folder = paper.folder.clone();
     assert_eq!(file, paper);
+}
+
+#[test]
+fn delays_show_where_the_shaft_is_fast() {
+    let events = run("delays.toml");
+    let late = |event: &Event| event.row.ticks as f64 / 84e6 - event.truth.time_s;
+    let of = |class| {
+        let all: Vec<f64> = events
+            .iter()
+            .filter(|event| event.truth.class == class)
+            .map(late)
+            .collect();
+        all.iter().sum::<f64>() / all.len() as f64
+    };
+    // Stamps are rounded down to whole ticks: half a tick on the mean.
+    for (class, delay_s) in [
+        (Class::ARise, 1.2e-6),
+        (Class::AFall, 0.4e-6),
+        (Class::BRise, 1.4e-6),
+        (Class::BFall, 0.8e-6),
+        (Class::IndexRise, 0.0),
+    ] {
+        let found = of(class) + 0.5 / 84e6;
+        assert!((found - delay_s).abs() < 4e-9, "{class:?}: {found:e} s");
+    }
+    let speeds = [events.len() / 4, events.len() - 2000].map(|i| {
+        let (a, b) = (events[i].truth, events[i + 1440].truth);
+        (b.angle_rad - a.angle_rad) / (b.time_s - a.time_s) * 60.0 / std::f64::consts::TAU
+    });
+    assert!(
+        (speeds[0] - 60.0).abs() < 2.0 && (speeds[1] - 1200.0).abs() < 40.0,
+        "{speeds:?}"
+    );
 }
 
 #[test]

@@ -58,6 +58,34 @@ fn known_edge_errors_leave_the_speed_as_it_is() {
 }
 
 #[test]
+fn known_delays_leave_the_speed_as_it_is_at_a_coarse_clock() {
+    // 12 edges a turn, 5 ticks apart; every other edge is captured 2 ticks late.
+    let exact = (1i64 << 60) / 12 / 5;
+    let whole = [(3, -512), (7, 512)];
+    let mut interval = interval(12);
+    for (k, (ticks, stretch)) in (0_u64..100).zip(whole.into_iter().cycle()) {
+        interval.push_delayed(&step(5 * k, ticks), TurnDelta32(0), TickDelta8(stretch));
+        let both = if k == 0 {
+            None
+        } else {
+            interval.x2(TurnDelta32(0))
+        };
+        for speed in interval.x4().into_iter().chain(both) {
+            assert!(
+                (speed.0 - exact).abs() <= exact >> 27,
+                "{} {exact}",
+                speed.0
+            );
+        }
+    }
+    // 4 ticks of which 0.625 are delay: 3.375 ticks.
+    interval.push_delayed(&step(504, 4), TurnDelta32(0), TickDelta8(160));
+    let speed = interval.x4().unwrap().0;
+    let exact = ((1i64 << 60) / 12 / 27) * 8;
+    assert!((speed - exact).abs() <= exact >> 27, "{speed} {exact}");
+}
+
+#[test]
 fn a_stopped_shaft_slows_down_as_one_over_time_and_then_stands() {
     let mut interval = interval(1000);
     interval.push(&step(1000, u32::MAX), TurnDelta32(0));
@@ -106,14 +134,15 @@ fn a_withdrawn_step_leaves_the_speed_before_it() {
 proptest! {
     #[test]
     fn no_step_and_no_time_makes_it_panic(
-        steps in prop::collection::vec((any::<u64>(), any::<u32>(), any::<u16>(), any::<u16>(), any::<i32>()), 1..50), slots: u32
+        steps in prop::collection::vec((any::<u64>(), any::<u32>(), any::<u16>(), any::<u16>(), any::<i32>(), any::<i32>()), 1..50),
+        slots: u32
     ) {
         let mut interval = Interval::new(IntervalConfig::new(slots, 1 << 40));
-        for (ticks, duration, advance, flags, error) in steps {
+        for (ticks, duration, advance, flags, error, stretch) in steps {
             let direction = if error < 0 { Direction::Reverse } else { Direction::Forward };
             let step = Step { advance, flags: Flags(flags), direction, ..step(ticks, duration) };
             let error = TurnDelta32(error);
-            interval.push(&step, error);
+            interval.push_delayed(&step, error, TickDelta8(stretch));
             let _ = interval.x4();
             let _ = interval.x2(error);
             let later = ticks.wrapping_add(u64::from(duration));

@@ -3,13 +3,15 @@
 //! Little endian throughout. One header, one record for every accepted edge, and the fault counts at the end.
 //!
 //! ```text
-//! header, 16 bytes                      record, 24 bytes
-//!  0  4  magic "QCCE"                    0  8  time of the edge, ticks
-//!  4  2  version, 1                      8  4  corrected angle, 2^-32 turn
+//! header, 16 bytes                      record, 32 bytes
+//!  0  4  magic "QCCE"                    0  8  time of the edge as captured, ticks
+//!  4  2  version, 2                      8  4  corrected angle, 2^-32 turn
 //!  6  2  reserved, 0                    12  4  angle moved since the edge before, signed, 2^-32 turn
-//!  8  4  lines                          16  4  time since the edge before, ticks
-//! 12  4  timer clock in hertz           20  2  flags, the bits of step::Flags
-//!                                       22  2  reserved, 0
+//!  8  4  lines                          16  4  time since the edge before as captured, ticks
+//! 12  4  timer clock in hertz           20  4  how late the edge was captured, signed, 2^-8 tick
+//!                                       24  4  how much too long that makes the time, signed, 2^-8 tick
+//!                                       28  2  flags, the bits of step::Flags
+//!                                       30  2  reserved, 0
 //!
 //! fault counts, 28 bytes: illegal, lost, extra, glitch, abrupt reversal, interval spike, repeated; 4 bytes each
 //! ```
@@ -21,16 +23,18 @@ use core::fmt;
 
 use crate::corrector::CorrectedEdge;
 use crate::step::{Faults, Flags};
-use crate::units::{Turn32, TurnDelta32};
+use crate::units::{TickDelta8, Turn32, TurnDelta32};
 
 /// First four bytes of a corrected file.
 pub const CORRECTED_MAGIC: [u8; 4] = *b"QCCE";
 /// Version of the format.
-pub const CORRECTED_VERSION: u16 = 1;
+pub const CORRECTED_VERSION: u16 = 2;
 /// Bytes in the header.
 pub const CORRECTED_HEADER_LEN: usize = 16;
 /// Bytes in one record.
-pub const EDGE_LEN: usize = 24;
+pub const EDGE_LEN: usize = 32;
+/// Where a record's reserved bytes are.
+const RESERVED_AT: usize = 30;
 /// Bytes of the fault counts.
 pub const FAULTS_LEN: usize = 28;
 
@@ -126,8 +130,8 @@ impl<'a> CorrectedFile<'a> {
         if !over.is_empty() {
             return Err(length);
         }
-        if let Some(bad) = edges.iter().position(|edge| edge[22..] != [0, 0]) {
-            let at = CORRECTED_HEADER_LEN + bad * EDGE_LEN + 22;
+        if let Some(bad) = edges.iter().position(|edge| edge[RESERVED_AT..] != [0, 0]) {
+            let at = CORRECTED_HEADER_LEN + bad * EDGE_LEN + RESERVED_AT;
             return Err(CorrectedError::Reserved(at));
         }
         Ok(Self {
@@ -147,50 +151,37 @@ impl<'a> CorrectedFile<'a> {
 #[inline]
 #[must_use]
 pub fn emit_edge(edge: &CorrectedEdge) -> [u8; EDGE_LEN] {
-    let [t0, t1, t2, t3, t4, t5, t6, t7] = edge.ticks.to_le_bytes();
-    let [a0, a1, a2, a3] = edge.angle.0.to_le_bytes();
-    let [m0, m1, m2, m3] = edge.moved.0.to_le_bytes();
-    let [i0, i1, i2, i3] = edge.interval.to_le_bytes();
-    let [f0, f1] = edge.flags.0.to_le_bytes();
-    [
-        t0, t1, t2, t3, t4, t5, t6, t7, a0, a1, a2, a3, m0, m1, m2, m3, i0, i1, i2, i3, f0, f1, 0,
-        0,
-    ]
+    let mut bytes = [0; EDGE_LEN];
+    let words = [
+        edge.angle.0,
+        edge.moved.0.cast_unsigned(),
+        edge.interval,
+        edge.late.0.cast_unsigned(),
+        edge.stretch.0.cast_unsigned(),
+        u32::from(edge.flags.0),
+    ];
+    let cells = bytes.as_chunks_mut::<4>().0.iter_mut();
+    let ticks = [edge.ticks as u32, (edge.ticks >> 32) as u32];
+    for (cell, word) in cells.zip(ticks.into_iter().chain(words)) {
+        *cell = word.to_le_bytes();
+    }
+    bytes
 }
 
 fn parse_edge(bytes: &[u8; EDGE_LEN]) -> CorrectedEdge {
-    let [
-        t0,
-        t1,
-        t2,
-        t3,
-        t4,
-        t5,
-        t6,
-        t7,
-        a0,
-        a1,
-        a2,
-        a3,
-        m0,
-        m1,
-        m2,
-        m3,
-        i0,
-        i1,
-        i2,
-        i3,
-        f0,
-        f1,
-        _,
-        _,
-    ] = *bytes;
+    let mut words = [0; EDGE_LEN / 4];
+    for (word, cell) in words.iter_mut().zip(bytes.as_chunks::<4>().0) {
+        *word = u32::from_le_bytes(*cell);
+    }
+    let [low, high, angle, moved, interval, late, stretch, flags] = words;
     CorrectedEdge {
-        ticks: u64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]),
-        angle: Turn32(u32::from_le_bytes([a0, a1, a2, a3])),
-        moved: TurnDelta32(i32::from_le_bytes([m0, m1, m2, m3])),
-        interval: u32::from_le_bytes([i0, i1, i2, i3]),
-        flags: Flags(u16::from_le_bytes([f0, f1])),
+        ticks: u64::from(low) | (u64::from(high) << 32),
+        angle: Turn32(angle),
+        moved: TurnDelta32(moved.cast_signed()),
+        interval,
+        late: TickDelta8(late.cast_signed()),
+        stretch: TickDelta8(stretch.cast_signed()),
+        flags: Flags(flags as u16),
     }
 }
 

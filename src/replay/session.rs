@@ -10,7 +10,7 @@ use crate::decoder::{DecoderConfig, QuadratureDecoder};
 use crate::edge::Sample;
 use crate::estimate::{Anchor, EdgeBuffers, Estimator, Progress, Solution, SolveError, Totals};
 use crate::shape::{EncoderShape, ShapeError};
-use crate::slot::{self, SlotHeader};
+use crate::slot::{self, Delays, SlotHeader};
 use crate::step::{Faults, SensorError};
 use crate::table::{ErrorTable, TableError};
 use crate::timebase::{Timebase16, Timebase32};
@@ -275,6 +275,7 @@ fn slot_header<B: EdgeBuffers>(solution: &Solution<B>, learned_until: Ticks) -> 
         source: 0,
         learned_until,
         class_offsets: *solution.class_offsets(),
+        delays: Delays::NONE,
     }
 }
 

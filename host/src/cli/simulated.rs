@@ -108,11 +108,11 @@ impl Simulated {
             if event.truth.edge.is_none() {
                 continue;
             }
-            tally.edge(event.truth.time_s, event.truth.angle_rad);
+            let ahead = tally.edge(event.truth.time_s, event.truth.angle_rad);
             if tally.edges.is_multiple_of(4096) {
                 progress.reach((tally.way / TAU) as u64, |_| String::new());
             }
-            if let Some((out, target, ratio)) = &mut reference {
+            if let Some((out, target, ratio)) = reference.as_mut().filter(|_| ahead) {
                 let angle = event.truth.angle_rad * *ratio;
                 writeln!(out, "{:.12},{angle:.12}", event.truth.time_s)
                     .map_err(|source| target.failed(source))?;
@@ -194,7 +194,12 @@ impl Tally {
         }
     }
 
-    fn edge(&mut self, time: f64, angle: f64) {
+    /// Takes an edge; false for one that delays brought behind another that happened later.
+    fn edge(&mut self, time: f64, angle: f64) -> bool {
+        self.edges += 1;
+        if self.first.is_some() && time <= self.last.0 {
+            return false;
+        }
         let here = (time, angle);
         match self.first {
             None => {
@@ -204,12 +209,12 @@ impl Tally {
             Some(_) => self.way += (angle - self.last.1).abs(),
         }
         self.last = here;
-        self.edges += 1;
         if self.edges.is_multiple_of(self.stride) && time > self.mark.0 {
             let r_min = (angle - self.mark.1) / (time - self.mark.0) * 60.0 / TAU;
             self.speed.push((time, r_min));
             self.mark = here;
         }
+        true
     }
 
     fn outcome(self) -> Outcome {

@@ -9,6 +9,7 @@ use quadcal::slot::SlotHeader;
 use serde::Serialize;
 
 use crate::calibrate::{self, CalibrateError};
+use crate::delays::{ClassDelay, class_delays, describe};
 use crate::recording::Header;
 use crate::report::si;
 use crate::reports::verify as page;
@@ -81,6 +82,8 @@ struct Summary {
     table: String,
     verdict: &'static str,
     same_recording: bool,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    delays: Vec<ClassDelay>,
     intervals: u64,
     scatter_before: f64,
     scatter_after: f64,
@@ -135,8 +138,9 @@ impl Verify {
             let page = page::report(&name, &table, &check, footer(&inputs)?);
             target.write_report(&page)?;
         }
-        self.json
-            .write(&self.summary(&check), &self.facts(&check))?;
+        let delays = class_delays(plan.kind, &slot.header.delays);
+        let facts = self.facts(&check, &delays);
+        self.json.write(&self.summary(&check, delays), &facts)?;
         self.judge(&check)
     }
 
@@ -186,7 +190,7 @@ impl Verify {
         })
     }
 
-    fn summary(&self, check: &Verification) -> Summary {
+    fn summary(&self, check: &Verification, delays: Vec<ClassDelay>) -> Summary {
         Summary {
             file: self.input.recording.display().to_string(),
             table: self.table.display().to_string(),
@@ -196,6 +200,7 @@ impl Verify {
                 Verdict::Worse => "worse",
             },
             same_recording: check.same_recording,
+            delays,
             intervals: check.scatter.intervals,
             scatter_before: check.scatter.before,
             scatter_after: check.scatter.after,
@@ -207,21 +212,24 @@ impl Verify {
         }
     }
 
-    fn facts(&self, check: &Verification) -> Facts {
+    fn facts(&self, check: &Verification, delays: &[ClassDelay]) -> Facts {
         let mut facts = Facts::default();
         facts
             .push("Recording", self.input.recording.display())
             .push("Table", self.table.display())
-            .push("Checked on", page::turns_used(check))
-            .push(
-                "Scatter of the speed, RMS",
-                format!(
-                    "{:.4} % before, {:.4} % after ({} intervals)",
-                    100.0 * check.scatter.before,
-                    100.0 * check.scatter.after,
-                    check.scatter.intervals
-                ),
-            );
+            .push("Checked on", page::turns_used(check));
+        if let Some(delays) = describe(delays) {
+            facts.push("Delays in the table", delays);
+        }
+        facts.push(
+            "Scatter of the speed, RMS",
+            format!(
+                "{:.4} % before, {:.4} % after ({} intervals)",
+                100.0 * check.scatter.before,
+                100.0 * check.scatter.after,
+                check.scatter.intervals
+            ),
+        );
         if let Some(reference) = &check.reference {
             facts.push(
                 "Error against reference, RMSE",

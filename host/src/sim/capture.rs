@@ -28,7 +28,6 @@ pub(super) struct Capture {
     glitch: Stream,
     channels: u8,
     edges: u64,
-    last_stamp: u64,
     last_row: u64,
     last_edge_s: f64,
     last_levels: Levels,
@@ -57,7 +56,6 @@ impl Capture {
                 Encoder::Wheel { .. } => 1,
             },
             edges: 0,
-            last_stamp: 0,
             last_row: 0,
             last_edge_s: 0.0,
             last_levels: Levels(0),
@@ -78,8 +76,7 @@ impl Capture {
         } else {
             0.0
         };
-        self.last_stamp = self.last_stamp.max(self.ticks(time_s + error));
-        self.last_stamp
+        self.ticks(time_s + error)
     }
 
     /// Whether the edge that just came gets through; draws its faults.

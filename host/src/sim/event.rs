@@ -48,7 +48,7 @@ impl Class {
 /// What really happened at an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// Exact time, s.
+    /// Exact time of the change on the disc, s: before any delay of its capture.
     pub time_s: f64,
     /// True shaft angle, rad, through all turns; at a glitch that of the change before it.
     pub angle_rad: f64,

@@ -11,6 +11,7 @@
 //! An [`Event`] holds the row as a capture unit would give it and, apart from it, the truth. Only the row may go into a recording.
 
 mod capture;
+mod crossing;
 mod disc;
 mod drive;
 mod error_list;
@@ -18,13 +19,12 @@ mod event;
 mod plant;
 mod random;
 mod shaft;
+mod signal;
 mod taylor;
 #[cfg(test)]
 mod tests;
 
 use std::f64::consts::TAU;
-
-use quadcal::edge::{Direction, Levels};
 
 use crate::recording::Header;
 use crate::twin::{Duration, Twin, TwinError};
@@ -32,21 +32,15 @@ use crate::twin::{Duration, Twin, TwinError};
 pub use event::{Class, Event, Truth};
 
 use capture::Capture;
+use crossing::Crossing;
 use disc::Disc;
 use drive::{Knot, Noise, SpeedLoop};
 use plant::Plant;
 use shaft::{Forcing, LongSum, Shaft};
+use signal::Signals;
 use taylor::{Integrator, Piece};
 
-/// A change of level on its way to its row.
-#[derive(Clone, Copy, Debug)]
-struct Crossing {
-    truth: Truth,
-    stamp: u64,
-    levels: Levels,
-}
-
-/// A running simulation: an iterator of events in order of time.
+/// A running simulation: an iterator of events in the order of their capture.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     header: Header,
@@ -58,6 +52,7 @@ pub struct Simulation {
     noise: Option<Noise>,
     noise_push: f64,
     shaft: Shaft,
+    signals: Signals,
     capture: Capture,
     segment_start_s: f64,
     segment_end_s: f64,
@@ -120,6 +115,7 @@ impl Simulation {
                 angle,
                 start_speed,
             ),
+            signals: Signals::new(twin),
             capture: Capture::new(twin),
             segment_start_s: 0.0,
             segment_end_s: 0.0,
@@ -147,64 +143,6 @@ impl Simulation {
     #[must_use]
     pub fn true_errors(&self) -> Vec<f64> {
         self.disc.errors().to_vec()
-    }
-
-    /// The next change of level within the current piece of motion that the capture does not lose.
-    fn crossing_in_piece(&mut self) -> Option<Crossing> {
-        let direction = if self.piece_travel > 0.0 {
-            Direction::Forward
-        } else if self.piece_travel < 0.0 {
-            Direction::Reverse
-        } else {
-            return None;
-        };
-        loop {
-            let place = match direction {
-                Direction::Forward => self.place,
-                Direction::Reverse => self.place - 1,
-            };
-            let way = self.shaft.way_to(self.disc.angle_rad(place));
-            let past_end = match direction {
-                Direction::Forward => way > self.piece_travel,
-                Direction::Reverse => way < self.piece_travel,
-            };
-            if past_end {
-                return None;
-            }
-            if self.travelled.plus(way.abs()) > self.travel_end {
-                self.done = true;
-                return None;
-            }
-            self.place += i64::from(direction.sign());
-            if let Some(crossing) = self.capture_crossing(place, direction, way) {
-                return Some(crossing);
-            }
-        }
-    }
-
-    /// The change of level at a place `way` from the piece's start; none if the capture loses it.
-    fn capture_crossing(&mut self, place: i64, direction: Direction, way: f64) -> Option<Crossing> {
-        let time_s = self.segment_start_s + self.within_s.plus(self.piece.time_of(way));
-        let stamp = self.capture.stamp(time_s);
-        let mark = *self.disc.mark(place);
-        if let Some(k) = mark.edge {
-            if !self.capture.takes_edge(time_s) {
-                return None;
-            }
-            if let Some(speed_loop) = &mut self.speed_loop {
-                speed_loop.edge(stamp, direction, self.disc.steps_into(k, direction));
-            }
-        }
-        Some(Crossing {
-            truth: Truth {
-                time_s,
-                angle_rad: self.shaft.angle_after(way),
-                edge: mark.edge,
-                class: mark.class,
-            },
-            stamp,
-            levels: self.disc.levels_after(place, direction),
-        })
     }
 
     /// Ends the current piece and starts the next.
@@ -273,15 +211,21 @@ impl Iterator for Simulation {
     type Item = Event;
 
     fn next(&mut self) -> Option<Event> {
+        if self.held.is_none() {
+            self.held = self.signals.due();
+        }
         while self.held.is_none() && !self.done {
             self.held = self.crossing_in_piece();
             if self.held.is_none() && !self.done {
                 self.advance();
             }
         }
+        if self.held.is_none() {
+            self.held = self.signals.rest();
+        }
         let until = self
             .held
-            .map_or(f64::INFINITY, |crossing| crossing.truth.time_s);
+            .map_or(f64::INFINITY, |crossing| crossing.arrival_s);
         if let Some(glitch) = self.capture.glitch_before(until, self.last_angle) {
             return Some(glitch);
         }
@@ -289,6 +233,7 @@ impl Iterator for Simulation {
             truth,
             stamp,
             levels,
+            ..
         } = self.held.take()?;
         self.last_angle = truth.angle_rad;
         Some(Event {

@@ -4,6 +4,7 @@
 //! line, column and key ([`TwinError`]). `host/twins/` has a commented file for every kind of rig.
 
 mod check;
+mod delay;
 mod drive;
 mod encoder;
 mod error;
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use delay::{ChannelSkew, EdgeDelay, RiseFall};
 pub use drive::{Drive, Noise, Ripple, Shaft, Step};
 pub use encoder::{Encoder, Errors, Harmonic, Per, Position};
 pub use error::{BadValue, ErrorListFault, Place, TwinError};
@@ -42,6 +44,12 @@ pub struct Twin {
     /// White torque noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
+    /// Delays of rising and falling edges; none where left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_delay: Option<EdgeDelay>,
+    /// Delays of whole channels; none where left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel_skew: Option<ChannelSkew>,
     /// The timer that stamps the edges.
     pub timer: Timer,
     /// Faults of the capture, for tests.
@@ -208,6 +216,8 @@ impl Twin {
                 ripple(15.0, 2.0, 0.0025),
             ],
             noise: None,
+            edge_delay: None,
+            channel_skew: None,
             timer: Timer {
                 clock_hz: 84_000_000,
                 bits: 64,

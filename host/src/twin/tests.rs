@@ -20,6 +20,26 @@ fn a_twin_written_out_reads_back_the_same() {
 }
 
 #[test]
+fn delays_are_kept_and_a_key_they_do_not_have_is_refused() {
+    let mut twin = Twin::paper();
+    twin.edge_delay = Some(EdgeDelay {
+        a: RiseFall {
+            rise_s: 1e-6,
+            fall_s: 2.5e-7,
+        },
+        ..EdgeDelay::default()
+    });
+    let text = twin.to_toml().unwrap();
+    assert_eq!(Twin::parse(&text, "paper").unwrap(), twin);
+    let text = text.replace("rise_s = 1e-6", "rise_us = 1");
+    let text = text.replace("rise_s = 0.000001", "rise_us = 1");
+    match Twin::parse(&text, "rig.toml") {
+        Err(TwinError::Syntax { key, .. }) => assert_eq!(key, "edge_delay.a.rise_us"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
 fn a_value_out_of_range_names_line_column_key_value_and_range() {
     let text = paper_text().replace("lines = 2500", "lines = 0");
     let bad = bad_value(&text);
@@ -113,7 +133,22 @@ fn conflicts_are_refused() {
         teeth: 60,
         missing: 2,
     };
+    let mut third = Twin::paper();
+    third.channel_skew = Some(ChannelSkew {
+        c_s: 1e-6,
+        ..ChannelSkew::default()
+    });
+    let mut ahead = Twin::paper();
+    ahead.edge_delay = Some(EdgeDelay {
+        b: RiseFall {
+            rise_s: 0.0,
+            fall_s: -1e-6,
+        },
+        ..EdgeDelay::default()
+    });
     for (twin, key) in [
+        (third, "channel_skew.c_s"),
+        (ahead, "edge_delay.b.fall_s"),
         (wander, "noise.speed_wander.correlation_rad"),
         (both_sizes, "ripple[0]"),
         (list_and_parts, "errors.list_rad"),

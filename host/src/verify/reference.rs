@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::io::Read;
 
+use quadcal::corrector::CorrectedEdge;
 use quadcal::shape::EncoderShape;
 use quadcal::units::TurnDelta32;
 use thiserror::Error;
@@ -142,8 +143,11 @@ impl Reference {
         Ok(Self { points, ratio })
     }
 
-    /// Angle of the encoder's shaft by the reference, from `hint` on; none outside the reference's times.
+    /// Angle of the encoder's shaft by the reference, looked for from `hint` on; none outside the reference's times.
     fn angle_at(&self, time: f64, hint: &mut usize) -> Option<f64> {
+        while *hint > 0 && self.points[*hint].0 > time {
+            *hint -= 1;
+        }
         while *hint + 2 < self.points.len() && self.points[*hint + 1].0 < time {
             *hint += 1;
         }
@@ -219,24 +223,32 @@ impl Comparison {
         }
     }
 
-    pub(super) fn push(&mut self, edge: u32, ticks: u64, before: TurnDelta32, after: TurnDelta32) {
+    pub(super) fn push(&mut self, edge: u32, before: &CorrectedEdge, after: &CorrectedEdge) {
         let rad = |moved: TurnDelta32| f64::from(moved.0) * (TAU / 4_294_967_296.0);
         #[allow(clippy::cast_precision_loss)]
-        let time = ticks as f64 / self.clock_hz;
-        let Some(shaft) = self.reference.angle_at(time, &mut self.hint) else {
+        let mut shaft_at = |edge: &CorrectedEdge| {
+            let time = edge.ticks as f64 / self.clock_hz - edge.late.seconds(self.clock_hz);
+            self.reference.angle_at(time, &mut self.hint)
+        };
+        let (Some(shaft_before), Some(shaft_after)) = (shaft_at(before), shaft_at(after)) else {
             return;
         };
+        let shaft = [shaft_before, shaft_after];
         if self.stretch.count == 0.0 {
             // Errors are counted from here on, so that their squares stay small.
-            self.angles = [shaft; 2];
+            self.angles = shaft;
         } else {
-            self.angles = [self.angles[0] + rad(before), self.angles[1] + rad(after)];
+            let [angle_before, angle_after] = self.angles;
+            self.angles = [
+                angle_before + rad(before.moved),
+                angle_after + rad(after.moved),
+            ];
         }
         let sums = &mut self.stretch;
         sums.count += 1.0;
         let place = &mut sums.edges[edge as usize];
         place.1 += 1.0;
-        for which in 0..2 {
+        for (which, shaft) in shaft.into_iter().enumerate() {
             let error = self.angles[which] - shaft;
             sums.sum[which] += error;
             sums.squares[which] += error * error;
@@ -270,46 +282,4 @@ impl Comparison {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn read(text: &str) -> Result<Reference, String> {
-        Reference::read(text.as_bytes(), "ref.csv", 2.0).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn angles_are_interpolated_and_divided_by_the_ratio() {
-        let reference = read("time,angle_rad\n0,0\n1,4\n2,4\n").unwrap();
-        let mut hint = 0;
-        assert_eq!(reference.angle_at(0.25, &mut hint), Some(0.5));
-        assert_eq!(reference.angle_at(1.5, &mut hint), Some(2.0));
-        assert_eq!(reference.angle_at(2.5, &mut hint), None);
-    }
-
-    #[test]
-    fn every_fault_names_its_line() {
-        let cases = [
-            (
-                "time,angle\n0,0\n",
-                "ref.csv:1: no column 'angle_rad' (found: time, angle)",
-            ),
-            (
-                "time,angle_rad\n0,0\n1,x\n",
-                "ref.csv:3: 'x' in column 'angle_rad' is not a finite number",
-            ),
-            ("time,angle_rad\n0,0\n1,NaN\n", "ref.csv:3: 'NaN'"),
-            (
-                "time,angle_rad\n1,0\n1,1\n",
-                "ref.csv:3: time 1 s is not after",
-            ),
-            (
-                "time,angle_rad\n1,0\n",
-                "ref.csv: a reference needs at least two rows, this one has 1",
-            ),
-        ];
-        for (text, expected) in cases {
-            let error = read(text).unwrap_err();
-            assert!(error.starts_with(expected), "{error}");
-        }
-    }
-}
+mod tests;

@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
+use quadcal::corrector::CorrectedEdge;
 use quadcal::shape::EncoderShape;
-use quadcal::units::TurnDelta32;
+use quadcal::units::TICK_FRACTION_BITS;
 
 /// Relative scatter of the speed from edge to edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,12 +33,33 @@ pub struct Profile {
     pub turn_after_rad_s: Vec<f64>,
 }
 
+/// An interval, as captured on the grid and as the table has it.
 #[derive(Clone, Copy)]
 struct Passed {
     edge: u32,
-    interval: f64,
-    before: f64,
-    after: f64,
+    before: Motion,
+    after: Motion,
+}
+
+/// A way, turns, in a time, ticks.
+#[derive(Clone, Copy)]
+struct Motion {
+    way: f64,
+    time: f64,
+}
+
+impl Motion {
+    #[allow(clippy::cast_precision_loss)]
+    fn of(edge: &CorrectedEdge) -> Self {
+        Self {
+            way: f64::from(edge.moved.0).abs() / 4_294_967_296.0,
+            time: edge.interval_q8() as f64 / f64::from(1_u32 << TICK_FRACTION_BITS),
+        }
+    }
+
+    fn speed(self) -> f64 {
+        self.way / self.time
+    }
 }
 
 /// Takes intervals one by one and holds each against the turn around it.
@@ -77,36 +99,29 @@ impl ScatterMeter {
         self.duration = 0.0;
     }
 
-    pub(super) fn push(
-        &mut self,
-        edge: u32,
-        interval: u32,
-        before: TurnDelta32,
-        after: TurnDelta32,
-    ) {
-        let turns = |moved: TurnDelta32| f64::from(moved.0).abs() / 4_294_967_296.0;
+    pub(super) fn push(&mut self, edge: u32, before: &CorrectedEdge, after: &CorrectedEdge) {
         let passed = Passed {
             edge,
-            interval: f64::from(interval),
-            before: turns(before),
-            after: turns(after),
+            before: Motion::of(before),
+            after: Motion::of(after),
         };
         self.window.push_back(passed);
-        self.duration += passed.interval;
+        // Delays and errors of the edges drop out of a whole turn.
+        self.duration += passed.before.time;
         if self.window.len() > self.intervals
             && let Some(oldest) = self.window.pop_front()
         {
-            self.duration -= oldest.interval;
+            self.duration -= oldest.before.time;
         }
         if self.window.len() < self.intervals || self.duration <= 0.0 {
             return;
         }
         let middle = self.window[self.intervals / 2];
-        if middle.interval <= 0.0 {
+        if middle.before.time <= 0.0 {
             return;
         }
         // Speeds over that of the whole turn, minus one.
-        let relative = |moved: f64| moved * self.duration / middle.interval - 1.0;
+        let relative = |motion: Motion| motion.speed() * self.duration - 1.0;
         let (before, after) = (relative(middle.before), relative(middle.after));
         self.squares[0] += before * before;
         self.squares[1] += after * after;
@@ -114,7 +129,7 @@ impl ScatterMeter {
         let sums = &mut self.sums[middle.edge as usize];
         *sums = [sums[0] + before, sums[1] + after, sums[2] + 1.0];
         if self.profile.turn_angle_rad.len() < self.intervals {
-            let speed = |moved: f64| moved * TAU * self.clock_hz / middle.interval;
+            let speed = |motion: Motion| motion.speed() * TAU * self.clock_hz;
             #[allow(clippy::cast_precision_loss)]
             let angle = f64::from(middle.edge) * TAU / self.edges as f64;
             self.profile.turn_angle_rad.push(angle);

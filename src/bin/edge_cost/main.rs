@@ -25,7 +25,7 @@ use quadcal::interval::{Interval, IntervalConfig};
 use quadcal::shape::{CLASSES_MAX, EncoderShape};
 use quadcal::step::Outcome;
 use quadcal::table::ErrorTable;
-use quadcal::units::TurnDelta32;
+use quadcal::units::{TickDelta8, TurnDelta32};
 
 use counter::InstructionCounter;
 use rig::{BLOCK, LINES, Rig, SLOTS};
@@ -101,12 +101,15 @@ fn measure(
     let (mut recorder, mut watchful) = (decoder, decoder);
     let mut chained = (decoder, Corrector::new(table, Anchor::Index));
     let mut corrector = Corrector::new(table, Anchor::Index);
+    let late = [300, -100, -300, 100, 0, 0].map(TickDelta8);
+    let mut compensator = Corrector::new(table.with_delays(late), Anchor::Index);
     let mut interval = Interval::new(IntervalConfig::new(SLOTS, 84_000_000));
     let [
         mut empty,
         mut decode,
         mut reverse,
         mut correct,
+        mut compensate,
         mut time,
         mut speed,
         mut learn,
@@ -118,12 +121,14 @@ fn measure(
             *outcome = recorder.push(*sample);
         }
         if block == WARM {
-            [empty, decode, reverse, correct, time, speed, learn, chain] =
-                core::array::from_fn(|_| Stage::default());
+            [
+                empty, decode, reverse, correct, compensate, time, speed, learn, chain,
+            ] = core::array::from_fn(|_| Stage::default());
         }
         empty.count(&counter, || idle(samples));
         decode.count(&counter, || decode_block(&mut decoder, samples));
         correct.count(&counter, || correct_block(&mut corrector, outcomes));
+        compensate.count(&counter, || compensate_block(&mut compensator, outcomes));
         chain.count(&counter, || {
             chain_block(&mut chained.0, &mut chained.1, samples)
         });
@@ -136,6 +141,7 @@ fn measure(
     decode.print("decode", &empty);
     reverse.print("decode_swinging", &empty);
     correct.print("correct", &empty);
+    compensate.print("correct_with_delays", &empty);
     chain.print("decode_and_correct", &empty);
     time.print("interval", &empty);
     speed.print("speed", &empty);
@@ -162,6 +168,16 @@ fn correct_block(corrector: &mut Corrector<'_>, outcomes: &[Outcome]) {
     for outcome in outcomes {
         if let Some(edge) = corrector.push(black_box(outcome)) {
             black_box((edge.angle, edge.moved));
+        }
+    }
+}
+
+/// The times are used as well.
+#[inline(never)]
+fn compensate_block(corrector: &mut Corrector<'_>, outcomes: &[Outcome]) {
+    for outcome in outcomes {
+        if let Some(edge) = corrector.push(black_box(outcome)) {
+            black_box((edge.angle, edge.moved, edge.late, edge.stretch));
         }
     }
 }

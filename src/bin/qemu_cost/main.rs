@@ -26,7 +26,7 @@ use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::estimate::{Anchor, Estimator, Progress, SolveError, StaticBuffers};
 use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT, TimerWidth};
 use quadcal::shape::{EncoderShape, ShapeError};
-use quadcal::slot::{self, SlotHeader};
+use quadcal::slot::{self, Delays, SlotHeader};
 use quadcal::step::{Outcome, SensorError};
 use quadcal::summary::Summary;
 use quadcal::table::{ErrorTable, TableError};
@@ -214,6 +214,7 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
         source: 0,
         learned_until: learned_until.unwrap_or_default(),
         class_offsets: *solution.class_offsets(),
+        delays: Delays::NONE,
     };
     slot::write(&header, solution.entries(), |bytes| output.write(bytes))?;
     output.close()?;

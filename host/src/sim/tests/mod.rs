@@ -1,10 +1,11 @@
 mod capture;
+mod delay;
 mod disc;
 mod motion;
 
 use std::f64::consts::TAU;
 
-use quadcal::edge::Sample;
+use quadcal::edge::{Levels, Sample};
 
 use super::*;
 use crate::twin::{self, Drive, Encoder, Harmonic, Per, Position, Ripple, Step};

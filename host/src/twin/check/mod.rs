@@ -1,5 +1,6 @@
 //! Ranges and conflicts of a twin's values.
 
+mod delay;
 mod encoder;
 mod motion;
 mod torque;
@@ -90,6 +91,7 @@ impl Twin {
         self.check_drive(&mut c);
         self.check_ripple(&mut c);
         self.check_noise(&mut c);
+        self.check_delays(&mut c);
         self.check_capture(&mut c);
         c.bad
     }

@@ -1,0 +1,134 @@
+//! The signals between head and timer: each change of level arrives after its own delay, in the order of arrival.
+
+use std::collections::VecDeque;
+
+use quadcal::edge::{Direction, Levels};
+
+use super::disc::Mark;
+use super::{Crossing, Truth};
+use crate::twin::Twin;
+
+/// A change of one channel on its way.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    truth: Truth,
+    stamp: u64,
+    arrival_s: f64,
+    bit: u8,
+    high: bool,
+    /// Whether the capture takes it.
+    taken: bool,
+}
+
+/// All channels, with what is on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Signals {
+    /// Delay of the fall and the rise of A, B and C, s.
+    delays_s: [[f64; 2]; 3],
+    /// Z shares its bit with C, and has no delay.
+    third: bool,
+    /// By arrival; of one channel, rises and falls take turns.
+    coming: VecDeque<Change>,
+    /// Levels as they arrived, once there was a change.
+    levels: Option<Levels>,
+    /// What happens later arrives later than this, s.
+    horizon_s: f64,
+}
+
+impl Signals {
+    pub(super) fn new(twin: &Twin) -> Self {
+        let edge = twin.edge_delay.unwrap_or_default();
+        let skew = twin.channel_skew.unwrap_or_default();
+        let channels = [(edge.a, skew.a_s), (edge.b, skew.b_s), (edge.c, skew.c_s)];
+        Self {
+            delays_s: channels.map(|(edge, skew_s)| [edge.fall_s + skew_s, edge.rise_s + skew_s]),
+            third: matches!(twin.encoder, crate::twin::Encoder::Hall { .. }),
+            coming: VecDeque::new(),
+            levels: None,
+            horizon_s: 0.0,
+        }
+    }
+
+    /// Delay of the change that a mark makes when it is passed in a direction, s.
+    pub(super) fn delay_s(&self, mark: &Mark, direction: Direction) -> f64 {
+        let (bit, high) = change_at(mark, direction);
+        let channel = match bit {
+            Levels::A => 0,
+            Levels::B => 1,
+            _ if self.third => 2,
+            _ => return 0.0,
+        };
+        self.delays_s[channel][usize::from(high)]
+    }
+
+    /// Sends the change that a mark makes, `after` being the levels with it but without delays. Changes are sent in order of time.
+    ///
+    /// Where the change before on the same channel would arrive later than this one, the pulse between them is too short to be
+    /// seen: neither arrives.
+    pub(super) fn send(
+        &mut self,
+        crossing: Crossing,
+        mark: &Mark,
+        direction: Direction,
+        after: Levels,
+        taken: bool,
+    ) {
+        let (bit, high) = change_at(mark, direction);
+        self.levels.get_or_insert(Levels(after.0 ^ bit));
+        self.horizon_s = crossing.truth.time_s;
+        let before = self.coming.iter().rposition(|change| change.bit == bit);
+        if let Some(before) = before.filter(|&i| self.coming[i].arrival_s > crossing.arrival_s) {
+            self.coming.remove(before);
+            return;
+        }
+        let at = self
+            .coming
+            .partition_point(|change| change.arrival_s <= crossing.arrival_s);
+        let change = Change {
+            truth: crossing.truth,
+            stamp: crossing.stamp,
+            arrival_s: crossing.arrival_s,
+            bit,
+            high,
+            taken,
+        };
+        self.coming.insert(at, change);
+    }
+
+    /// The next captured change, if nothing can come before it any more.
+    pub(super) fn due(&mut self) -> Option<Crossing> {
+        self.arrived_by(self.horizon_s)
+    }
+
+    /// The next captured change when no more are sent.
+    pub(super) fn rest(&mut self) -> Option<Crossing> {
+        self.arrived_by(f64::INFINITY)
+    }
+
+    fn arrived_by(&mut self, time_s: f64) -> Option<Crossing> {
+        while self.coming.front()?.arrival_s <= time_s {
+            let change = self.coming.pop_front()?;
+            let levels = self.levels.get_or_insert(Levels(0));
+            levels.0 = if change.high {
+                levels.0 | change.bit
+            } else {
+                levels.0 & !change.bit
+            };
+            if change.taken {
+                return Some(Crossing {
+                    truth: change.truth,
+                    stamp: change.stamp,
+                    arrival_s: change.arrival_s,
+                    levels: *levels,
+                });
+            }
+        }
+        None
+    }
+}
+
+/// Which bit changes where a mark is passed in a direction, and whether it goes high.
+fn change_at(mark: &Mark, direction: Direction) -> (u8, bool) {
+    let (bit, rises) = mark.class.bit_and_rise();
+    (bit, rises == (direction == Direction::Forward))
+}
