@@ -7,6 +7,7 @@
 )]
 
 pub mod accuracy;
+pub mod anywhere;
 pub mod paper;
 pub mod reference;
 
