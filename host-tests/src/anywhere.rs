@@ -21,7 +21,7 @@ pub const SLOW_R_MIN: f64 = 15.0;
 pub const FAST_R_MIN: f64 = 600.0;
 /// Speed at the end of the ramp, r/min.
 pub const RAMP_END_R_MIN: f64 = 1500.0;
-/// Turns of the ramp, all in all.
+/// Whole turns of the ramp, from index to index.
 pub const RAMP_TURNS: f64 = 60.0;
 /// RMS wander of the slow speed, a part of it.
 pub const WANDER: f64 = 1e-3;
@@ -38,8 +38,10 @@ pub const LOOP_SAMPLE_HZ: f64 = 10_000.0;
 /// Rate of the timer, Hz.
 pub const CLOCK_HZ: u64 = 84_000_000;
 
-/// Way to the first index, and beyond the last one, in turns.
+/// Way to the first index, and beyond the last one, at one speed, in turns.
 const MARGIN_TURNS: f64 = 0.15;
+/// The same on the ramp: short, as the slowest speeds are over within a fraction of a turn.
+pub const RAMP_MARGIN_TURNS: f64 = 0.01;
 /// Steps of the torque noise in a turn, at any number of lines.
 const NOISE_STEPS: f64 = 10_000.0;
 
@@ -123,10 +125,10 @@ pub fn damping() -> f64 {
     slow_rad_s() / CORRELATION_RAD
 }
 
-/// Length of the ramp, s.
+/// Length of the ramp with its margins, s.
 #[must_use]
 pub fn ramp_s() -> f64 {
-    RAMP_TURNS * 60.0 / f64::midpoint(SLOW_R_MIN, RAMP_END_R_MIN)
+    (RAMP_TURNS + 2.0 * RAMP_MARGIN_TURNS) * 60.0 / f64::midpoint(SLOW_R_MIN, RAMP_END_R_MIN)
 }
 
 /// Two-sided density of the acceleration that the torque noise makes, (rad/s^2)^2/Hz.
@@ -199,11 +201,12 @@ impl Rig {
         let looped = matches!(drive, Drive::SpeedLoop { .. });
         let inertia = twin.shaft.inertia_kg_m2;
         let hold_s = Some(TAU / nominal / NOISE_STEPS);
-        twin.duration = Duration::Turns(match drive {
-            Drive::Ramp { .. } => RAMP_TURNS,
-            _ => f64::from(TURNS) + 1.0 + 2.0 * MARGIN_TURNS,
-        });
-        twin.shaft.initial_angle_rad = -MARGIN_TURNS * TAU;
+        let (turns, margin) = match drive {
+            Drive::Ramp { .. } => (RAMP_TURNS, RAMP_MARGIN_TURNS),
+            _ => (f64::from(TURNS) + 1.0, MARGIN_TURNS),
+        };
+        twin.duration = Duration::Turns(turns + 2.0 * margin);
+        twin.shaft.initial_angle_rad = -margin * TAU;
         if looped {
             twin.noise = Some(Noise::White {
                 psd_n2_m2_s: noise_density() * inertia * inertia,

@@ -45,7 +45,7 @@ fn every_recording_holds_its_turns_and_the_core_numbers_the_edges_alike() {
             }
             assert!(times == recorded.times, "{scenario:?}");
             let turns = (times.len() - 1) / edges;
-            let expected = if scenario == Scenario::Ramp { 59 } else { 12 };
+            let expected = if scenario == Scenario::Ramp { 60 } else { 12 };
             assert_eq!(turns, expected, "{scenario:?}");
         }
     }
