@@ -8,6 +8,7 @@
 
 pub mod accuracy;
 pub mod anywhere;
+pub mod bound;
 pub mod paper;
 pub mod reference;
 
