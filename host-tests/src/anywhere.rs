@@ -285,7 +285,8 @@ impl Rig {
     }
 }
 
-fn record(simulation: Simulation) -> Recorded {
+/// Runs a simulation to its end.
+pub(crate) fn record(simulation: Simulation) -> Recorded {
     let header = simulation.header();
     let mut rows = Vec::new();
     let mut times = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 use super::pass::Pass;
 use super::shaft::Whitener;
@@ -28,7 +28,8 @@ pub struct Gls {
     problem: Problem,
     blocks: Vec<Block>,
     scales: DVector<f64>,
-    factor: Cholesky<f64, Dyn>,
+    /// Upper triangle R of the whitened, scaled design's QR factors: its normal matrix would lose half of the digits.
+    factor: DMatrix<f64>,
 }
 
 struct Block {
@@ -48,20 +49,25 @@ impl Gls {
         let locked = 2 * (problem.orders.len() + problem.ripple.len());
         let unknowns = locked + trends.iter().sum::<usize>();
         let mut blocks = Vec::new();
-        let mut information = DMatrix::zeros(unknowns, unknowns);
         for (at, pass) in problem.passes.iter().enumerate() {
             let own = locked + trends[..at].iter().sum::<usize>();
-            let block = Block::new(&problem, pass, unknowns, own);
-            information += block.design.tr_mul(&block.design);
-            blocks.push(block);
+            blocks.push(Block::new(&problem, pass, unknowns, own));
         }
-        let scales = information.diagonal().map(|x| 1.0 / x.sqrt());
-        let scaled = DMatrix::from_fn(unknowns, unknowns, |r, c| {
-            information[(r, c)] * scales[r] * scales[c]
-        });
-        let factor = Cholesky::new(scaled)?;
+        let rows = blocks.iter().map(|block| block.design.nrows()).sum();
+        let mut design = DMatrix::zeros(rows, unknowns);
+        let mut row = 0;
+        for block in &blocks {
+            let height = block.design.nrows();
+            design.rows_mut(row, height).copy_from(&block.design);
+            row += height;
+        }
+        let scales = DVector::from_iterator(unknowns, design.column_iter().map(|c| 1.0 / c.norm()));
+        for (mut column, scale) in design.column_iter_mut().zip(scales.iter()) {
+            column *= *scale;
+        }
+        let factor = design.qr().unpack_r();
         // What is left of a column when the others are taken off it: rounding would make something of nothing.
-        let told = factor.l_dirty().diagonal().iter().all(|x| *x > 1e-6);
+        let told = factor.diagonal().iter().all(|x| x.abs() > 1e-10);
         told.then_some(Self {
             problem,
             blocks,
@@ -73,10 +79,13 @@ impl Gls {
     /// Variance of the geometry's mean power that is expected at each order, rad^2: the mean of those of both amplitudes.
     #[must_use]
     pub fn variances(&self) -> Vec<f64> {
-        let inverse = self.factor.inverse();
+        let unknowns = self.scales.len();
+        let mut inverse = DMatrix::identity(unknowns, unknowns);
+        // The diagonal was looked at when the factors were made.
+        self.factor.solve_upper_triangular_mut(&mut inverse);
         (0..self.problem.orders.len())
             .map(|i| {
-                let variance = |c: usize| inverse[(c, c)] * self.scales[c].powi(2);
+                let variance = |c: usize| inverse.row(c).norm_squared() * self.scales[c].powi(2);
                 f64::midpoint(variance(2 * i), variance(2 * i + 1))
             })
             .collect()
@@ -92,8 +101,10 @@ impl Gls {
             block.whitener.whiten(white.as_mut_slice());
             sums += block.design.tr_mul(&white);
         }
-        let scaled = sums.component_mul(&self.scales);
-        let solved = self.factor.solve(&scaled).component_mul(&self.scales);
+        let mut solved = sums.component_mul(&self.scales);
+        self.factor.tr_solve_upper_triangular_mut(&mut solved);
+        self.factor.solve_upper_triangular_mut(&mut solved);
+        solved.component_mul_assign(&self.scales);
         (0..self.problem.orders.len())
             .map(|i| [solved[2 * i], solved[2 * i + 1]])
             .collect()

@@ -3,6 +3,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
+use quadcal_host::sim::Simulation;
 
 fn one_speed() -> Rig {
     Rig {
@@ -257,61 +258,68 @@ fn the_estimator_errs_as_much_as_the_bound_says_on_simulated_noise() {
     }
 }
 
-/// Mean squared error over all edges of the ideal estimator on recordings of the simulator, over the bound's.
+/// Mean squared error of the ideal estimator on recordings of the simulator, over the bound's.
+///
+/// Sixty lines with errors as small as those of 2500: an error's product with what the speed is off its nominal is left out by the
+/// linear model, though not by physics.
 fn on_recordings(scenario: Scenario, every: bool, seeds: std::ops::Range<u64>) -> f64 {
-    let rig = Rig {
-        scenario,
-        lines: 60,
-    };
     let problem = problem(scenario, 60, 240, every);
     let gls = Gls::new(problem.clone()).unwrap();
     let expected: f64 = gls.variances().iter().sum();
-    let mut by_order = vec![0.0; 119];
     let runs = (seeds.end - seeds.start) as f64;
+    let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     let mut power = 0.0;
     for seed in seeds {
-        let run = rig.run(seed).unwrap();
-        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-        // The estimator solves no order at half the edges: it is taken off.
-        let alternating = (0..240).map(|k| sign(k) * run.truth[k]).sum::<f64>() / 240.0;
-        let deviations: Vec<Vec<f64>> = problem
-            .passes
-            .iter()
-            .zip(&run.recordings)
-            .map(|(pass, recorded)| {
-                let edges = recorded.times.iter().take(240 * pass.turns).enumerate();
-                let deviation = edges.map(|(i, ticks)| {
-                    let time = (ticks - recorded.times[0]) as f64 / anywhere::CLOCK_HZ as f64;
-                    let nominal = pass.from_rad_s * time + 0.5 * pass.rate * time * time;
-                    TAU * i as f64 / 240.0 - nominal - sign(i) * alternating
-                });
-                deviation.collect()
-            })
-            .collect();
+        let small = Rig {
+            scenario,
+            lines: 2500,
+        }
+        .twins(seed);
+        let mut truth = Vec::new();
+        let mut deviations = Vec::new();
+        let twins = Rig {
+            scenario,
+            lines: 60,
+        }
+        .twins(seed);
+        for ((mut twin, small), pass) in twins.into_iter().zip(small).zip(&problem.passes) {
+            twin.errors = small.errors;
+            let simulation = Simulation::new(&twin).unwrap();
+            truth = simulation.true_errors();
+            // The estimator solves no order at half the edges: it is taken off.
+            let alternating = (0..240).map(|k| sign(k) * truth[k]).sum::<f64>() / 240.0;
+            let times = anywhere::record(simulation).times;
+            let edges = times.iter().take(240 * pass.turns).enumerate();
+            let deviation = edges.map(|(i, ticks)| {
+                let time = (ticks - times[0]) as f64 / anywhere::CLOCK_HZ as f64;
+                let nominal = pass.from_rad_s * time + 0.5 * pass.rate * time * time;
+                TAU * i as f64 / 240.0 - nominal - sign(i) * alternating
+            });
+            deviations.push(deviation.collect());
+        }
         for (i, [a, b]) in gls.estimate(&deviations).into_iter().enumerate() {
             let (mut re, mut im) = (0.0, 0.0);
-            for (k, e) in run.truth.iter().enumerate() {
+            for (k, e) in truth.iter().enumerate() {
                 let (sin, cos) = (TAU * ((i + 1) * k) as f64 / 240.0).sin_cos();
                 re += e * cos / 120.0;
                 im += e * sin / 120.0;
             }
-            by_order[i] += ((a - re).powi(2) + (b - im).powi(2)) / 2.0 / runs / gls.variances()[i];
             power += ((a - re).powi(2) + (b - im).powi(2)) / 2.0 / runs;
         }
     }
-    println!("{by_order:.1?}");
     power / expected
 }
 
 #[test]
 fn the_estimator_reaches_the_bound_on_recordings_of_the_simulator() {
-    for (scenario, every) in [
-        (Scenario::OneSpeed, false),
-        (Scenario::TwoSpeeds, true),
-        (Scenario::Ramp, true),
+    // Order 1 makes most of it, with two numbers a run: the limits are 2.5 standard errors.
+    for (scenario, every, seeds, limit) in [
+        (Scenario::OneSpeed, false, 0..40, 0.4),
+        (Scenario::TwoSpeeds, true, 0..40, 0.4),
+        (Scenario::Ramp, true, 0..12, 0.73),
     ] {
-        let ratio = on_recordings(scenario, every, 0..20);
-        println!("{scenario:?} {ratio}");
-        assert!((ratio - 1.0).abs() < 0.35, "{scenario:?}: {ratio}");
+        let ratio = on_recordings(scenario, every, seeds);
+
+        assert!((ratio - 1.0).abs() < limit, "{scenario:?}: {ratio}");
     }
 }
