@@ -168,11 +168,11 @@ pub fn bound(rig: Rig, torque: LockedTorque, points: usize) -> Bound {
     };
     // Near half the points the torque noise folds down, which it does not with all edges.
     let sound = if points == edges { points } else { points / 4 };
-    if let Some(gls) = Gls::new(problem) {
-        for (order, variance) in solved.into_iter().zip(gls.variances()) {
-            if order <= sound {
-                orders[order - 1] = variance.sqrt();
-            }
+    let variances =
+        Gls::new(problem).map_or_else(|| vec![f64::INFINITY; solved.len()], |gls| gls.variances());
+    for (order, variance) in solved.into_iter().zip(variances) {
+        if order <= sound {
+            orders[order - 1] = variance.sqrt();
         }
     }
     Bound { orders }
