@@ -18,8 +18,8 @@ use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 use quadcal_host_tests::peer_bladesight::{Bladesight, PUBLISHED_BETA};
 use quadcal_host_tests::{paper, peer_average};
 
-/// RMS error over all edges and seeds, rad, by every method, and the bound. Of two recordings a method that takes one is given both in turn, and
-/// the better result counts.
+/// RMS error over all edges and seeds, rad, by every method, and the bound. Of two recordings a method that takes one is given
+/// both in turn, and the better result counts.
 #[derive(Parser)]
 struct Options {
     /// Discs to try, by their lines.
@@ -34,8 +34,9 @@ struct Options {
     /// Precisions among which the package's best is sought, beside the published one.
     #[arg(long, num_args = 1.., default_values_t = [1e6, 1e8, 1e11, 1e12, 1e13])]
     beta: Vec<f64>,
-    /// Edges that the package solves at once; its memory grows with the square, its time with the cube.
-    #[arg(long, default_value_t = 2880)]
+    /// Edges that the package solves at once: the more the better its result, a single turn being far too little; but its memory
+    /// grows with the square, its time up to the cube.
+    #[arg(long, default_value_t = 4320)]
     at_once: usize,
     /// Turns of a recording, at most, that the package is given.
     #[arg(long, default_value_t = 11)]
