@@ -242,7 +242,8 @@ pub fn distance(x: &[f64], y: &[f64]) -> f64 {
     rms(&zero_mean(x.iter().zip(y).map(|(x, y)| x - y).collect()))
 }
 
-fn zero_mean(mut x: Vec<f64>) -> Vec<f64> {
+/// The values less their mean.
+pub(crate) fn zero_mean(mut x: Vec<f64>) -> Vec<f64> {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     x.iter_mut().for_each(|x| *x -= mean);
     x

@@ -7,7 +7,11 @@
 )]
 
 pub mod accuracy;
+pub mod anywhere;
+pub mod bound;
 pub mod paper;
+pub mod peer_average;
+pub mod peer_bladesight;
 pub mod reference;
 
 pub mod events;

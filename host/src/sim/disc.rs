@@ -153,7 +153,8 @@ fn errors_of(twin: &Twin) -> Result<Vec<f64>, TwinError> {
     if !twin.errors.list_rad.is_empty() {
         return Ok(twin.errors.list_rad.clone());
     }
-    let mut random = Stream::new(twin.seed, Purpose::LinePosition);
+    let seed = twin.errors.seed.unwrap_or(twin.seed);
+    let mut random = Stream::new(seed, Purpose::LinePosition);
     let mut position = 0.0;
     let errors = (0..edges).map(|k| {
         position = line_position(twin, k, position, &mut random);

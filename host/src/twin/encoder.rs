@@ -68,6 +68,10 @@ impl Encoder {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {
+    /// Seed of the line position error, 0 to 2^63 - 1; the twin's own where left out. Twins that share it share the disc, so with
+    /// seeds of their own they are several recordings of one encoder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// Line position error eps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<Position>,

@@ -206,4 +206,10 @@ fn a_seed_that_toml_cannot_hold_is_an_error_and_not_another_seed() {
         Err(TwinError::Value(bad)) => assert_eq!(bad.key, "seed"),
         other => panic!("{other:?}"),
     }
+    let mut twin = Twin::paper();
+    twin.errors.seed = Some(u64::MAX);
+    match twin.to_toml() {
+        Err(TwinError::Value(bad)) => assert_eq!(bad.key, "errors.seed"),
+        other => panic!("{other:?}"),
+    }
 }

@@ -155,3 +155,22 @@ fn an_error_list_is_read_from_csv_and_its_faults_are_placed() {
         assert!(shown.contains(says), "{shown}");
     }
 }
+
+#[test]
+fn twins_with_the_same_errors_seed_are_recordings_of_one_disc() {
+    let twin = |seed, disc| {
+        let mut twin = Twin::paper();
+        twin.seed = seed;
+        twin.errors.seed = disc;
+        twin.noise = wander(1e-3);
+        twin.duration = Duration::Turns(0.1);
+        Simulation::new(&twin).unwrap()
+    };
+    let (first, second, other) = (twin(3, Some(9)), twin(4, Some(9)), twin(3, Some(10)));
+    assert_eq!(first.true_errors(), second.true_errors());
+    assert_ne!(first.true_errors(), other.true_errors());
+    let ticks = |simulation: Simulation| -> Vec<u64> { simulation.map(|e| e.row.ticks).collect() };
+    assert_ne!(ticks(first), ticks(second));
+    // Left out, it is the twin's own.
+    assert_eq!(twin(9, None).true_errors(), twin(1, Some(9)).true_errors());
+}

@@ -47,6 +47,9 @@ impl Twin {
 
     pub(super) fn check_errors(&self, c: &mut Checker<'_>) {
         let e = &self.errors;
+        if let Some(seed) = e.seed {
+            c.seed("errors.seed", seed);
+        }
         match e.position {
             Some(Position::Uniform { amplitude_rad, .. }) => {
                 c.between(

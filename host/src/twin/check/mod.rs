@@ -61,6 +61,17 @@ impl Checker<'_> {
         self.require(ok, key, value, &format!("{min} to {max}"), advice);
     }
 
+    fn seed(&mut self, key: &str, seed: u64) {
+        let largest = i64::MAX.unsigned_abs();
+        self.require(
+            seed <= largest,
+            key,
+            seed,
+            &format!("0 to {largest}"),
+            "TOML holds no larger number",
+        );
+    }
+
     fn speed(&mut self, key: &str, r_min: f64) {
         self.between(
             key,
@@ -97,14 +108,7 @@ impl Twin {
     }
 
     fn check_capture(&self, c: &mut Checker<'_>) {
-        let largest = i64::MAX.unsigned_abs();
-        c.require(
-            self.seed <= largest,
-            "seed",
-            self.seed,
-            &format!("0 to {largest}"),
-            "TOML holds no larger number",
-        );
+        c.seed("seed", self.seed);
         let t = &self.timer;
         c.require(
             (1..=1_000_000_000_000).contains(&t.clock_hz),
