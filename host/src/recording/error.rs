@@ -122,6 +122,14 @@ pub enum ReadError {
         /// What is accepted.
         wanted: &'static str,
     },
+    /// A torque that is not a finite number.
+    #[error("{at}: '{text}' is not a torque in N m; correct or delete the row")]
+    BadTorque {
+        /// The field.
+        at: Place,
+        /// The field's text, shortened.
+        text: String,
+    },
     /// A time that is NaN or infinite.
     #[error("{at}: the time is '{text}', not a finite number; correct or delete the row")]
     NotFinite {
@@ -214,6 +222,7 @@ impl ReadError {
             | Self::Fields { at, .. }
             | Self::Truncated { at, .. }
             | Self::BadTime { at, .. }
+            | Self::BadTorque { at, .. }
             | Self::NotFinite { at, .. }
             | Self::NegativeInterval { at, .. }
             | Self::TimeFalls { at, .. }

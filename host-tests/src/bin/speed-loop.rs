@@ -1,0 +1,2 @@
+//! p
+fn main() { quadcal_host_tests::speed_loop::main() }
