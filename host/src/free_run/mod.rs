@@ -29,4 +29,4 @@ mod whiten;
 pub use hidden::{HiddenOrders, hidden_orders};
 pub use model::{Gains, LoopModel};
 pub use recover::{FreeRun, FreeRunError, Knowledge, Push};
-pub use rows::FreeRows;
+pub use rows::{FreeRows, rows};

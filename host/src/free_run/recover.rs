@@ -13,7 +13,8 @@ use super::rows::FreeRows;
 use super::torque::{TorqueMotion, TorqueRecord};
 use super::trend::{Trend, TrendFit};
 use crate::recording::{Header, ReadError, Row};
-use crate::sensor::{PlanError, SensorPlan};
+use crate::sensor::{Decoder, PlanError, SensorPlan};
+use crate::survey::Survey;
 
 /// Ticks of a free run in one of the recording: rounding is far below what the capture itself rounds.
 pub const FINER: u64 = 16;
@@ -102,7 +103,7 @@ impl Push {
     pub fn viscous(&self) -> f64 {
         match self {
             Self::Loop(model) => model.viscous,
-            Self::Torque(record) => record.viscous,
+            Self::Torque(record) => record.viscous(),
         }
     }
 
@@ -117,12 +118,14 @@ impl Push {
 }
 
 /// How the times of a recording become those of a free run.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct FreeRun {
     pub(super) push: Push,
+    given: Gains,
     pub(super) gains: Gains,
     pub(super) trend: Trend,
-    pub(super) plan: SensorPlan,
+    /// As it is before the first row.
+    pub(super) decoder: Decoder,
     pub(super) clock_hz: u64,
     pub(super) step_rad: f64,
     pub(super) from: u64,
@@ -171,10 +174,11 @@ impl FreeRun {
             }
         }
         let run = Self {
+            given: push.gains(),
             push,
             gains,
             trend: Trend::default(),
-            plan,
+            decoder: plan.decoder().map_err(FreeRunError::from)?,
             clock_hz,
             step_rad: TAU / f64::from(edges),
             from: 0,
@@ -194,7 +198,7 @@ impl FreeRun {
             // Only a loop at its limit makes a difference of it; its gains are best those found.
             model.gains = self.gains;
         }
-        let mut decoder = self.plan.decoder()?;
+        let mut decoder = self.decoder.clone();
         let mut fit = TrendFit::new(self.push.viscous());
         let mut pushed: Option<Pushed> = None;
         let (mut last, mut steps) = (0, 0_i64);
@@ -240,6 +244,12 @@ impl FreeRun {
         self.gains
     }
 
+    /// The gains as they were given.
+    #[must_use]
+    pub fn given(&self) -> Gains {
+        self.given
+    }
+
     /// The gains as measured, with their standard errors; none where they were taken as given.
     #[must_use]
     pub fn fit(&self) -> Option<&Fit> {
@@ -267,6 +277,15 @@ impl FreeRun {
         }
     }
 
+    /// The survey of the free run from that of the recording.
+    #[must_use]
+    pub fn survey(&self, mut survey: Survey) -> Survey {
+        survey.header = self.header(&survey.header);
+        survey.first = steady(survey.first, self.clock_hz);
+        survey.last = steady(survey.last, self.clock_hz);
+        survey
+    }
+
     /// About which tick of the recording a tick of the free run stands for.
     #[must_use]
     pub fn recorded(&self, free_ticks: u64) -> u64 {
@@ -274,15 +293,18 @@ impl FreeRun {
     }
 
     /// The rows of the free run from those of the recording, in [`FINER`] ticks, a second later.
-    ///
-    /// # Errors
-    /// [`PlanError`], which [`Self::of`] would have met before.
-    pub fn rows<I>(&self, rows: I) -> Result<FreeRows<I>, PlanError>
+    pub fn rows<I>(&self, rows: I) -> FreeRows<I>
     where
         I: Iterator<Item = Result<Row, ReadError>>,
     {
         FreeRows::new(self, rows)
     }
+}
+
+/// The tick of a free run for one of the recording that the loop did not displace: a second later, which is more than a loop holds a
+/// shaft back.
+pub(super) fn steady(ticks: u64, clock_hz: u64) -> u64 {
+    ticks.saturating_add(clock_hz).saturating_mul(FINER)
 }
 
 /// The first `most` edges of a recording.

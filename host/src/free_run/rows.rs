@@ -1,9 +1,9 @@
 //! The rows of a free run, one by one.
 
 use super::crossing::Crossing;
-use super::recover::{FINER, FreeRun, Pushed};
+use super::recover::{FINER, FreeRun, Pushed, steady};
 use crate::recording::{ReadError, Row};
-use crate::sensor::{Decoder, PlanError};
+use crate::sensor::Decoder;
 
 /// An iterator of a free run's rows over those of its recording.
 pub struct FreeRows<I> {
@@ -15,14 +15,14 @@ pub struct FreeRows<I> {
 }
 
 impl<I> FreeRows<I> {
-    pub(super) fn new(run: &FreeRun, rows: I) -> Result<Self, PlanError> {
-        Ok(Self {
+    pub(super) fn new(run: &FreeRun, rows: I) -> Self {
+        Self {
             run: run.clone(),
             rows,
-            decoder: run.plan.decoder()?,
+            decoder: run.decoder.clone(),
             pushed: run.push.start(run.clock_hz, run.step_rad, run.from),
             last: 0,
-        })
+        }
     }
 
     /// The recording's own rows.
@@ -43,9 +43,9 @@ impl<I> FreeRows<I> {
         }
         let clock = self.run.clock_hz;
         let later = (displacement / self.run.speed * clock as f64 * FINER as f64).round() as i64;
-        // A second is more than any loop holds a shaft back; times never fall.
-        let steady = row.ticks.saturating_add(clock).saturating_mul(FINER);
-        self.last = steady.saturating_add_signed(later).max(self.last);
+        let free = steady(row.ticks, clock).saturating_add_signed(later);
+        // Times of a recording never fall, whatever the torque.
+        self.last = free.max(self.last);
         Row {
             ticks: self.last,
             levels: row.levels,
@@ -62,5 +62,19 @@ where
     fn next(&mut self) -> Option<Self::Item> {
         let row = self.rows.next()?;
         Some(row.map(|row| self.free(row)))
+    }
+}
+
+/// `rows` as they are, or those of the free run behind them.
+pub fn rows<'a, I>(
+    run: Option<&FreeRun>,
+    rows: I,
+) -> Box<dyn Iterator<Item = Result<Row, ReadError>> + 'a>
+where
+    I: Iterator<Item = Result<Row, ReadError>> + 'a,
+{
+    match run {
+        Some(run) => Box::new(run.rows(rows)),
+        None => Box::new(rows),
     }
 }

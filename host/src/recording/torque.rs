@@ -1,8 +1,7 @@
 //! The torque column of a native CSV.
 //!
 //! A row says which torque is asked for from its time on. Rows that repeat the levels above them are no edges and may be written at each
-//! change of torque: then the times are exact. Where only edges have rows, a change lies somewhere between two of them, and
-//! the middle is taken.
+//! change of torque: then the times are exact. Where only edges have rows, a change lies somewhere between two of them.
 
 use std::fs::File;
 use std::io::Read;
@@ -57,20 +56,19 @@ pub fn from_reader(
     {
         let changed = steps.last().is_none_or(|step| step.torque_n_m != torque_n_m);
         if changed {
-            let from = match last {
-                Some((before, levels)) if levels != row.levels => between(before, row.ticks),
-                _ => between(row.ticks, row.ticks),
+            let after = match last {
+                Some((before, levels)) if levels != row.levels => before,
+                _ => row.ticks,
             };
-            steps.push(TorqueStep { from, torque_n_m });
+            steps.push(TorqueStep {
+                after,
+                from: row.ticks,
+                torque_n_m,
+            });
         }
         last = Some((row.ticks, row.levels));
     }
     Ok(steps)
-}
-
-#[allow(clippy::cast_precision_loss)]
-fn between(before: u64, after: u64) -> f64 {
-    before as f64 + (after - before) as f64 / 2.0
 }
 
 /// The number in a field of a line.
@@ -109,16 +107,20 @@ mod tests {
         )
     }
 
-    fn step(from: f64, torque_n_m: f64) -> TorqueStep {
-        TorqueStep { from, torque_n_m }
+    fn step(after: u64, from: u64, torque_n_m: f64) -> TorqueStep {
+        TorqueStep {
+            after,
+            from,
+            torque_n_m,
+        }
     }
 
     #[test]
-    fn a_change_is_at_its_own_row_or_midway_between_edges() {
+    fn a_change_is_at_its_own_row_or_between_two_edges() {
         let rows = "10,1,0,0.5\n20,1,1,0.5\n25,1,1,-1e-3\n30,0,1,-0.001\n40,0,0,2\n";
         assert_eq!(
             read(rows, "Torque_N_m").unwrap(),
-            [step(10.0, 0.5), step(25.0, -1e-3), step(35.0, 2.0)]
+            [step(10, 10, 0.5), step(25, 25, -1e-3), step(30, 40, 2.0)]
         );
     }
 
