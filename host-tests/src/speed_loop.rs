@@ -102,8 +102,7 @@ pub fn record(seed: u64, r_min: f64, later: u64) -> Run {
             ..event.row
         })
         .collect();
-    let survey =
-        Survey::of(header.clone(), rows.iter().copied().map(Ok)).expect("rows can't fail");
+    let survey = Survey::of(header.clone(), rows.iter().copied().map(Ok)).expect("rows can't fail");
     Run {
         header,
         plan: calibrate::plan(&survey, &CalibrateOptions::default()).expect("it has an index"),

@@ -15,8 +15,8 @@ use super::calibrate_summary::Summary;
 use super::failure::Failure;
 use super::footer::footer;
 use super::input::InputArgs;
-use super::output::{JsonArg, ReportArg, Target};
 use super::loop_args::{LoopArgs, remark_gains};
+use super::output::{JsonArg, ReportArg, Target};
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
 
@@ -25,12 +25,12 @@ Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal calibrate rig.csv --turns 11 -o rig.qct         leaves later turns to verify on
   quadcal calibrate hall.csv --fraction 0.5 -o hall.qct   learns from the first half
-  quadcal calibrate axis.csv --twin axis.toml -o axis.qct  undoes the speed loop that axis.toml declares
+  quadcal calibrate axis.csv --twin axis.toml -o axis.qct undoes the speed loop in axis.toml
   quadcal calibrate crank.csv --lines 60 --missing 2 -o crank.qct
 
-Let the shaft turn at a steady speed, in torque or voltage mode: a stiff speed loop hides the encoder's low orders. If it must be on,
-give a twin with its gains, or record the torque (--torque): then what it did is undone. Orders that one speed can't tell from torque
-ripple are left alone and listed.
+Let the shaft turn at a steady speed, in torque or voltage mode: a stiff speed loop hides the encoder's low orders. Where it must be \
+on, give a twin with its gains, or record the torque (--torque): then what it did is undone. Orders that one speed can't tell from \
+torque ripple are left alone and listed.
 
 ";
 
@@ -119,6 +119,8 @@ impl Calibrate {
             // What reads the table counts in the recording's own ticks.
             calibration.learned_until = free.recorded(calibration.learned_until);
             remark_gains(free, globals);
+        } else {
+            self.speed_loop.remark_hidden(&calibration, globals);
         }
         let summary = Summary::new(path, &calibration, &findings, &shown);
         let page = match &self.report.report {

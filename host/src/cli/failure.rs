@@ -78,7 +78,9 @@ pub enum Failure {
         source: FreeRunError,
     },
     /// A torque without an inertia.
-    #[error("--torque: a torque moves a shaft by its inertia; give --inertia J in kg m^2, or --twin")]
+    #[error(
+        "--torque: a torque moves a shaft by its inertia; give --inertia J in kg m^2, or --twin"
+    )]
     NoInertia,
     /// A file other than a recording can't be opened or read.
     #[error("{path}: cannot be read ({source}); check the path and its permissions", path = path.display())]

@@ -4,9 +4,13 @@ use std::io::{self, Write as _};
 
 use clap::{Args, value_parser};
 
+use crate::calibrate::Calibration;
 use crate::free_run::torque::TorqueRecord;
-use crate::free_run::{FreeRun, FreeRunError, Knowledge, LoopModel, Push};
+use crate::free_run::{
+    FreeRun, FreeRunError, HiddenOrders, Knowledge, LoopModel, Push, hidden_orders,
+};
 use crate::recording::{Header, torque};
+use crate::reports::words;
 use crate::sensor::SensorPlan;
 use crate::twin::Twin;
 
@@ -38,7 +42,7 @@ pub struct LoopArgs {
     loop_tick: Option<u64>,
     /// Bandwidth of a loop that is not undone, Hz: says which orders it may hide
     #[arg(long, value_name = "HZ", value_parser = positive, conflicts_with = "torque")]
-    pub loop_hz: Option<f64>,
+    loop_hz: Option<f64>,
 }
 
 fn number(text: &str, fits: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, String> {
@@ -57,11 +61,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 fn fraction(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |value| (0.0..=0.5).contains(&value),
-        "from 0 to 0.5",
-    )
+    number(text, |value| (0.0..=0.5).contains(&value), "from 0 to 0.5")
 }
 
 impl LoopArgs {
@@ -95,6 +95,28 @@ impl LoopArgs {
         FreeRun::of(open, header, plan, push, knowledge)
             .map(Some)
             .map_err(failed)
+    }
+
+    /// The orders that a loop which was not undone may hide, at the slowest speed learned from; none where no loop is declared.
+    #[must_use]
+    pub fn hidden(&self, calibration: &Calibration) -> Option<HiddenOrders> {
+        let [slowest, _] = words::speeds_r_min(calibration);
+        let edges = calibration.solution.shape().edges();
+        self.loop_hz
+            .map(|bandwidth| hidden_orders(bandwidth, slowest / 60.0, edges))
+    }
+
+    /// Says on stderr what [`hidden`](Self::hidden) gives.
+    pub fn remark_hidden(&self, calibration: &Calibration, globals: Globals) {
+        let Some(hidden) = self.hidden(calibration).filter(|_| !globals.quiet) else {
+            return;
+        };
+        // A remark that cannot be shown is no reason to fail.
+        let _ = writeln!(
+            io::stderr(),
+            "the speed loop may hide orders 1 to {} of the encoder; to find them, give a twin with its gains or record the torque",
+            hidden.last
+        );
     }
 
     #[allow(clippy::cast_precision_loss)]

@@ -105,8 +105,7 @@ impl Command {
         {
             self.measured = Some(0.0);
         }
-        let miss = model
-            .miss(self.measured);
+        let miss = model.miss(self.measured);
         let asked = model.gains.kp * miss + model.gains.ki * self.integral + model.start;
         let given = asked.clamp(-model.limit, model.limit);
         self.push = if given == asked {

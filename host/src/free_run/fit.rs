@@ -119,7 +119,8 @@ fn local_intervals(data: Data<'_>, push: &Push, reach: usize) -> Vec<Interval> {
         }
         let (from, before, now) = (at - 2 * reach - 1, at - reach - 1, at - reach);
         let part = seconds(before, now) / seconds(from, at);
-        let local = |n: usize| (made[now][n] - made[before][n]) - part * (made[at][n] - made[from][n]);
+        let local =
+            |n: usize| (made[now][n] - made[before][n]) - part * (made[at][n] - made[from][n]);
         let way = f64::from(crossing.direction.sign()) * step;
         list.push(Interval {
             edge: crossings[now].edge,

@@ -22,6 +22,8 @@ pub mod motion;
 pub mod phase;
 mod recover;
 mod rows;
+#[cfg(test)]
+mod tests;
 pub mod torque;
 pub mod trend;
 mod whiten;

@@ -50,10 +50,14 @@ pub enum FreeRunError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The shaft does not get on.
-    #[error("the loop can't be undone: the recording holds no run in one direction; record three turns or more at one speed")]
+    #[error(
+        "the loop can't be undone: the recording holds no run in one direction; record three turns or more at one speed"
+    )]
     NoRun,
     /// Too little to measure gains on.
-    #[error("the loop's gains can't be measured on less than three turns; record more, or take the gains as exact")]
+    #[error(
+        "the loop's gains can't be measured on less than three turns; record more, or take the gains as exact"
+    )]
     TooShort,
 }
 

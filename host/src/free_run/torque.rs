@@ -68,7 +68,8 @@ impl TorqueRecord {
 #[allow(clippy::cast_precision_loss)]
 fn phase_of(steps: &[TorqueStep], length: f64) -> f64 {
     let mut bounds: Option<(f64, f64)> = None;
-    for step in steps {
+    // The first is what was held when the recording began, no change.
+    for step in steps.iter().skip(1) {
         let width = (step.from - step.after) as f64;
         if width >= length {
             continue;

@@ -19,7 +19,9 @@ impl Trend {
     pub fn at(&self, time_s: f64) -> Shares {
         let basis = basis(time_s, self.viscous);
         std::array::from_fn(|share| {
-            (0..3).map(|i| basis[i] * self.coefficients[(i, share)]).sum()
+            (0..3)
+                .map(|i| basis[i] * self.coefficients[(i, share)])
+                .sum()
         })
     }
 }

@@ -69,20 +69,31 @@ pub(super) fn fit(
     }
     let (mut gram, mut right, mut square) = (Matrix::zeros(), Vector::zeros(), 0.0);
     for equation in &equations {
-        let (shares, angle) = (Vector::from_column_slice(&equation[..UNKNOWNS]), equation[UNKNOWNS]);
+        let (shares, angle) = (
+            Vector::from_column_slice(&equation[..UNKNOWNS]),
+            equation[UNKNOWNS],
+        );
         gram += shares * shares.transpose();
         right += shares * angle;
         square += angle * angle;
     }
     // Columns of very different size, brought to one.
-    let size = gram.diagonal().map(|x| if x > 0.0 { x.sqrt().recip() } else { 0.0 });
+    let size = gram
+        .diagonal()
+        .map(|x| if x > 0.0 { x.sqrt().recip() } else { 0.0 });
     let sizes = Matrix::from_diagonal(&size);
     let prior = Vector::new(prior.kp, prior.ki, 0.0, 0.0);
     let mut left = square / freedom;
     let mut fitted = None;
     // The prior counts against the noise, which is known once something is fitted.
     for _ in 0..3 {
-        let weight = prior.map(|gain| if gain == 0.0 { 0.0 } else { left / (known_within * gain).powi(2) });
+        let weight = prior.map(|gain| {
+            if gain == 0.0 {
+                0.0
+            } else {
+                left / (known_within * gain).powi(2)
+            }
+        });
         let penalty = Matrix::from_diagonal(&weight.component_mul(&size).component_mul(&size));
         let system = sizes * gram * sizes + penalty + Matrix::identity() * 1e-12;
         let wanted = (right + weight.component_mul(&prior)).component_mul(&size);
@@ -91,7 +102,11 @@ pub(super) fn fit(
         let rest = square - 2.0 * solution.dot(&right) + solution.dot(&(gram * solution));
         left = (rest / freedom).max(f64::MIN_POSITIVE);
         let covariance = sizes * inverse * sizes * left;
-        fitted = Some(Fitted { solution, covariance, left });
+        fitted = Some(Fitted {
+            solution,
+            covariance,
+            left,
+        });
     }
     fitted
 }
@@ -105,7 +120,12 @@ pub(super) fn filter(intervals: &[Interval], edges: u32, fitted: &Fitted) -> Vec
             equation[UNKNOWNS] - shares.dot(&fitted.solution)
         })
         .collect();
-    let lagged = |lag: usize| rest.iter().zip(rest.iter().skip(lag)).map(|(a, b)| a * b).sum();
+    let lagged = |lag: usize| {
+        rest.iter()
+            .zip(rest.iter().skip(lag))
+            .map(|(a, b)| a * b)
+            .sum()
+    };
     let correlation: Vec<f64> = (0..=TAPS).map(lagged).collect();
     let mut filter = vec![1.0];
     let mut power = correlation[0];
@@ -147,14 +167,19 @@ fn equations(intervals: &[Interval], edges: u32, filter: &[f64]) -> Vec<Equation
     let mut sums = vec![([0.0; UNKNOWNS + 1], 0.0); edges as usize];
     for (edge, equation) in &filtered {
         let (sum, count) = &mut sums[*edge];
-        sum.iter_mut().zip(equation).for_each(|(sum, value)| *sum += value);
+        sum.iter_mut()
+            .zip(equation)
+            .for_each(|(sum, value)| *sum += value);
         *count += 1.0;
     }
     filtered
         .into_iter()
         .map(|(edge, mut equation)| {
             let (sum, count) = &sums[edge];
-            equation.iter_mut().zip(sum).for_each(|(value, sum)| *value -= sum / count);
+            equation
+                .iter_mut()
+                .zip(sum)
+                .for_each(|(value, sum)| *value -= sum / count);
             equation
         })
         .collect()

@@ -122,6 +122,16 @@ pub enum ReadError {
         /// What is accepted.
         wanted: &'static str,
     },
+    /// No column of the torque's name.
+    #[error("{at}: no column {wanted} for the torque, found {found}; give the name of one of them")]
+    MissingTorque {
+        /// The column line.
+        at: Place,
+        /// Name that was looked for.
+        wanted: String,
+        /// Names that are there.
+        found: String,
+    },
     /// A torque that is not a finite number.
     #[error("{at}: '{text}' is not a torque in N m; correct or delete the row")]
     BadTorque {
@@ -222,6 +232,7 @@ impl ReadError {
             | Self::Fields { at, .. }
             | Self::Truncated { at, .. }
             | Self::BadTime { at, .. }
+            | Self::MissingTorque { at, .. }
             | Self::BadTorque { at, .. }
             | Self::NotFinite { at, .. }
             | Self::NegativeInterval { at, .. }

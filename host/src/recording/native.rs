@@ -80,15 +80,15 @@ impl Native {
         self.lines.consumed()
     }
 
-    /// Place of the column of a name, and what parts the fields of a row.
-    pub fn column(&self, name: &str) -> Result<(usize, u8), ReadError> {
+    /// Place of the torque column of a name, and what parts the fields of a row.
+    pub fn torque_column(&self, name: &str) -> Result<(usize, u8), ReadError> {
         let columns = &self.columns;
         let wanted = name.trim().to_lowercase();
         let mut places = columns.names.iter().enumerate();
         let place = places.find(|(_, name)| name.to_lowercase() == wanted);
         match place {
             Some((place, _)) => Ok((place, columns.delimiter)),
-            None => Err(ReadError::MissingColumn {
+            None => Err(ReadError::MissingTorque {
                 at: Place::line(&self.file, self.lines.number()),
                 wanted: quote(name.as_bytes()),
                 found: found(columns.names.iter().map(String::as_str)),

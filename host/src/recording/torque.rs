@@ -21,7 +21,7 @@ use crate::free_run::torque::TorqueStep;
 /// Reads the torque of the native CSV at `path`, in N m, from the column of this name.
 ///
 /// # Errors
-/// As [`open`](super::open); [`ReadError::MissingColumn`] without such a column, [`ReadError::BadTorque`] for a field that is no number.
+/// As [`open`](super::open); [`ReadError::MissingTorque`] without such a column, [`ReadError::BadTorque`] for a field that is no number.
 pub fn open(
     path: &Path,
     column: &str,
@@ -48,13 +48,15 @@ pub fn from_reader(
     let file: Arc<str> = name.into();
     let lines = Lines::new(Box::new(reader), &file);
     let (mut native, _) = Native::open(lines, options)?;
-    let place = native.column(column)?;
+    let place = native.torque_column(column)?;
     let mut steps: Vec<TorqueStep> = Vec::new();
     let mut last: Option<(u64, Levels)> = None;
     while let Some((row, torque_n_m)) =
         native.next_with(|line| field(line, place, &file, column))?
     {
-        let changed = steps.last().is_none_or(|step| step.torque_n_m != torque_n_m);
+        let changed = steps
+            .last()
+            .is_none_or(|step| step.torque_n_m != torque_n_m);
         if changed {
             let after = match last {
                 Some((before, levels)) if levels != row.levels => before,
