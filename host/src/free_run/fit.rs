@@ -12,7 +12,7 @@ use super::command::Shares;
 use super::crossing::Crossing;
 use super::model::{Gains, LoopModel};
 use super::motion::Response;
-use super::recover::Push;
+use super::push::Push;
 use super::trend::TrendFit;
 use super::whiten::{self, Fitted, Interval, UNKNOWNS};
 
@@ -42,6 +42,14 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Whether the gains lie within three of the standard deviations that they are known by. Where the shaft's own noise moves the loop more
+    /// than anything else does, a fit goes towards no loop at all and must not be used.
+    #[must_use]
+    pub fn is_plausible(&self, given: Gains, known_within: f64) -> bool {
+        let near = |found: f64, given: f64| (found - given).abs() <= 3.0 * known_within * given;
+        near(self.gains.kp, given.kp) && near(self.gains.ki, given.ki)
+    }
+
     /// Fits of several runs of one drive as one, each weighed by its standard errors. None without any.
     #[must_use]
     pub fn together(fits: &[Self]) -> Option<Self> {

@@ -20,6 +20,7 @@ pub mod hidden;
 pub mod model;
 pub mod motion;
 pub mod phase;
+mod push;
 mod recover;
 mod rows;
 #[cfg(test)]
@@ -30,5 +31,6 @@ mod whiten;
 
 pub use hidden::{HiddenOrders, hidden_orders};
 pub use model::{Gains, LoopModel};
-pub use recover::{FreeRun, FreeRunError, Knowledge, Push};
+pub use push::Push;
+pub use recover::{FreeRun, FreeRunError, Knowledge};
 pub use rows::{FreeRows, rows};

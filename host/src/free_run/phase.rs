@@ -7,7 +7,7 @@
 
 use super::fit::{self, Data};
 use super::model::LoopModel;
-use super::recover::Push;
+use super::push::Push;
 
 /// Steps to an interval in the first search, and bounds of their number.
 const STEPS_AN_INTERVAL: f64 = 5.0;

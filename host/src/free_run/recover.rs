@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use thiserror::Error;
 
-use super::command::{Command, Shares};
+use super::command::Shares;
 use super::crossing::Crossing;
 use super::fit::{self, Fit};
-use super::model::{Gains, LoopModel};
+use super::model::Gains;
 use super::phase;
+use super::push::{Push, Pushed};
 use super::rows::FreeRows;
-use super::torque::{TorqueMotion, TorqueRecord};
 use super::trend::{Trend, TrendFit};
 use crate::recording::{Header, ReadError, Row};
 use crate::sensor::{Decoder, PlanError, SensorPlan};
@@ -20,15 +20,6 @@ use crate::survey::Survey;
 pub const FINER: u64 = 16;
 /// Turns that the gains are measured on, at most.
 const FIT_TURNS: usize = 16;
-
-/// What pushed the shaft.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Push {
-    /// A speed loop, whose torque follows from the edges.
-    Loop(LoopModel),
-    /// A torque that was recorded.
-    Torque(TorqueRecord),
-}
 
 /// How well the drive is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,60 +55,6 @@ pub enum FreeRunError {
 impl From<ReadError> for FreeRunError {
     fn from(error: ReadError) -> Self {
         Self::Read(Box::new(error))
-    }
-}
-
-/// A shaft's displacement as it goes on.
-#[derive(Clone, Debug)]
-pub(super) enum Pushed {
-    Loop(Box<Command>),
-    Torque(TorqueMotion),
-}
-
-impl Pushed {
-    /// Goes on to a tick.
-    pub fn reach(&mut self, ticks: u64) -> Shares {
-        match self {
-            Self::Loop(command) => command.reach(ticks),
-            Self::Torque(torque) => torque.reach(ticks),
-        }
-    }
-
-    /// Takes an edge at the tick just reached.
-    pub fn edge(&mut self, crossing: &Crossing) {
-        if let Self::Loop(command) = self {
-            command.edge(crossing.ticks, crossing.direction, crossing.steps);
-        }
-    }
-}
-
-impl Push {
-    /// The displacement from tick `from` on.
-    pub(super) fn start(&self, clock_hz: u64, step_rad: f64, from: u64) -> Pushed {
-        match self {
-            Self::Loop(model) => {
-                Pushed::Loop(Box::new(Command::new(model, clock_hz, step_rad, from)))
-            }
-            Self::Torque(record) => Pushed::Torque(TorqueMotion::new(record, clock_hz, from)),
-        }
-    }
-
-    /// Viscous friction over inertia, 1/s.
-    #[must_use]
-    pub fn viscous(&self) -> f64 {
-        match self {
-            Self::Loop(model) => model.viscous,
-            Self::Torque(record) => record.viscous(),
-        }
-    }
-
-    /// Gains by which the shares count.
-    #[must_use]
-    pub fn gains(&self) -> Gains {
-        match self {
-            Self::Loop(model) => model.gains,
-            Self::Torque(_) => Gains { kp: 1.0, ki: 0.0 },
-        }
     }
 }
 
@@ -173,8 +110,10 @@ impl FreeRun {
             if knowledge.gains_within > 0.0 {
                 let fit = fit::fit(data, &push, knowledge.gains_within);
                 let fit = fit.ok_or(FreeRunError::TooShort)?;
-                gains = fit.gains;
-                found = Some(fit);
+                if fit.is_plausible(gains, knowledge.gains_within) {
+                    gains = fit.gains;
+                    found = Some(fit);
+                }
             }
         }
         let run = Self {
@@ -254,7 +193,8 @@ impl FreeRun {
         self.given
     }
 
-    /// The gains as measured, with their standard errors; none where they were taken as given.
+    /// The gains as measured, with their standard errors; none where they were taken as given, because that was asked for or what was
+    /// measured is far from it.
     #[must_use]
     pub fn fit(&self) -> Option<&Fit> {
         self.fit.as_ref()

@@ -1,7 +1,8 @@
 //! The rows of a free run, one by one.
 
 use super::crossing::Crossing;
-use super::recover::{FINER, FreeRun, Pushed, steady};
+use super::push::Pushed;
+use super::recover::{FINER, FreeRun, steady};
 use crate::recording::{ReadError, Row};
 use crate::sensor::Decoder;
 
