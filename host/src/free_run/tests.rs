@@ -117,7 +117,7 @@ fn a_drive_at_its_limit_is_followed() {
 }
 
 #[test]
-fn an_unknown_sample_time_is_found_and_gains_stay_plausible() {
+fn an_unknown_sample_time_is_found_and_an_implausible_fit_is_not_used() {
     let mut twin = twin(None);
     twin.noise = Some(Noise::White {
         psd_n2_m2_s: 1e-13,
@@ -148,14 +148,9 @@ fn an_unknown_sample_time_is_found_and_gains_stay_plausible() {
     // With an edge a sample, a hundred ticks of 84000 hold hardly one.
     let ticks = found.phase_s * 84e6;
     assert!((ticks - 12_345.0).abs() < 100.0, "{ticks}");
-    let (kp, ki) = (
-        run.gains().kp / model.gains.kp,
-        run.gains().ki / model.gains.ki,
-    );
-    assert!(
-        (kp - 1.0).abs() < 0.01 && (ki - 1.0).abs() < 0.05,
-        "{kp} {ki}"
-    );
+    // Edges and samples in step repeat every turn and tell nothing of the gains: the fit is of the noise, and not used.
+    assert!(run.fit().is_none());
+    assert_eq!(run.gains(), gains);
 }
 
 #[test]
