@@ -18,3 +18,4 @@ pub mod events;
 pub mod firmware;
 pub mod rig;
 pub mod session;
+pub mod speed_loop;

@@ -7,6 +7,7 @@ pub mod cli;
 pub mod delays;
 pub mod demo;
 pub mod findings;
+pub mod free_run;
 pub mod pattern;
 pub mod recording;
 pub mod report;

@@ -184,6 +184,7 @@ impl SensorPlan {
 }
 
 /// A decoder of any kind.
+#[derive(Clone)]
 pub enum Decoder {
     /// Quadrature.
     Quadrature(QuadratureDecoder),

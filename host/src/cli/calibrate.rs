@@ -4,6 +4,7 @@ use clap::{Args, value_parser};
 
 use crate::calibrate::{self, Calibration};
 use crate::findings::Findings;
+use crate::free_run;
 use crate::report::Report;
 use crate::reports;
 use crate::showcase::{Showcase, showcase};
@@ -14,6 +15,7 @@ use super::calibrate_summary::Summary;
 use super::failure::Failure;
 use super::footer::footer;
 use super::input::InputArgs;
+use super::loop_args::{LoopArgs, remark_gains};
 use super::output::{JsonArg, ReportArg, Target};
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
@@ -23,10 +25,12 @@ Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal calibrate rig.csv --turns 11 -o rig.qct         leaves later turns to verify on
   quadcal calibrate hall.csv --fraction 0.5 -o hall.qct   learns from the first half
+  quadcal calibrate axis.csv --twin axis.toml -o axis.qct undoes the speed loop in axis.toml
   quadcal calibrate crank.csv --lines 60 --missing 2 -o crank.qct
 
-Let the shaft turn at a steady speed, in torque or voltage mode: a stiff speed loop hides the encoder's low orders. Orders that one
-speed can't tell from torque ripple are left alone and listed.
+Let the shaft turn at a steady speed, in torque or voltage mode: a stiff speed loop hides the encoder's low orders. Where it must be \
+on, give a twin with its gains, or record the torque (--torque): then what it did is undone. Orders that one speed can't tell from \
+torque ripple are left alone and listed.
 
 ";
 
@@ -53,6 +57,8 @@ pub struct Calibrate {
     /// Write the table as CSV too: edge,class,error_rad,standard_error_rad
     #[arg(long, value_name = "PATH", help_heading = "Results")]
     csv: Option<Target>,
+    #[command(flatten)]
+    speed_loop: LoopArgs,
     #[command(flatten)]
     report: ReportArg,
     #[command(flatten)]
@@ -87,17 +93,35 @@ impl Calibrate {
         let mut options = self.sensor.options(header.channels)?;
         options.turns = self.turns;
         options.without_index |= self.no_index;
-        let survey = Survey::of(header, rows)?;
+        let mut survey = Survey::of(header, rows)?;
+        let plan = calibrate::plan(&survey, &options).map_err(failed)?;
+        let twin = self.sensor.twin()?;
+        let free =
+            self.speed_loop
+                .free_run(&self.input, twin.as_ref(), &survey.header, plan, globals)?;
+        if let Some(free) = &free {
+            survey = free.survey(survey);
+        }
         options.until = self
             .fraction
             .map(|fraction| part_of(survey.first, survey.last, fraction));
-        let plan = calibrate::plan(&survey, &options).map_err(failed)?;
-        let rows = self.input.rows(globals)?;
-        let calibration = calibrate::learn(survey, plan, rows, &options).map_err(failed)?;
+        let reopen = || {
+            let rows = self.input.reopen(globals)?;
+            Ok(free_run::rows(free.as_ref(), rows))
+        };
+        let mut calibration =
+            calibrate::learn(survey, plan, reopen()?, &options).map_err(failed)?;
 
         let findings = Findings::of(&calibration);
-        let shown = showcase(&calibration, || self.input.reopen(globals))
+        let shown = showcase(&calibration, reopen)
             .map_err(|error| Failure::verifying(path, path, error))?;
+        if let Some(free) = &free {
+            // What reads the table counts in the recording's own ticks.
+            calibration.learned_until = free.recorded(calibration.learned_until);
+            remark_gains(free, globals);
+        } else {
+            self.speed_loop.remark_hidden(&calibration, globals);
+        }
         let summary = Summary::new(path, &calibration, &findings, &shown);
         let page = match &self.report.report {
             Some(_) => Some(self.page(&calibration, &findings, &shown)?),

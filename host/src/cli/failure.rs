@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use crate::calibrate::CalibrateError;
 use crate::demo::DemoError;
+use crate::free_run::FreeRunError;
 use crate::recording::ReadError;
 use crate::recording::write::WriteError;
 use crate::table_file;
@@ -68,6 +69,19 @@ pub enum Failure {
         /// Why.
         source: CalibrateError,
     },
+    /// What a speed loop did can't be undone.
+    #[error("{recording}: {source}", recording = recording.display())]
+    Loop {
+        /// The recording.
+        recording: PathBuf,
+        /// Why.
+        source: FreeRunError,
+    },
+    /// A torque without an inertia.
+    #[error(
+        "--torque: a torque moves a shaft by its inertia; give --inertia J in kg m^2, or --twin"
+    )]
+    NoInertia,
     /// A file other than a recording can't be opened or read.
     #[error("{path}: cannot be read ({source}); check the path and its permissions", path = path.display())]
     Open {
@@ -205,6 +219,8 @@ impl Failure {
             | Self::Twin(_)
             | Self::OtherSensor { .. }
             | Self::Calibrate { .. }
+            | Self::Loop { .. }
+            | Self::NoInertia
             | Self::Open { .. }
             | Self::NotAFile { .. }
             | Self::Table { .. }

@@ -9,6 +9,7 @@ pub mod failure;
 mod footer;
 mod info;
 pub mod input;
+mod loop_args;
 pub mod output;
 pub mod progress;
 mod sensor_args;

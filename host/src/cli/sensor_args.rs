@@ -31,6 +31,15 @@ pub struct SensorArgs {
 }
 
 impl SensorArgs {
+    /// The twin, if one is given.
+    ///
+    /// # Errors
+    /// As [`Twin::load`].
+    pub fn twin(&self) -> Result<Option<Twin>, Failure> {
+        let twin = self.twin.as_deref().map(Twin::load).transpose();
+        twin.map_err(Failure::from)
+    }
+
     /// As the calibration takes them, checked against what `channels` were recorded.
     ///
     /// # Errors

@@ -122,6 +122,24 @@ pub enum ReadError {
         /// What is accepted.
         wanted: &'static str,
     },
+    /// No column of the torque's name.
+    #[error("{at}: no column {wanted} for the torque, found {found}; give the name of one of them")]
+    MissingTorque {
+        /// The column line.
+        at: Place,
+        /// Name that was looked for.
+        wanted: String,
+        /// Names that are there.
+        found: String,
+    },
+    /// A torque that is not a finite number.
+    #[error("{at}: '{text}' is not a torque in N m; correct or delete the row")]
+    BadTorque {
+        /// The field.
+        at: Place,
+        /// The field's text, shortened.
+        text: String,
+    },
     /// A time that is NaN or infinite.
     #[error("{at}: the time is '{text}', not a finite number; correct or delete the row")]
     NotFinite {
@@ -214,6 +232,8 @@ impl ReadError {
             | Self::Fields { at, .. }
             | Self::Truncated { at, .. }
             | Self::BadTime { at, .. }
+            | Self::MissingTorque { at, .. }
+            | Self::BadTorque { at, .. }
             | Self::NotFinite { at, .. }
             | Self::NegativeInterval { at, .. }
             | Self::TimeFalls { at, .. }

@@ -30,6 +30,7 @@ mod place;
 mod sniff;
 #[cfg(test)]
 mod tests;
+pub mod torque;
 mod vcd;
 mod vcd_header;
 mod vcd_time;

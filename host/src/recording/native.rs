@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use quadcal::edge::{Levels, Sample};
 
-use super::columns::{Columns, Fields, Role};
+use super::columns::{Columns, Fields, Role, found};
 use super::error::ReadError;
 use super::lines::{Line, Lines};
 use super::notes::Notes;
@@ -80,8 +80,34 @@ impl Native {
         self.lines.consumed()
     }
 
+    /// Place of the torque column of a name, and what parts the fields of a row.
+    pub fn torque_column(&self, name: &str) -> Result<(usize, u8), ReadError> {
+        let columns = &self.columns;
+        let wanted = name.trim().to_lowercase();
+        let mut places = columns.names.iter().enumerate();
+        let place = places.find(|(_, name)| name.to_lowercase() == wanted);
+        match place {
+            Some((place, _)) => Ok((place, columns.delimiter)),
+            None => Err(ReadError::MissingTorque {
+                at: Place::line(&self.file, self.lines.number()),
+                wanted: quote(name.as_bytes()),
+                found: found(columns.names.iter().map(String::as_str)),
+            }),
+        }
+    }
+
     /// The next row, repeated levels included.
     pub fn next_row(&mut self) -> Result<Option<Row>, ReadError> {
+        let row = self.next_with(|_| Ok(()))?;
+        Ok(row.map(|(row, ())| row))
+    }
+
+    /// The next row, repeated levels included, and what `more` finds in its line.
+    #[inline]
+    pub fn next_with<T>(
+        &mut self,
+        more: impl Fn(&Line<'_>) -> Result<T, ReadError>,
+    ) -> Result<Option<(Row, T)>, ReadError> {
         let Self {
             lines,
             file,
@@ -95,10 +121,12 @@ impl Native {
                 None => parse_any(&line, columns, file)?,
             };
             let ticks = clock.extend(raw, &line, file)?;
-            return Ok(Some(Sample {
+            let more = more(&line)?;
+            let row = Sample {
                 ticks,
                 levels: Levels(levels),
-            }));
+            };
+            return Ok(Some((row, more)));
         }
         Ok(None)
     }

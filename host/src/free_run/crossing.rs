@@ -1,0 +1,42 @@
+//! The edges of a recording as the loop saw them, and where each stands on the disc.
+
+use quadcal::edge::Direction;
+use quadcal::step::{Flags, Outcome};
+
+/// A captured edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// Its time.
+    pub ticks: u64,
+    /// Number of the edge on the grid.
+    pub edge: u32,
+    /// Steps of the grid since the edge before, as the loop counts them.
+    pub steps: u16,
+    /// Direction of motion.
+    pub direction: Direction,
+    /// Whether the edge's number and the interval before it can be trusted.
+    pub sure: bool,
+}
+
+impl Crossing {
+    /// The edge in what a decoder made of a row, if there is one.
+    #[must_use]
+    pub fn of(outcome: &Outcome) -> Option<Self> {
+        let Outcome::Step(step) = outcome else {
+            return None;
+        };
+        let doubtful = Flags::FIRST
+            .with(Flags::REVERSED)
+            .with(Flags::TURN_SUSPECT)
+            .with(Flags::ILLEGAL);
+        let illegal = step.flags.contains(Flags::ILLEGAL);
+        Some(Self {
+            ticks: step.ticks,
+            edge: step.edge,
+            // A capture that missed an edge has no way to know.
+            steps: if illegal { 1 } else { step.advance },
+            direction: step.direction,
+            sure: !step.flags.intersects(doubtful),
+        })
+    }
+}

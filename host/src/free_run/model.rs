@@ -1,0 +1,91 @@
+//! What must be known of a drive's speed loop to work out what it did.
+
+use std::f64::consts::TAU;
+
+use crate::twin::{Drive, Twin};
+
+/// Gains of a PI speed loop as accelerations: torque over inertia.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains {
+    /// Proportional gain, rad/s^2 a rad/s.
+    pub kp: f64,
+    /// Integral gain, rad/s^2 a rad.
+    pub ki: f64,
+}
+
+/// A sampled PI speed loop that sees the grid step over the last interval, and the shaft that it drives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopModel {
+    /// Speed asked for, rad/s; negative for reverse.
+    pub target_rad_s: f64,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Time of a sample, s, counted from tick 0 of the recording; whole sample times make no difference.
+    pub phase_s: f64,
+    /// Gains over inertia.
+    pub gains: Gains,
+    /// Most acceleration the drive gives either way, rad/s^2.
+    pub limit: f64,
+    /// The measured speed is zero when no edge came for so long, s.
+    pub timeout_s: f64,
+    /// Viscous friction over inertia, 1/s.
+    pub viscous: f64,
+    /// Acceleration that the integrator holds at the start, rad/s^2: that of friction at the speed asked for. It matters only where the
+    /// limit is reached.
+    pub start: f64,
+    /// Moment of inertia, kg m^2: turns accelerations into torques.
+    pub inertia_kg_m2: f64,
+}
+
+impl LoopModel {
+    /// The loop of a twin; none where its drive is open loop.
+    #[must_use]
+    pub fn of(twin: &Twin) -> Option<Self> {
+        let Drive::SpeedLoop {
+            f_hz,
+            bandwidth_hz,
+            kp_n_m_s,
+            ki_n_m,
+            timeout_s,
+            limit_n_m,
+            ..
+        } = twin.drive
+        else {
+            return None;
+        };
+        let inertia = twin.shaft.inertia_kg_m2;
+        let target = twin.drive.nominal_rad_s();
+        let gains = match bandwidth_hz {
+            Some(bandwidth) => {
+                let crossover = TAU * bandwidth;
+                Gains {
+                    kp: crossover,
+                    ki: crossover * crossover / 5.0,
+                }
+            }
+            None => Gains {
+                kp: kp_n_m_s.unwrap_or(0.0) / inertia,
+                ki: ki_n_m.unwrap_or(0.0) / inertia,
+            },
+        };
+        let viscous = twin.shaft.viscous_n_m_s / inertia;
+        let step = TAU / f64::from(twin.encoder.grid_edges());
+        Some(Self {
+            target_rad_s: target,
+            rate_hz: f_hz,
+            phase_s: 0.0,
+            gains,
+            limit: limit_n_m.map_or(f64::INFINITY, |limit| limit / inertia),
+            timeout_s: timeout_s.unwrap_or(20.0 * step / target.abs()),
+            viscous,
+            start: viscous * target + twin.shaft.coulomb_n_m / inertia * target.signum(),
+            inertia_kg_m2: inertia,
+        })
+    }
+
+    /// The frequency at which the loop's gain falls through 1, Hz: kp / 2 pi, below which it holds the measured speed.
+    #[must_use]
+    pub fn crossover_hz(&self) -> f64 {
+        self.gains.kp / TAU
+    }
+}
