@@ -30,6 +30,7 @@ pub mod counter;
 pub mod decoder;
 pub mod edge;
 pub mod estimate;
+pub mod fingerprint;
 pub mod hall;
 pub mod interval;
 pub mod log2;

@@ -12,5 +12,6 @@ pub mod reference;
 
 pub mod events;
 pub mod firmware;
+pub mod locate;
 pub mod rig;
 pub mod session;

@@ -1,0 +1,1 @@
+//! The search on edges of an even shaft.
