@@ -43,7 +43,13 @@ const ODD: [[i16; 8]; 4] = [
 #[inline]
 fn contrasts<T>(values: [T; 16]) -> [T; CONTRASTS]
 where
-    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Shr<Output = T> + Sum + From<i16>,
+    T: Copy
+        + Add<Output = T>
+        + Sub<Output = T>
+        + Mul<Output = T>
+        + Shr<Output = T>
+        + Sum
+        + From<i16>,
 {
     let sums: [T; 8] = core::array::from_fn(|i| values[i] + values[15 - i]);
     let differences: [T; 8] = core::array::from_fn(|i| values[i] - values[15 - i]);
@@ -163,7 +169,10 @@ mod tests {
             for b in 0..CONTRASTS {
                 let dot: f64 = units.iter().map(|u| u[a] as f64 * u[b] as f64).sum();
                 let dot = dot / (2.0_f64.powi(48));
-                assert!((dot - f64::from(u8::from(a == b))).abs() < 4e-4, "{a} {b}: {dot}");
+                assert!(
+                    (dot - f64::from(u8::from(a == b))).abs() < 4e-4,
+                    "{a} {b}: {dot}"
+                );
             }
         }
     }

@@ -212,9 +212,7 @@ impl Hunt {
         Found {
             line: self.best_line,
             bits,
-            against: self
-                .full
-                .then(|| count_bits(lines) - self.weights.bits()),
+            against: self.full.then(|| count_bits(lines) - self.weights.bits()),
         }
     }
 }

@@ -66,7 +66,7 @@ const PATIENCE: u32 = 16;
 pub struct FingerprintConfig {
     /// The table's own standard error of a line position error, 2^-32 turn, as solution and slot have it.
     pub standard_error: u32,
-    /// A place or a refusal is told when it is wrong with a probability of at most 2^-bits; 8 to 60.
+    /// A place or a refusal is told when it is wrong with a probability of at most 2^-bits; 1 to 60.
     pub bits: u8,
 }
 
@@ -130,7 +130,10 @@ pub enum Verdict {
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     /// Adding up the table's energy, up to `line`.
-    Weigh { line: u32, sum: u64 },
+    Weigh {
+        line: u32,
+        sum: u64,
+    },
     /// The table's pattern is weaker than its error.
     Weak,
     Gather,
@@ -175,7 +178,7 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
         if shape.edges() < Window::<BLOCKS>::EDGES {
             return Err(FingerprintError::Edges(shape.edges()));
         }
-        if config.bits < 8 || config.bits > 60 {
+        if config.bits < 1 || config.bits > 60 {
             return Err(FingerprintError::Bits(config.bits));
         }
         let slots = shape.edges();

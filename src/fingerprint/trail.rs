@@ -155,7 +155,9 @@ impl<const W: usize> Run<'_, W> {
     pub fn first(&self, slots: u32) -> u32 {
         let newest = self.trail.edge;
         match self.trail.direction {
-            Direction::Forward => (newest + slots + slots - (self.edges - 1 + self.skipped) % slots) % slots,
+            Direction::Forward => {
+                (newest + slots + slots - (self.edges - 1 + self.skipped) % slots) % slots
+            }
             Direction::Reverse => (newest + self.skipped) % slots,
         }
     }

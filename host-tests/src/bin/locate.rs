@@ -68,7 +68,11 @@ fn print(name: &str, starts: &[Start]) {
         .map(|s| s.edges)
         .collect();
     edges.sort_unstable();
-    let at = |share: f64| edges.get(((edges.len() as f64 - 1.0) * share) as usize).copied();
+    let at = |share: f64| {
+        edges
+            .get(((edges.len() as f64 - 1.0) * share) as usize)
+            .copied()
+    };
     println!(
         "  {name}: {right} right, {wrong} wrong, {refused} refused, {told} can't tell, {silent} silent of {}; edges median {:?}, \
          99.9 % {:?}, most {:?}",
