@@ -13,8 +13,8 @@ use crate::accuracy::run;
 /// Blocks of a window here.
 pub const BLOCKS: usize = 4;
 
-/// Blocks of the table looked at in a slice, one slice an edge.
-pub const SLICE: u32 = 60;
+/// Half blocks of the table looked at in a slice (under 20,000 instructions), one slice an edge.
+pub const SLICE: u32 = 96;
 
 /// Turns after which a start is given up.
 const PATIENCE_TURNS: u32 = 3;

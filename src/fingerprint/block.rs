@@ -17,7 +17,7 @@ use crate::table::Entry;
 pub(super) const BLOCK_EDGES: u32 = 16;
 
 /// Contrasts of a block: its degrees of freedom.
-pub(super) const CONTRASTS: usize = 9;
+pub(super) const CONTRASTS: usize = EVEN.len() + ODD.len();
 
 /// Fraction bits of the weights.
 const WEIGHT_BITS: i16 = 12;
@@ -39,28 +39,34 @@ const ODD: [[i16; 8]; 4] = [
     [0, 0, 0, -497, 1490, -993, -993, 1987],
 ];
 
-/// Sixteen numbers as contrasts.
+/// Products of weights and numbers folded about the block's middle, one row a contrast.
 #[inline]
-fn contrasts<T>(values: [T; 16]) -> [T; CONTRASTS]
+fn products<T, const ROWS: usize>(rows: &[[i16; 8]; ROWS], folded: [T; 8]) -> [T; ROWS]
 where
-    T: Copy
-        + Add<Output = T>
-        + Sub<Output = T>
-        + Mul<Output = T>
-        + Shr<Output = T>
-        + Sum
-        + From<i16>,
+    T: Copy + Mul<Output = T> + Shr<Output = T> + Sum + From<i16>,
 {
-    let sums: [T; 8] = core::array::from_fn(|i| values[i] + values[15 - i]);
-    let differences: [T; 8] = core::array::from_fn(|i| values[i] - values[15 - i]);
-    let dot = |weights: &[i16; 8], folded: &[T; 8]| -> T {
-        let products = weights.iter().zip(folded).map(|(&w, &x)| x * T::from(w));
+    rows.map(|weights| {
+        let products = weights.iter().zip(folded).map(|(&w, x)| x * T::from(w));
         products.sum::<T>() >> T::from(WEIGHT_BITS)
-    };
-    core::array::from_fn(|i| match i.checked_sub(EVEN.len()) {
-        None => dot(&EVEN[i], &sums),
-        Some(i) => dot(&ODD[i], &differences),
     })
+}
+
+/// The even contrasts of sixteen numbers.
+#[inline]
+fn even<T>(values: &[T; 16]) -> [T; EVEN.len()]
+where
+    T: Copy + Add<Output = T> + Mul<Output = T> + Shr<Output = T> + Sum + From<i16>,
+{
+    products(&EVEN, core::array::from_fn(|i| values[i] + values[15 - i]))
+}
+
+/// The odd contrasts of sixteen numbers.
+#[inline]
+fn odd<T>(values: &[T; 16]) -> [T; ODD.len()]
+where
+    T: Copy + Sub<Output = T> + Mul<Output = T> + Shr<Output = T> + Sum + From<i16>,
+{
+    products(&ODD, core::array::from_fn(|i| values[i] - values[15 - i]))
 }
 
 /// Largest contrast kept, far above any table's: squares of a whole window fit 64 bits.
@@ -73,12 +79,14 @@ const INTERVAL_MAX: u32 = 1 << 26;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
     /// Contrasts of the edges' errors, in the unit of the table's entries.
-    contrasts: [i32; CONTRASTS],
+    even: [i32; EVEN.len()],
+    odd: [i32; ODD.len()],
 }
 
 impl Block {
     pub const EMPTY: Self = Self {
-        contrasts: [0; CONTRASTS],
+        even: [0; EVEN.len()],
+        odd: [0; ODD.len()],
     };
 
     /// Measures edges `16 block..16 block + 16` of a run, one grid step being `span` / 15 units of the table's entries; and the
@@ -113,39 +121,48 @@ impl Block {
         }
         let tick_q8 = recip.times(span << 8).min(1 << 30);
         let block = Self {
-            #[allow(clippy::cast_possible_truncation)]
-            contrasts: contrasts(errors).map(|c| c.clamp(-CONTRAST_MAX, CONTRAST_MAX) as i32),
+            even: even(&errors).map(held),
+            odd: odd(&errors).map(held),
         };
         Some((block, tick_q8 * tick_q8))
     }
 
-    /// Contrasts of `entries` from edge `first` on, across the turn's end where need be.
+    /// Sum of the squares.
+    pub fn energy(&self) -> u64 {
+        distance(&self.even, &[0; EVEN.len()]) + distance(&self.odd, &[0; ODD.len()])
+    }
+
+    /// Sum of the squared differences from `entries` from edge `first` on, across the turn's end where need be; or some sum above
+    /// `limit`. And how many halves of the block were looked at.
     #[inline]
-    pub fn of_table<E: Entry>(entries: &[E], first: usize) -> Self {
+    pub fn residual<E: Entry>(&self, entries: &[E], first: usize, limit: u64) -> (u64, u32) {
         let values = match entries.get(first..).and_then(<[E]>::first_chunk::<16>) {
             Some(chunk) => chunk.map(|entry| i32::from(entry.value())),
             None => across_the_end(entries, first),
         };
-        Self {
-            contrasts: contrasts(values),
+        let left = distance(&self.even, &even(&values));
+        if left > limit {
+            return (left, 1);
         }
+        (left + distance(&self.odd, &odd(&values)), 2)
     }
+}
 
-    /// Sum of the squares.
-    pub fn energy(&self) -> u64 {
-        self.distance(&Self::EMPTY)
-    }
+/// A contrast within [`CONTRAST_MAX`].
+#[allow(clippy::cast_possible_truncation)]
+fn held(contrast: i64) -> i32 {
+    contrast.clamp(-CONTRAST_MAX, CONTRAST_MAX) as i32
+}
 
-    /// Sum of the squared differences.
-    #[inline]
-    pub fn distance(&self, other: &Self) -> u64 {
-        let mut sum = 0;
-        for (a, b) in self.contrasts.iter().zip(&other.contrasts) {
-            let difference = i64::from(a - b);
-            sum += difference * difference;
-        }
-        sum.cast_unsigned()
+/// Sum of the squared differences.
+#[inline]
+fn distance<const COUNT: usize>(a: &[i32; COUNT], b: &[i32; COUNT]) -> u64 {
+    let mut sum = 0;
+    for (a, b) in a.iter().zip(b) {
+        let difference = i64::from(a - b);
+        sum += difference * difference;
     }
+    sum.cast_unsigned()
 }
 
 #[cold]
@@ -160,11 +177,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn all(values: [i64; 16]) -> [i64; CONTRASTS] {
+        let mut both = even(&values).into_iter().chain(odd(&values));
+        core::array::from_fn(|_| both.next().unwrap())
+    }
+
     #[test]
     fn contrasts_are_orthonormal_to_three_parts_in_ten_thousand() {
-        let units: [[i64; CONTRASTS]; 16] = core::array::from_fn(|edge| {
-            contrasts(core::array::from_fn(|i| i64::from(i == edge) << 24))
-        });
+        let units: [[i64; CONTRASTS]; 16] =
+            core::array::from_fn(|edge| all(core::array::from_fn(|i| i64::from(i == edge) << 24)));
         for a in 0..CONTRASTS {
             for b in 0..CONTRASTS {
                 let dot: f64 = units.iter().map(|u| u[a] as f64 * u[b] as f64).sum();
@@ -184,9 +205,9 @@ mod tests {
         ) {
             let values = core::array::from_fn(|i| {
                 let t = i as f64 / 7.5 - 1.0;
-                (cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3])) + classes[i % 4]) as i32
+                (cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3])) + classes[i % 4]) as i64
             });
-            for contrast in contrasts(values) {
+            for contrast in all(values) {
                 prop_assert!(contrast.abs() < 12, "{contrast}");
             }
         }
@@ -195,8 +216,8 @@ mod tests {
         fn a_block_across_the_turns_end_is_a_block_like_any(entries in prop::collection::vec(any::<i16>(), 20..60), first in 0_usize..60) {
             let twice: std::vec::Vec<i16> = entries.iter().chain(&entries).copied().collect();
             let first = first % entries.len();
-            let (a, b) = (Block::of_table(&entries, first), Block::of_table(&twice, first));
-            prop_assert_eq!(a.contrasts, b.contrasts);
+            let block = Block::EMPTY;
+            prop_assert_eq!(block.residual(&entries, first, u64::MAX), block.residual(&twice, first, u64::MAX));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One window of measured blocks held against every line of the table, a few blocks at a time.
 
 use super::block::{BLOCK_EDGES, Block, CONTRASTS};
-use super::odds::{BIT, Bits, WeightSum, count_bits, light, likelier};
+use super::odds::{BIT, Bits, WeightSum, count_bits, light, likelier, log};
 use super::trail::Trail;
 use crate::table::Entry;
 
@@ -87,7 +87,7 @@ impl<const BLOCKS: usize> Window<BLOCKS> {
     }
 
     /// Energy left with the table from its edge `first` on; none as soon as it is above `limit`. The second value counts the
-    /// blocks looked at.
+    /// half blocks looked at.
     pub fn residual<E: Entry>(&self, entries: &[E], first: u32, limit: u64) -> (Option<u64>, u32) {
         let mut left = self.floor;
         let mut at = first as usize;
@@ -96,10 +96,11 @@ impl<const BLOCKS: usize> Window<BLOCKS> {
             if at >= entries.len() {
                 at = at.wrapping_sub(entries.len());
             }
-            left += block.distance(&Block::of_table(entries, at));
+            let (more, halves) = block.residual(entries, at, limit.saturating_sub(left));
+            left += more;
             at += BLOCK_EDGES as usize;
-            looked += 1;
-            if left >= limit {
+            looked += halves;
+            if left > limit {
                 return (None, looked);
             }
         }
@@ -115,12 +116,16 @@ pub(super) struct Hunt {
     limit: u64,
     /// Energy that the empty table leaves.
     empty: u64,
+    empty_log: Bits,
     best: u64,
     second: u64,
     best_line: u32,
     abandoned: u32,
     weights: WeightSum,
 }
+
+/// Half blocks that could be looked at in the time that the weight of a place takes.
+const WEIGHING: u32 = 6;
 
 /// What a whole search found.
 #[derive(Clone, Copy, Debug)]
@@ -134,9 +139,10 @@ pub(super) struct Found {
 }
 
 impl Hunt {
-    /// A quarter of the energy that the pattern itself has: a wrong place leaves twice that energy, and noise besides.
+    /// Abandons a place at an eighth of the energy that the pattern itself has: a wrong one leaves twice that energy, and noise
+    /// besides.
     pub fn quick<const BLOCKS: usize>(window: &Window<BLOCKS>, scale: &Scale) -> Self {
-        let limit = window.floor + BLOCKS as u64 * scale.power / 4;
+        let limit = window.floor + BLOCKS as u64 * scale.power / 8;
         Self::new(false, limit, window.energy())
     }
 
@@ -146,12 +152,13 @@ impl Hunt {
         Self::new(true, light(empty, Window::<BLOCKS>::FREEDOM), empty)
     }
 
-    const fn new(full: bool, limit: u64, empty: u64) -> Self {
+    fn new(full: bool, limit: u64, empty: u64) -> Self {
         Self {
             full,
             line: 0,
             limit,
             empty,
+            empty_log: log(empty),
             best: u64::MAX,
             second: u64::MAX,
             best_line: 0,
@@ -160,7 +167,7 @@ impl Hunt {
         }
     }
 
-    /// Looks at lines until the budget of blocks is used up; tells when all are done.
+    /// Looks at lines until the budget of half blocks is used up; tells when all are done.
     pub fn advance<const BLOCKS: usize, E: Entry>(
         &mut self,
         window: &Window<BLOCKS>,
@@ -168,6 +175,7 @@ impl Hunt {
         scale: &Scale,
         budget: &mut u32,
     ) -> Option<Found> {
+        let freedom = Bits::from(Window::<BLOCKS>::FREEDOM);
         while self.line < scale.lines() {
             if *budget == 0 {
                 return None;
@@ -178,8 +186,8 @@ impl Hunt {
                 None => self.abandoned += 1,
                 Some(left) => {
                     if self.full {
-                        *budget = budget.saturating_sub(1);
-                        let bits = likelier(left, self.empty, Window::<BLOCKS>::FREEDOM);
+                        *budget = budget.saturating_sub(WEIGHING);
+                        let bits = (self.empty_log - log(left)) * freedom / 2;
                         self.weights.add(bits);
                     }
                     self.rank(left);

@@ -212,8 +212,8 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
         self.misfit = None;
     }
 
-    /// One slice of work: at most about `budget` blocks of the table are looked at (the last place begun is finished). `trail`
-    /// is a copy that stands still. Not for the edge path.
+    /// One slice of work: about `budget` times eight edges of the table are looked at (the last place begun is finished). `trail` is
+    /// a copy that stands still. Not for the edge path.
     pub fn search<const W: usize>(&mut self, trail: &Trail<W>, budget: u32) -> Verdict {
         const { assert!(W >= 16 * BLOCKS + 2) };
         let mut budget = budget.max(1);
@@ -222,24 +222,26 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
             match &mut self.stage {
                 Stage::Weigh { line, sum } => {
                     let entries = self.table.entries();
-                    *sum += Block::of_table(entries, 4 * *line as usize).energy();
+                    *sum += Block::EMPTY
+                        .residual(entries, 4 * *line as usize, u64::MAX)
+                        .0;
                     *line += 1;
-                    budget -= 1;
+                    budget = budget.saturating_sub(2);
                     if *line == self.scale.lines() {
                         let power = *sum / u64::from(*line);
                         self.weighed(power);
                     }
                 }
                 Stage::Gather => {
-                    if !self.gather(trail) {
-                        break;
-                    }
+                    self.gather(trail);
+                    break;
                 }
                 Stage::Hunt(hunt) => {
                     let entries = self.table.entries();
                     let found = hunt.advance(&self.window, entries, &self.scale, &mut budget);
                     if let Some(found) = found {
                         self.decide(found, trail);
+                        break;
                     }
                 }
                 Stage::Watch(watch, _) => {
@@ -295,13 +297,13 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
     }
 
     /// Takes a window of edges that no window had before.
-    fn gather<const W: usize>(&mut self, trail: &Trail<W>) -> bool {
+    fn gather<const W: usize>(&mut self, trail: &Trail<W>) {
         let count = trail.count();
         if count.saturating_add(3) < self.seen {
             self.seen = 0;
         }
         if count.saturating_sub(self.seen) < Window::<BLOCKS>::EDGES - 1 {
-            return false;
+            return;
         }
         match Window::load(trail, &self.scale) {
             Ok(window) => {
@@ -310,12 +312,8 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
                 self.coarse = false;
                 self.stage = Stage::Hunt(Hunt::quick(&window, &self.scale));
                 self.window = window;
-                true
             }
-            Err(reason) => {
-                self.coarse |= reason == NoWindow::Clock;
-                false
-            }
+            Err(reason) => self.coarse |= reason == NoWindow::Clock,
         }
     }
 

@@ -24,12 +24,17 @@ pub(super) const BIT: Bits = 1 << LOG2_BITS;
 /// By how many bits a residual `small` is likelier than `large`, both of `freedom` contrasts of noise of unknown size:
 /// freedom / 2 log2(large / small).
 pub(super) fn likelier(small: u64, large: u64, freedom: u32) -> Bits {
-    i64::from(log2(large.into()) - log2(small.into())) * i64::from(freedom) / 2
+    (log(large) - log(small)) * i64::from(freedom) / 2
+}
+
+/// log2 of an energy.
+pub(super) fn log(energy: u64) -> Bits {
+    log2(energy.into()).into()
 }
 
 /// log2 of a count.
 pub(super) fn count_bits(count: u32) -> Bits {
-    log2(count.into()).into()
+    log(count.into())
 }
 
 /// Weights of places, summed; a weight of one is that of the empty table.
@@ -57,7 +62,7 @@ impl WeightSum {
 
     /// log2 of the sum.
     pub fn bits(self) -> Bits {
-        i64::from(log2(self.0.into())) - SUM_BITS * BIT
+        log(self.0) - SUM_BITS * BIT
     }
 }
 

@@ -27,7 +27,10 @@ struct Options {
 
 fn main() {
     let options = Options::parse();
-    println!("windows of {} edges, {SLICE} blocks an edge", 16 * BLOCKS);
+    println!(
+        "windows of {} edges, {SLICE} half blocks an edge",
+        16 * BLOCKS
+    );
     for (number, case) in Case::ALL.into_iter().enumerate() {
         if options.case.is_none_or(|only| only == number) {
             sweep(case, &options);

@@ -18,8 +18,8 @@ use super::rig::{BLOCK, LINES, Rig, SLOTS};
 /// Blocks of a window.
 const BLOCKS: usize = 4;
 
-/// Blocks of the table in a slice.
-const SLICE: u32 = 60;
+/// Half blocks of the table in a slice.
+const SLICE: u32 = 96;
 
 /// Errors up to 12 % of a step.
 static ENTRIES: [i16; SLOTS as usize] = entries();
