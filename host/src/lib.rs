@@ -6,6 +6,7 @@ pub mod calibrate;
 pub mod cli;
 pub mod demo;
 pub mod findings;
+pub mod locate;
 pub mod pattern;
 pub mod recording;
 pub mod report;

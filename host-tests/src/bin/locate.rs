@@ -47,9 +47,10 @@ fn sweep(case: Case, options: &Options) {
         let at = i % discs.len();
         // Fractions of the golden section: even over the turn, whatever the number.
         let fraction = (i as f64 * 0.618_033_988_749_895).fract();
-        let stranger = &discs[(at + 1 + i / discs.len()) % discs.len()];
+        let others = discs.len() - 1;
         own.push(discs[at].start(discs[at].table(), fraction, options.bits));
-        if discs.len() > 1 && !std::ptr::eq(stranger, &raw const discs[at]) {
+        if others > 0 {
+            let stranger = &discs[(at + 1 + i / discs.len() % others) % discs.len()];
             other.push(discs[at].start(stranger.table(), fraction, options.bits));
         }
     }

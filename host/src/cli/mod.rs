@@ -9,6 +9,7 @@ pub mod failure;
 mod footer;
 mod info;
 pub mod input;
+mod locate;
 pub mod output;
 pub mod progress;
 mod sensor_args;
@@ -36,6 +37,7 @@ Examples:
   quadcal demo                                simulated and real encoders, with a report
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal verify spindle.csv --table spindle.qct
+  quadcal locate spindle.csv --table spindle.qct
   quadcal info spindle.csv                    what a recording holds
   quadcal convert capture.vcd -o capture.csv  from one format to another
 
@@ -74,6 +76,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Calibrate(calibrate::Calibrate),
     Verify(verify::Verify),
+    Locate(locate::Locate),
     Info(info::Info),
     Convert(convert::Convert),
     Completions(completions::Completions),
@@ -105,6 +108,7 @@ impl Cli {
             Command::Simulate(command) => command.run(globals),
             Command::Calibrate(command) => command.run(globals),
             Command::Verify(command) => command.run(globals),
+            Command::Locate(command) => command.run(globals),
             Command::Info(command) => command.run(globals),
             Command::Convert(command) => command.run(globals),
             Command::Completions(command) => command.run(),
