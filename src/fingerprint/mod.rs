@@ -53,6 +53,7 @@ pub use trail::Trail;
 use block::{Block, CONTRASTS};
 use hunt::{Hunt, NoWindow, Scale, Window};
 use odds::{BIT, Bits, count_bits, likelier};
+use trail::wrap;
 use watch::Watch;
 
 use crate::table::{Entry, ErrorTable};
@@ -188,7 +189,7 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
             bits: Bits::from(config.bits) * BIT,
             scale: Scale {
                 slots,
-                span: ((15 << 32) / u64::from(slots)) >> table.shift(),
+                span: ((15 << 32) / u64::from(slots.max(1))) >> table.shift(),
                 table_noise: CONTRASTS as u64 * error * error + 1,
                 power: 0,
             },
@@ -228,7 +229,7 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
                     *line += 1;
                     budget = budget.saturating_sub(2);
                     if *line == self.scale.lines() {
-                        let power = *sum / u64::from(*line);
+                        let power = sum.checked_div(u64::from(*line)).unwrap_or(0);
                         self.weighed(power);
                     }
                 }
@@ -324,7 +325,7 @@ impl<'a, const BLOCKS: usize, E: Entry> Fingerprint<'a, BLOCKS, E> {
         let sure = found.bits - chances;
         if sure >= self.bits {
             let slots = self.scale.slots;
-            let offset = (4 * found.line + slots - self.window.first) % slots;
+            let offset = wrap(4 * found.line + slots - self.window.first, slots);
             let place = Place {
                 offset,
                 doubt: Doubt::of(sure),

@@ -151,15 +151,16 @@ pub(super) struct Run<'a, const W: usize> {
 }
 
 impl<const W: usize> Run<'_, W> {
-    /// The decoder's number of the first edge; `slots` are the edges of a turn.
+    /// The decoder's number of the first edge; `slots` are the edges of a turn, at least as many as those of the run and 4.
     pub fn first(&self, slots: u32) -> u32 {
         let newest = self.trail.edge;
-        match self.trail.direction {
-            Direction::Forward => {
-                (newest + slots + slots - (self.edges - 1 + self.skipped) % slots) % slots
-            }
-            Direction::Reverse => (newest + self.skipped) % slots,
-        }
+        let first = match self.trail.direction {
+            Direction::Forward => newest
+                .wrapping_add(slots.wrapping_mul(2))
+                .wrapping_sub(self.edges - 1 + self.skipped),
+            Direction::Reverse => newest.wrapping_add(self.skipped),
+        };
+        wrap(first, slots)
     }
 
     /// Time from edge `index` - 1 of the run to edge `index`, ticks.
@@ -170,4 +171,9 @@ impl<const W: usize> Run<'_, W> {
         };
         self.trail.intervals[self.trail.count.wrapping_sub(back) as usize & (W - 1)]
     }
+}
+
+/// An edge's number within the turn.
+pub(super) fn wrap(edge: u32, slots: u32) -> u32 {
+    edge.checked_rem(slots).unwrap_or(0)
 }

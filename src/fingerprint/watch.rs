@@ -3,7 +3,7 @@
 use super::block::{BLOCK_EDGES, CONTRASTS};
 use super::hunt::{Scale, Window};
 use super::odds::{BIT, Bits, likelier};
-use super::trail::Trail;
+use super::trail::{Trail, wrap};
 use crate::table::Entry;
 
 /// Evidence kept at the most, so that sums can't overflow.
@@ -52,7 +52,7 @@ impl Watch {
             return;
         };
         self.seen = count;
-        let first = (window.first + self.offset) % scale.slots;
+        let first = wrap(window.first + self.offset, scale.slots);
         let (Some(left), _) = window.residual(entries, first, u64::MAX) else {
             return;
         };

@@ -24,10 +24,12 @@ Examples:
   quadcal locate spindle.csv --table spindle.qct
   quadcal locate today.csv --table spindle.qct --starts 1000 --json -
 
-Starts at places spread over the recording as a drive does after power-up, without looking at the index: the line position errors
-tell where in the table the shaft is, or that the table is of another disc. The travel needed is that of a drive that
-spends 20,000 instructions on the search at every edge. On the recording that the table was learned from, only later edges are used. Exit
-code 1 means that the table is of another disc, that the index is not where the table has it, or that no place was found.
+Starts at places spread over the recording as a drive does after power-up, without looking at the
+index: the line position errors tell where in the table the shaft is, or that the table is of
+another disc. The travel needed is that of a drive that spends 20,000 instructions on the search at
+every edge. On the recording that the table was learned from, only later edges are used. Exit code 1
+means that the table is of another disc, that the index is not where the table has it, or that no
+place was found.
 
 ";
 
