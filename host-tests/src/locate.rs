@@ -1,14 +1,17 @@
 //! Starts without an index: where the fingerprint finds the shaft, how soon, how sure it says it is, and what it makes of another
 //! disc's table.
 
+mod case;
+
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::edge::{Levels, Sample};
 use quadcal::fingerprint::{Fingerprint, FingerprintConfig, Trail, Verdict};
 use quadcal::table::ErrorTable;
 use quadcal_host::sim::{Event, Simulation};
-use quadcal_host::twin::{Drive, Duration, Encoder, Errors, Noise, Per, Position, Twin};
 
 use crate::accuracy::run;
+
+pub use case::Case;
 
 /// Blocks of a window here.
 pub const BLOCKS: usize = 4;
@@ -17,149 +20,7 @@ pub const BLOCKS: usize = 4;
 pub const SLICE: u32 = 96;
 
 /// Turns after which a start is given up.
-const PATIENCE_TURNS: u32 = 3;
-
-/// What is made hard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Case {
-    /// The paper's rig with 0.1 % wander.
-    Paper,
-    /// A 1 MHz clock: 25 ticks an edge at the search's own 240 r/min.
-    CoarseClock,
-    /// eps ten times smaller.
-    WeakPattern,
-    /// 60 lines, errors in parts of a step as the paper's.
-    FewLines,
-    /// No eps but eccentricity and tilt.
-    Smooth,
-    /// 1 % wander beside cogging of 1 %, twice the paper's higher orders.
-    Cogging,
-    /// From 15 to 150 r/min within one turn.
-    Ramp,
-    /// White time noise of the capture half as large as eps.
-    HalfJitter,
-    /// As large as eps.
-    Jitter,
-}
-
-impl Case {
-    /// Every case.
-    pub const ALL: [Self; 9] = [
-        Self::Paper,
-        Self::CoarseClock,
-        Self::WeakPattern,
-        Self::FewLines,
-        Self::Smooth,
-        Self::Cogging,
-        Self::Ramp,
-        Self::HalfJitter,
-        Self::Jitter,
-    ];
-
-    /// Its name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper's rig, wander 0.1 %",
-            Self::CoarseClock => "25 ticks an edge",
-            Self::WeakPattern => "eps 10 times smaller",
-            Self::FewLines => "60 lines",
-            Self::Smooth => "smooth pattern only",
-            Self::Cogging => "wander and cogging 1 %",
-            Self::Ramp => "15 to 150 r/min in a turn",
-            Self::HalfJitter => "time noise half of eps",
-            Self::Jitter => "time noise as large as eps",
-        }
-    }
-
-    /// The rig that the table is learned on.
-    #[must_use]
-    pub fn teacher(self, seed: u64) -> Twin {
-        let mut twin = Twin::paper();
-        twin.seed = seed;
-        twin.duration = Duration::Turns(14.1);
-        twin.noise = Some(wander(1e-3));
-        match self {
-            Self::WeakPattern => scale_position(&mut twin, 0.1),
-            Self::FewLines => {
-                let scale = 2500.0 / 60.0;
-                twin.encoder = Encoder::Quadrature {
-                    lines: 60,
-                    index: true,
-                };
-                scale_position(&mut twin, scale);
-                twin.errors.width_a_rad *= scale;
-                twin.errors.width_b_rad *= scale;
-                twin.errors.quadrature_rad *= scale;
-            }
-            Self::Smooth => {
-                let harmonic = |amplitude_rad| {
-                    Some(quadcal_host::twin::Harmonic {
-                        amplitude_rad,
-                        phase_rad: 0.4,
-                    })
-                };
-                twin.errors = Errors {
-                    position: None,
-                    eccentricity: harmonic(5e-4),
-                    tilt: harmonic(1e-4),
-                    ..twin.errors
-                };
-            }
-            _ => {}
-        }
-        twin
-    }
-
-    /// The same disc, another day: other wander, and what makes the case hard.
-    fn pupil(self, disc: &Disc, seed: u64) -> Twin {
-        let mut twin = self.teacher(seed);
-        twin.errors = Errors {
-            list_rad: disc.errors.clone(),
-            ..Errors::default()
-        };
-        twin.duration = Duration::Turns(f64::from(PATIENCE_TURNS) + 1.2);
-        match self {
-            Self::CoarseClock => {
-                twin.timer.clock_hz = 1_000_000;
-                twin.drive = Drive::Constant { r_min: 240.0 };
-            }
-            Self::Cogging => {
-                twin.noise = Some(wander(1e-2));
-                for ripple in &mut twin.ripple {
-                    ripple.speed_fraction = Some(1e-2);
-                }
-            }
-            Self::Ramp => {
-                twin.drive = Drive::Ramp {
-                    from_r_min: 15.0,
-                    to_r_min: 150.0,
-                    over_s: 0.73,
-                };
-            }
-            // 3.6e-5 rad at 15 r/min are 2.3e-5 s.
-            Self::Jitter => twin.timer.jitter_s = 2.3e-5,
-            Self::HalfJitter => twin.timer.jitter_s = 1.15e-5,
-            _ => {}
-        }
-        twin
-    }
-}
-
-fn wander(rms_fraction: f64) -> Noise {
-    Noise::SpeedWander {
-        rms_fraction,
-        correlation_rad: Some(0.5),
-        hold_s: None,
-    }
-}
-
-fn scale_position(twin: &mut Twin, factor: f64) {
-    twin.errors.position = Some(Position::Uniform {
-        amplitude_rad: 6.2832e-5 * factor,
-        per: Per::Edge,
-    });
-}
+pub(crate) const PATIENCE_TURNS: u32 = 3;
 
 /// A disc, its table as the core learned it, and a recording of another day.
 pub struct Disc {
@@ -180,6 +41,14 @@ pub struct Table {
 }
 
 impl Table {
+    /// The table of a disc that slipped by `lines` against its index.
+    #[must_use]
+    pub fn slipped(&self, lines: usize) -> Self {
+        let mut table = self.clone();
+        table.entries.rotate_left(4 * lines);
+        table
+    }
+
     fn view(&self) -> ErrorTable<'_> {
         ErrorTable::new(self.shape, self.offsets, &self.entries, self.shift)
             .expect("a solution fits itself")
@@ -209,7 +78,7 @@ impl Disc {
             },
             events: Vec::new(),
         };
-        let pupil = case.pupil(&disc, seed + 1_000_000);
+        let pupil = case.pupil(&disc.errors, seed + 1_000_000);
         disc.events = Simulation::new(&pupil)
             .expect("the twin is valid")
             .collect();
@@ -282,6 +151,37 @@ impl Disc {
             edges,
             end: End::Open { told },
         }
+    }
+
+    /// Runs the recording with its index and `table` in use from the first index on; edges from there to the verdict that it does
+    /// not fit (said before, where the index came late), none if it never comes.
+    ///
+    /// # Panics
+    /// When the table has no use: a fault of the test.
+    #[must_use]
+    pub fn watch(&self, table: &Table, bits: u8) -> Option<u32> {
+        let slots = table.shape.edges();
+        let config = FingerprintConfig {
+            standard_error: table.standard_error,
+            bits,
+        };
+        let mut fingerprint: Fingerprint<'_, BLOCKS> =
+            Fingerprint::new(table.view(), config).expect("the table is of a quadrature encoder");
+        let mut trail = Trail::<128>::new();
+        let mut decoder = QuadratureDecoder::new(DecoderConfig::new(slots / 4)).expect("lines fit");
+        while fingerprint.search(&trail, SLICE) == Verdict::Searching {}
+        let mut edges = 0;
+        for event in &self.events {
+            let outcome = decoder.push(event.row);
+            trail.push(&outcome);
+            edges += u32::from(outcome.step().is_some() && trail.is_referenced());
+            let verdict = fingerprint.search(&trail, SLICE);
+            let refused = matches!(verdict, Verdict::Misfit(_) | Verdict::OtherDisc(_));
+            if trail.is_referenced() && refused {
+                return Some(edges);
+            }
+        }
+        None
     }
 }
 

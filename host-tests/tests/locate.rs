@@ -66,3 +66,20 @@ fn a_smooth_pattern_can_tell_nothing_and_says_so() {
         }
     }
 }
+
+#[test]
+fn a_slipped_index_and_another_disc_are_noticed_in_use_and_nothing_else_is() {
+    for case in [
+        Case::Paper,
+        Case::FewLines,
+        Case::CoarseClock,
+        Case::Cogging,
+    ] {
+        let [disc, other] = [7001, 7002].map(|seed| Disc::new(case, seed));
+        assert_eq!(disc.watch(disc.table(), BITS), None, "{}", case.name());
+        for table in [&disc.table().slipped(1), other.table()] {
+            let edges = disc.watch(table, BITS).unwrap_or(u32::MAX);
+            assert!(edges < 500, "{}: {edges}", case.name());
+        }
+    }
+}

@@ -3,7 +3,7 @@
 #![allow(clippy::cast_precision_loss)]
 
 use clap::Parser;
-use quadcal_host_tests::locate::{BLOCKS, Case, Disc, End, SLICE, Start};
+use quadcal_host_tests::locate::{BLOCKS, Case, Disc, End, SLICE, Start, Table};
 
 /// Finds the place in the table from random starts, and refuses other discs' tables.
 #[derive(Parser)]
@@ -57,6 +57,24 @@ fn sweep(case: Case, options: &Options) {
     println!("{}", case.name());
     print("own table", &own);
     print("another's", &other);
+    for name in ["own", "slipped by a line", "another's"] {
+        let table = |at: usize| -> Table {
+            let (own, next) = (&discs[at], &discs[(at + 1) % discs.len()]);
+            match name {
+                "own" => own.table().clone(),
+                "another's" => next.table().clone(),
+                _ => own.table().slipped(1),
+            }
+        };
+        let watch = |at: usize| discs[at].watch(&table(at), options.bits);
+        let alarms: Vec<u32> = (0..discs.len()).filter_map(watch).collect();
+        println!(
+            "  in use from the index on, {name}: {} alarms in {} runs, latest after {:?} edges",
+            alarms.len(),
+            discs.len(),
+            alarms.iter().max()
+        );
+    }
 }
 
 fn print(name: &str, starts: &[Start]) {
