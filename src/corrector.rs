@@ -57,6 +57,8 @@ pub struct Corrector<'a, E: Entry = i16> {
     classes: [OfClass; 4],
     /// The table's entries once the index is seen, none before.
     entries: &'a [E],
+    /// Whether the table was given up.
+    released: bool,
     /// Place of the newest edge in the history.
     newest: bool,
     /// Edges known, at most both.
@@ -75,6 +77,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             related: NO_RELATION,
             classes: [OfClass::NONE; 4],
             entries: &[],
+            released: false,
             newest: false,
             known: 0,
             history: [NOTHING; 2],
@@ -132,6 +135,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
     #[cold]
     #[inline(never)]
     fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32, Delay) {
+        self.hold_to_index(step.flags, step.resync);
         let first = step.flags.contains(Flags::FIRST);
         let referenced = self.applies(step.flags);
         let angle = self.table.angle(step.edge, referenced);
@@ -181,11 +185,35 @@ impl<'a, E: Entry> Corrector<'a, E> {
             }
             Outcome::Glitch(_) => self.known = 0,
             Outcome::Index(index) if index.resync != 0 => {
+                self.hold_to_index(index.flags, index.resync);
                 self.known = 0;
                 self.related = NO_RELATION;
             }
             Outcome::Index(_) | Outcome::Idle | Outcome::Step(_) => {}
         }
+    }
+
+    /// Stops correcting where an index is not where the fingerprint found it to be.
+    fn hold_to_index(&mut self, flags: Flags, resync: i32) {
+        if resync != 0 && flags.contains(Flags::INDEX.with(Flags::LOCATED)) {
+            self.release();
+        }
+    }
+
+    /// Stops correcting for good: from here on angles are the grid's. For a table that turned out to be of another disc.
+    pub fn release(&mut self) {
+        self.table = ErrorTable::of_grid(self.table.grid());
+        self.released = true;
+        self.related = NO_RELATION;
+        // Angles before and after can't be subtracted.
+        self.known = 0;
+    }
+
+    /// Whether the table was given up: by [`Corrector::release`], or because the first index after
+    /// [`crate::decoder::QuadratureDecoder::locate`] came at another place.
+    #[must_use]
+    pub const fn is_released(&self) -> bool {
+        self.released
     }
 
     /// Whether the whole table applies to an edge with these flags.

@@ -85,7 +85,7 @@ pub struct QuadratureDecoder {
     faults: Faults,
     index_class: u32,
     gate: u32,
-    /// REFERENCED and TURN_SUSPECT as they stand.
+    /// REFERENCED, LOCATED and TURN_SUSPECT as they stand.
     status: Flags,
     /// Flags of the last step, to take them back with it.
     last_flags: Flags,
@@ -152,7 +152,25 @@ impl QuadratureDecoder {
         self.motion.direction
     }
 
-    /// Whether the index has been seen.
+    /// Moves the count forward by `offset` edges, to where the fingerprint found the shaft: from here on positions are angles of
+    /// the disc, as after an index, and no doubt from before stands. Steps say [`Flags::LOCATED`] until the index comes. One that
+    /// agrees changes nothing else; one that does not moves the count, which stays in doubt until the next. False, with nothing
+    /// done, where a reference is known already or the offset is not of whole lines. Divides, so not for the edge path.
+    pub fn locate(&mut self, offset: u32) -> bool {
+        if self.is_referenced() || !self.moved || !offset.is_multiple_of(4) {
+            return false;
+        }
+        let slots = self.counter.slots();
+        self.counter
+            .set((self.counter.position() + offset % slots) % slots);
+        self.status = Flags::REFERENCED.with(Flags::LOCATED);
+        self.suspect_before = false;
+        self.spike_limit = 0;
+        self.next = Plain::NONE;
+        true
+    }
+
+    /// Whether the index has been seen, or the fingerprint found.
     #[inline]
     #[must_use]
     pub const fn is_referenced(&self) -> bool {

@@ -19,6 +19,7 @@
 //! | [`interval::Interval::push`] | 42 |
 //! | [`interval::Interval::speed_at`], for the control loop | 103 |
 //! | [`estimate::Estimator::push`], one turn coming in and one being folded | 58 |
+//! | [`fingerprint::Trail::push`], its call included | 26 |
 //!
 //! These paths divide nothing, use no floating point and hold no panic. Anything but one more edge of settled motion, Z low,
 //! goes out of line: at most a few edges a turn, sixteen after a start or a reversal, and every edge of three Hall sensors in
@@ -31,6 +32,7 @@ pub mod counter;
 pub mod decoder;
 pub mod edge;
 pub mod estimate;
+pub mod fingerprint;
 pub mod hall;
 pub mod interval;
 pub mod log2;

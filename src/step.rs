@@ -15,7 +15,7 @@ impl Flags {
     pub const FIRST: Self = Self(1);
     /// The direction changed at this edge.
     pub const REVERSED: Self = Self(1 << 1);
-    /// The index (or the gap of a toothed wheel) has been seen: the position is an angle of the disc.
+    /// The index (or the gap of a toothed wheel) has been seen, or the fingerprint found: the position is an angle of the disc.
     pub const REFERENCED: Self = Self(1 << 2);
     /// The index (or gap) was found at this event.
     pub const INDEX: Self = Self(1 << 3);
@@ -28,6 +28,9 @@ impl Flags {
     pub const ABRUPT: Self = Self(1 << 6);
     /// The interval before this one was far too long for the motion around it.
     pub const SPIKE: Self = Self(1 << 7);
+    /// The reference is the fingerprint's, and no index has borne it out yet. At an event with [`Flags::INDEX`] this tells of the
+    /// reference that ends there.
+    pub const LOCATED: Self = Self(1 << 8);
 
     /// Whether all facts of `other` are in this set.
     #[inline]

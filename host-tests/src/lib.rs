@@ -16,6 +16,7 @@ pub mod reference;
 
 pub mod events;
 pub mod firmware;
+pub mod locate;
 pub mod rig;
 pub mod session;
 pub mod speed_loop;

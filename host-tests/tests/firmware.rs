@@ -204,6 +204,39 @@ fn the_edge_path_has_no_panic_no_division_and_no_float() {
 }
 
 #[test]
+fn the_fingerprint_has_no_panic_and_its_edge_path_no_division_either() {
+    let elf = image("edge_cost");
+    let of = |name: &str| {
+        let functions = reachable(&elf, &format!("edge_cost::locate::{name}"));
+        offences(&functions.unwrap_or_else(|error| panic!("{error}")))
+    };
+    assert_eq!(of("pushed"), []);
+    let mut slice = of("fingerprint_slice");
+    slice.retain(|offence| offence.what == "panics" || offence.what.starts_with('v'));
+    assert_eq!(slice, []);
+}
+
+#[test]
+fn a_slice_of_search_takes_less_than_20_000_instructions() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_qemu(&image("edge_cost"), &[], folder.path(), LIMIT)
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert!(output.success, "{}", output.stderr);
+    println!("{}", output.stdout);
+    let words = output.stdout.replace(' ', "\n");
+    let value = |key: &str| -> u64 {
+        let line = words
+            .lines()
+            .find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
+        line.and_then(|value| value.parse().ok())
+            .unwrap_or_else(|| panic!("{key} in {words}"))
+    };
+    for stage in ["weigh_slice", "search_slice"] {
+        assert!(value(stage) < 20_000, "{stage}");
+    }
+}
+
+#[test]
 fn a_panic_and_a_division_would_be_seen() {
     let functions = reachable(&image("qemu_cost"), "main").unwrap();
     let found = offences(&functions);

@@ -8,6 +8,7 @@ pub mod delays;
 pub mod demo;
 pub mod findings;
 pub mod free_run;
+pub mod locate;
 pub mod pattern;
 pub mod recording;
 pub mod report;

@@ -62,6 +62,36 @@ fn a_table_serves_another_recording_of_its_encoder() {
 }
 
 #[test]
+fn every_start_without_an_index_finds_the_place_that_the_index_has() {
+    let folder = workshop();
+    let at = folder.path();
+    // Same disc, forward and at another speed; and the recording learned from, on later turns.
+    fs::write(at.join("fast.toml"), TWIN.replace("= 600", "= 900")).unwrap();
+    done(at, "simulate fast.toml -o fast.csv");
+    for (recording, same) in [("fast.csv", false), ("rig.csv", true)] {
+        let arguments = format!("locate {recording} --table rig.qct --starts 50 --json -");
+        let found = json(&done(at, &arguments));
+        assert_eq!(found["same_recording"], same);
+        let number = |key: &str| found[key].as_f64().unwrap();
+        // The last start or two have too few edges left.
+        assert!(number("found") >= 45.0, "{found}");
+        // Before its first index a recording can't bear a place out.
+        assert!(number("agree_with_index") >= 45.0, "{found}");
+        assert_eq!(found["disagree_with_index"], 0);
+        assert_eq!(found["refused"], 0);
+        assert!(number("error_probability") < 1e-7, "{found}");
+        assert!(number("degrees_most") < 150.0, "{found}");
+    }
+    // A table whose zero is the first edge is of use for other recordings too.
+    let free = TWIN.replace("index = true", "index = false");
+    fs::write(at.join("free.toml"), free).unwrap();
+    done(at, "simulate free.toml -o free.csv");
+    done(at, "calibrate free.csv --twin free.toml -o free.qct");
+    let text = done(at, "locate fast.csv --table free.qct --starts 20");
+    assert!(text.contains("can't be checked"), "{text}");
+}
+
+#[test]
 fn a_wheel_with_a_gap_is_simulated_calibrated_and_verified() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -24,6 +24,51 @@ fn a_table_that_makes_it_worse_is_exit_code_1() {
 }
 
 #[test]
+fn a_table_of_another_disc_is_refused_by_its_fingerprint() {
+    let folder = workshop();
+    let at = folder.path();
+    done(at, "simulate rig.toml --seed 5 -o other.csv");
+    let message = refused(&folder, "locate other.csv --table rig.qct --starts 9", 1);
+    assert!(
+        message.starts_with("quadcal: rig.qct: this table belongs to another disc"),
+        "{message}"
+    );
+    let perfect = TWIN.replace("2e-3", "1e-9");
+    fs::write(at.join("perfect.toml"), perfect).unwrap();
+    done(at, "simulate perfect.toml -o perfect.csv");
+    done(at, "calibrate perfect.csv --turns 11 -o perfect.qct");
+    let message = refused(&folder, "locate perfect.csv --table perfect.qct", 1);
+    assert!(
+        message.contains("no place was found at any of 100 starts"),
+        "{message}"
+    );
+    done(at, "calibrate rig.csv -o all.qct");
+    fs::write(
+        at.join("few.toml"),
+        TWIN.replace("lines = 50", "lines = 12"),
+    )
+    .unwrap();
+    done(at, "simulate few.toml -o few.csv");
+    done(at, "calibrate few.csv --turns 11 -o few.qct");
+    for (arguments, expected) in [
+        (
+            "few.csv --table few.qct",
+            "few.qct: the table has 48 edges a turn",
+        ),
+        (
+            "few.csv --table rig.qct",
+            "rig.qct: the table is for 200 edges a turn in 4 classes, the recording shows 48 in 4",
+        ),
+        ("rig.csv --table all.qct", "rig.csv: no edge is left"),
+        ("rig.csv --table rig.csv", "rig.csv: not an error table"),
+        ("rig.csv --table gone.qct", "gone.qct: cannot be read"),
+    ] {
+        let message = refused(&folder, &format!("locate {arguments}"), 2);
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+}
+
+#[test]
 fn bad_recordings_and_twins_are_refused_with_the_reason() {
     let folder = workshop();
     let at = folder.path();

@@ -217,7 +217,9 @@ impl QuadratureDecoder {
         self.faults
             .book_resync(moved, self.motion.settled_direction());
         self.suspect();
-        (moved, self.status.with(Flags::INDEX))
+        let found = self.status.with(Flags::INDEX);
+        self.status = self.status.without(Flags::LOCATED);
+        (moved, found)
     }
 
     #[inline]

@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::calibrate::CalibrateError;
 use crate::demo::DemoError;
 use crate::free_run::FreeRunError;
+use crate::locate::LocateError;
 use crate::recording::ReadError;
 use crate::recording::write::WriteError;
 use crate::table_file;
@@ -144,6 +145,53 @@ pub enum Failure {
         /// With it.
         after: String,
     },
+    /// No place can be looked for in a table.
+    #[error("{file}: {source}", file = match source { LocateError::NothingLeft | LocateError::Plan(_) => recording, _ => table }.display())]
+    Locate {
+        /// The recording.
+        recording: PathBuf,
+        /// The table.
+        table: PathBuf,
+        /// Why.
+        source: LocateError,
+    },
+    /// A table is of another disc.
+    #[error(
+        "{table}: this table belongs to another disc than the one recorded (refused at {refused} of {starts} starts); don't use it:          calibrate this encoder",
+        table = table.display()
+    )]
+    OtherDisc {
+        /// The table.
+        table: PathBuf,
+        /// Starts that said so.
+        refused: usize,
+        /// All starts.
+        starts: usize,
+    },
+    /// The index contradicts the fingerprint.
+    #[error(
+        "{table}: the recording's index is not where the table has it (at {moved} of {starts} starts); check the index channel and          calibrate again",
+        table = table.display()
+    )]
+    IndexMoved {
+        /// The table.
+        table: PathBuf,
+        /// Starts that the index contradicts.
+        moved: usize,
+        /// All starts.
+        starts: usize,
+    },
+    /// No start found its place.
+    #[error(
+        "{table}: no place was found at any of {starts} starts: the pattern is too weak for the noise, or the recording too short; wait          for the index instead",
+        table = table.display()
+    )]
+    NoPlace {
+        /// The table.
+        table: PathBuf,
+        /// All starts.
+        starts: usize,
+    },
     /// An output would take the place of an input.
     #[error("{target}: is the input itself; give another name for the output")]
     OverInput {
@@ -199,6 +247,16 @@ impl Failure {
         }
     }
 
+    /// A search's error.
+    #[must_use]
+    pub fn locating(recording: &Path, table: &Path, source: LocateError) -> Self {
+        Self::Locate {
+            recording: recording.to_owned(),
+            table: table.to_owned(),
+            source,
+        }
+    }
+
     /// Prints the failure and gives the exit code. A reader of stdout that has seen enough is no failure and prints nothing.
     #[must_use]
     pub fn report(&self) -> ExitCode {
@@ -214,7 +272,12 @@ impl Failure {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Write { .. } | Self::Worse { .. } | Self::Demo(_) => 1,
+            Self::Write { .. }
+            | Self::Worse { .. }
+            | Self::OtherDisc { .. }
+            | Self::IndexMoved { .. }
+            | Self::NoPlace { .. }
+            | Self::Demo(_) => 1,
             Self::Read(_)
             | Self::Twin(_)
             | Self::OtherSensor { .. }
@@ -225,6 +288,7 @@ impl Failure {
             | Self::NotAFile { .. }
             | Self::Table { .. }
             | Self::Verify { .. }
+            | Self::Locate { .. }
             | Self::Reference(_)
             | Self::Apart { .. }
             | Self::Unwritable { .. }

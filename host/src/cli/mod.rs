@@ -10,6 +10,7 @@ mod footer;
 mod info;
 pub mod input;
 mod loop_args;
+mod locate;
 pub mod output;
 pub mod progress;
 mod sensor_args;
@@ -37,6 +38,7 @@ Examples:
   quadcal demo                                simulated and real encoders, with a report
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal verify spindle.csv --table spindle.qct
+  quadcal locate spindle.csv --table spindle.qct
   quadcal info spindle.csv                    what a recording holds
   quadcal convert capture.vcd -o capture.csv  from one format to another
 
@@ -75,6 +77,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Calibrate(calibrate::Calibrate),
     Verify(verify::Verify),
+    Locate(locate::Locate),
     Info(info::Info),
     Convert(convert::Convert),
     Completions(completions::Completions),
@@ -106,6 +109,7 @@ impl Cli {
             Command::Simulate(command) => command.run(globals),
             Command::Calibrate(command) => command.run(globals),
             Command::Verify(command) => command.run(globals),
+            Command::Locate(command) => command.run(globals),
             Command::Info(command) => command.run(globals),
             Command::Convert(command) => command.run(globals),
             Command::Completions(command) => command.run(),

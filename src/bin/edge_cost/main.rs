@@ -9,6 +9,7 @@
 
 #[path = "../qemu_cost/counter.rs"]
 mod counter;
+mod locate;
 mod rig;
 
 use core::hint::black_box;
@@ -146,6 +147,7 @@ fn measure(
     time.print("interval", &empty);
     speed.print("speed", &empty);
     learn.print("learn", &empty);
+    locate::measure(&counter, samples)?;
     (learner.totals().turns == 4 && decoder == recorder).then_some(())
 }
 
