@@ -7,6 +7,7 @@
 use super::close::saturated;
 use super::fold::FoldShape;
 use super::scale::Fine;
+use crate::edge::Direction;
 use crate::shape::CLASSES_MAX;
 
 /// Fraction bits that a squared relative duration keeps here.
@@ -24,6 +25,8 @@ pub(super) struct Delays {
     pub(super) square: u64,
     pub(super) duration: u64,
     pub(super) turns: u32,
+    /// Direction of all these turns: a delay moves an edge the other way in reverse.
+    direction: Direction,
 }
 
 impl Delays {
@@ -34,10 +37,22 @@ impl Delays {
         square: 0,
         duration: 0,
         turns: 0,
+        direction: Direction::Forward,
     };
 
-    /// Takes the class sums of a turn.
-    pub(super) fn take(&mut self, classes: &[i32; CLASSES_MAX], ratio_q32: u64) {
+    /// Takes the class sums of a turn, if it went the way of the first.
+    pub(super) fn take(
+        &mut self,
+        classes: &[i32; CLASSES_MAX],
+        ratio_q32: u64,
+        direction: Direction,
+    ) {
+        if self.turns == 0 {
+            self.direction = direction;
+        }
+        if direction != self.direction {
+            return;
+        }
         let ratio = (ratio_q32 >> (32 - SQUARE_BITS)).cast_signed();
         let square = (ratio * ratio) >> SQUARE_BITS;
         for (class, &sum) in classes.iter().enumerate() {
@@ -115,10 +130,18 @@ impl Delays {
             let product = i128::from(angle_q8) * i128::from(reference);
             i32::try_from(-product >> (32 - shape.unit_shift)).unwrap_or(0)
         };
+        // In reverse the other edge of the channel passes, and what is late is behind.
+        let of_class = |class: usize| match self.direction {
+            Direction::Forward => ticks(angle_q8[class]),
+            Direction::Reverse if class < classes => {
+                ticks(-angle_q8[(class + classes / 2) % classes])
+            }
+            Direction::Reverse => 0,
+        };
         Some(SolvedDelays {
             angle_q8,
             unit_shift: shape.unit_shift,
-            ticks_q8: angle_q8.map(ticks),
+            ticks_q8: core::array::from_fn(of_class),
             error_q8: ticks(saturated_i64(error.cast_signed()))
                 .unsigned_abs()
                 .max(1),

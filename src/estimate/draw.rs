@@ -2,26 +2,28 @@
 
 use super::close::saturated;
 use super::scale::Fine;
-use super::spectrum::Sequence;
+use super::spectrum::Sample;
 use super::weigh::WEIGHT_ONE;
 use crate::shape::CLASSES_MAX;
 
 /// Cubic interpolation between the samples of a turn.
-struct Curve<'a, S: ?Sized> {
-    grid: &'a S,
-    samples: usize,
+struct Curve<'a, S> {
+    grid: &'a [S],
     /// Edges from one sample to the next.
     apart: usize,
 }
 
-impl<S: Sequence + ?Sized> Curve<'_, S> {
+impl<S: Sample> Curve<'_, S> {
     fn at(&self, sample: usize) -> i64 {
-        let wrapped = if sample >= self.samples {
-            sample - self.samples
+        let samples = self.grid.len();
+        let wrapped = if sample >= samples {
+            sample - samples
         } else {
             sample
         };
-        i64::from(self.grid.get(wrapped))
+        self.grid
+            .get(wrapped)
+            .map_or(0, |sample| i64::from(sample.value()))
     }
 
     /// Value `part` edges after a sample, by Lagrange's cubic through two samples on either side.
@@ -32,7 +34,7 @@ impl<S: Sequence + ?Sized> Curve<'_, S> {
         let n = self.apart as i64;
         let t = part as i64;
         let [before, here, next, after] = [
-            self.at(sample + self.samples - 1),
+            self.at(sample + self.grid.len() - 1),
             self.at(sample),
             self.at(sample + 1),
             self.at(sample + 2),
@@ -55,16 +57,15 @@ impl<S: Sequence + ?Sized> Curve<'_, S> {
     }
 }
 
-/// Adds the curve drawn in the first `samples` of `grid` to every error, after weighing it with `common`, and puts right what
+/// Adds the curve drawn in `grid` to every error, after weighing it with `common`, and puts right what
 /// the motion found did to it.
 ///
 /// The curve F is what is taken out of the errors as motion, with its sign turned. Where the shaft ran fast by a share v, an
 /// edge's error came out short by v of it, from the time at which it was passed: it is put back with v = -dF/dtheta
 /// (amplitude modulation, eq. (5)).
-pub(super) fn draw<S: Sequence + ?Sized>(
+pub(super) fn draw<S: Sample>(
     errors: &mut [i32],
-    grid: &S,
-    samples: usize,
+    grid: &[S],
     common: u32,
     offsets: &[i32; CLASSES_MAX],
     classes: usize,
@@ -73,10 +74,12 @@ pub(super) fn draw<S: Sequence + ?Sized>(
     let edges = errors.len();
     let curve = Curve {
         grid,
-        samples,
-        apart: edges / samples,
+        apart: edges / grid.len().max(1),
     };
-    let (mut before, mut here) = (curve.value(samples - 1, curve.apart - 1), curve.value(0, 0));
+    let (mut before, mut here) = (
+        curve.value(grid.len() - 1, curve.apart - 1),
+        curve.value(0, 0),
+    );
     let (mut sample, mut part, mut class) = (0, 0, 0);
     let half = 1_i64 << (WEIGHT_ONE.trailing_zeros() - 1);
     for error in errors {
@@ -115,15 +118,7 @@ mod tests {
             .collect();
         let mut errors = std::vec![0; edges];
         let fine = Fine { bits: 10 };
-        draw(
-            &mut errors,
-            grid.as_slice(),
-            samples,
-            WEIGHT_ONE,
-            &NO_OFFSETS,
-            1,
-            fine,
-        );
+        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
         for (k, &error) in errors.iter().enumerate() {
             let want = wave(k as f64 / edges as f64);
             assert!((f64::from(error) - want).abs() < 3.0, "{k}: {error} {want}");
@@ -144,15 +139,7 @@ mod tests {
         let observed = |k: usize| swing(k) + truth(k) * (1.0 - fast(k));
         let mut errors: Vec<i32> = (0..edges).map(|k| observed(k) as i32).collect();
         let grid: Vec<i32> = (0..edges).map(|k| -swing(k) as i32).collect();
-        draw(
-            &mut errors,
-            grid.as_slice(),
-            edges,
-            WEIGHT_ONE,
-            &NO_OFFSETS,
-            1,
-            fine,
-        );
+        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
         for (k, &error) in errors.iter().enumerate() {
             let off = f64::from(error) - truth(k);
             assert!(off.abs() < 0.012 * turn / 2000.0, "{k}: {off}");

@@ -257,7 +257,9 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// Takes note of the classes of the turn that was folded.
     pub(super) fn settle_fold(&mut self) {
         if let Some(place) = self.folding.take_if(|_| self.fold.is_idle()) {
-            self.delays.take(&self.fold.classes, place.ratio_q32);
+            let direction = self.fold.direction;
+            self.delays
+                .take(&self.fold.classes, place.ratio_q32, direction);
         }
     }
 }

@@ -39,7 +39,7 @@ mod tests;
 
 pub use buffers::{BLOCKS, EdgeBuffers, Parts, StaticBuffers, block_edges, blocks_for};
 pub use order::{LockedOrder, ORDERS_MAX, TorqueOrder};
-pub use solution::{Solution, SolveError};
+pub use solution::{ClassDelays, Solution, SolveError};
 
 use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;

@@ -2,7 +2,7 @@
 
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::spectrum::{
-    Coefficient, POWER_BITS, Sequence, coefficient, decimate, fold_halves, undo_decimation,
+    Coefficient, POWER_BITS, Sample, coefficient, decimate, fold_halves, undo_decimation,
 };
 use crate::trig::sin_cos;
 use crate::units::Turn32;
@@ -25,19 +25,20 @@ fn mean_square_step(errors: &[i32]) -> u128 {
 ///
 /// The common power is taken from the steps between edges: in the angle itself, low orders of torque are many thousand
 /// times larger, and nothing would be left of a difference of such sums.
-pub(super) fn split_orders<S: Sequence + ?Sized>(
+pub(super) fn split_orders<S: Sample>(
     errors: &[i32],
-    scratch: &mut S,
+    scratch: &mut [S],
     plan: OrderPlan,
     coefficients: &mut [Coefficient; ORDERS_MAX],
 ) -> u64 {
     let mut steps = mean_square_step(errors);
     let samples = decimate(errors, scratch, plan.decimation);
-    fold_halves(scratch, samples);
+    let scratch = &mut scratch[..samples];
+    fold_halves(scratch);
     let classes = plan.edges / plan.lines;
     let mut gain_q28 = (2 * (plan.edges - if classes > 1 { classes } else { 0 }) as u64) << 28;
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        let raw = coefficient(scratch, samples, order);
+        let raw = coefficient(scratch, order);
         let c = undo_decimation(raw, order, plan.decimation, plan.edges);
         coefficients[order - 1] = c;
         let gain_q58 = step_gain_q58(order, plan.edges);
@@ -66,9 +67,8 @@ pub(super) fn coarse_orders(
     plan: OrderPlan,
     mut visit: impl FnMut(usize, Coefficient),
 ) {
-    let samples = blocks.len();
-    fold_halves(blocks, samples);
+    fold_halves(blocks);
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        visit(order, coefficient(blocks, samples, order));
+        visit(order, coefficient(blocks, order));
     }
 }

@@ -5,7 +5,7 @@ use super::delays::SolvedDelays;
 use super::order::{LOCKED_MAX, LockedOrder, ORDERS_MAX, TorqueOrder};
 use super::separate::Torques;
 use crate::shape::{CLASSES_MAX, EncoderShape};
-use crate::units::TurnDelta32;
+use crate::units::{TickDelta8, TurnDelta32};
 
 /// Why nothing could be solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,16 @@ use crate::units::TurnDelta32;
 pub enum SolveError {
     /// Fewer than two turns were taken, so nothing says how well turns agree.
     TooFewTurns(u32),
+}
+
+/// Delays found: class c is captured `of_class[c]` late, zero mean over the classes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ClassDelays {
+    /// Of each class; those beyond C are zero.
+    pub of_class: [TickDelta8; CLASSES_MAX],
+    /// Standard error of one of them, 2^-8 tick.
+    pub standard_error: u32,
 }
 
 /// A solved error table with what is known about it. The error of edge k is
@@ -120,12 +130,15 @@ impl<B: EdgeBuffers> Solution<B> {
         self.reference
     }
 
-    /// How late edges of each class are captured, 2^-8 ticks, zero mean, with the standard error; none where the speeds were
-    /// too alike to tell, or no delay stands out.
+    /// How late edges of each class are captured, forward; none where the speeds were too alike to tell, or no delay stands
+    /// out.
     #[must_use]
-    pub fn class_delays(&self) -> Option<(&[i32; CLASSES_MAX], u32)> {
+    pub fn class_delays(&self) -> Option<ClassDelays> {
         let delays = self.delays.as_ref()?;
-        Some((&delays.ticks_q8, delays.error_q8))
+        Some(ClassDelays {
+            of_class: delays.ticks_q8.map(TickDelta8),
+            standard_error: delays.error_q8,
+        })
     }
 
     /// Gives the buffers back.

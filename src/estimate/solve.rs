@@ -10,7 +10,7 @@ use super::power::{coarse_orders, split_orders};
 use super::scale::Fine;
 use super::separate::separate;
 use super::solution::{Solution, SolveError};
-use super::spectrum::{Coefficient, Sequence, add_order, unfold_halves};
+use super::spectrum::{Coefficient, Sample, add_order, unfold_halves};
 use super::speeds::Speeds;
 use super::weigh::{Estimate, WEIGHT_ONE, weigh};
 use super::{EdgeBuffers, Estimator, Parts};
@@ -235,33 +235,25 @@ fn redraw(
 ) {
     let samples = plan.edges / plan.decimation;
     if plan.decimation == 1 {
-        let grid = &mut *parts.coarse;
-        draw_orders(grid, samples, plan, more);
-        draw(parts.sum, &*grid, samples, common, offsets, classes, fine);
+        let grid = &mut parts.coarse[..samples];
+        draw_orders(grid, plan, more);
+        draw(parts.sum, grid, common, offsets, classes, fine);
     } else {
-        let sum = &mut *parts.sum;
-        let grid = parts.cells.as_chunks_mut().0;
-        draw_orders(grid, samples, plan, more);
-        draw(sum, &*grid, samples, common, offsets, classes, fine);
+        let grid = &mut parts.cells.as_chunks_mut().0[..samples];
+        draw_orders(grid, plan, more);
+        draw(parts.sum, grid, common, offsets, classes, fine);
     }
 }
 
-fn draw_orders<S: Sequence + ?Sized>(
-    grid: &mut S,
-    samples: usize,
-    plan: OrderPlan,
-    more: &[Coefficient; ORDERS_MAX],
-) {
-    for index in 0..samples {
-        grid.set(index, 0);
-    }
+fn draw_orders<S: Sample>(grid: &mut [S], plan: OrderPlan, more: &[Coefficient; ORDERS_MAX]) {
+    grid.fill(S::of(0));
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
         // Below an eighth of a fine unit an order leaves no trace.
         if more[order - 1].power() >= 4 {
-            add_order(grid, samples, order, more[order - 1]);
+            add_order(grid, order, more[order - 1]);
         }
     }
-    unfold_halves(grid, samples);
+    unfold_halves(grid);
 }
 
 /// Scales the errors to 2^-32 turn and packs them as 16-bit entries in the cells; returns their shift, and the RMS of the

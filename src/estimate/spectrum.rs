@@ -8,49 +8,35 @@ use super::scale::Ratio;
 use crate::trig::{SINE_BITS, sin_cos};
 use crate::units::Turn32;
 
-/// A sequence of 32-bit numbers around the turn.
-pub(super) trait Sequence {
-    fn get(&self, index: usize) -> i32;
-    fn set(&mut self, index: usize, value: i32);
+/// One 32-bit number of a sequence around the turn.
+pub(super) trait Sample: Copy {
+    fn value(self) -> i32;
+    fn of(value: i32) -> Self;
 }
 
-impl Sequence for [i32] {
+impl Sample for i32 {
     #[inline]
-    fn get(&self, index: usize) -> i32 {
-        self.get(index..)
-            .and_then(|rest| rest.first())
-            .copied()
-            .unwrap_or(0)
+    fn value(self) -> i32 {
+        self
     }
 
     #[inline]
-    fn set(&mut self, index: usize, value: i32) {
-        if let Some(entry) = self.get_mut(index) {
-            *entry = value;
-        }
+    fn of(value: i32) -> Self {
+        value
     }
 }
 
-/// Pairs of 16-bit cells, each pair one number.
-impl Sequence for [[i16; 2]] {
+/// Two 16-bit cells that hold one number.
+impl Sample for [i16; 2] {
     #[inline]
-    fn get(&self, index: usize) -> i32 {
-        let [low, high] = self
-            .get(index..)
-            .and_then(|rest| rest.first())
-            .copied()
-            .unwrap_or([0; 2]);
-        (i32::from(high) << 16) | i32::from(low.cast_unsigned())
+    fn value(self) -> i32 {
+        (i32::from(self[1]) << 16) | i32::from(self[0].cast_unsigned())
     }
 
     #[inline]
-    fn set(&mut self, index: usize, value: i32) {
-        if let Some(entry) = self.get_mut(index) {
-            #[allow(clippy::cast_possible_truncation)]
-            {
-                *entry = [value as i16, (value >> 16) as i16];
-            }
-        }
+    #[allow(clippy::cast_possible_truncation)]
+    fn of(value: i32) -> Self {
+        [value as i16, (value >> 16) as i16]
     }
 }
 
@@ -104,62 +90,97 @@ impl Coefficient {
 /// Samples after which the running phasor is set anew, so that rounding can't grow.
 const RESEED: usize = 64;
 
-/// Steps a unit phasor through the first half of the turn; `visit(index, cos, sin)` gets Q30.
-#[inline]
-fn half_turn_phasor(order: usize, samples: usize, mut visit: impl FnMut(usize, i32, i32)) {
-    let step_q32 = ((order as u64) << 32) / samples as u64;
-    let remainder = ((order as u64) << 32) % samples as u64;
-    let angle = |index: usize| {
-        // order * index / samples of a turn; the remainder keeps the angle exact to one LSB.
-        let index = index as u64;
-        #[allow(clippy::cast_possible_truncation)]
-        Turn32((step_q32 * index + remainder * index / samples as u64) as u32)
-    };
-    let (s1, c1) = sin_cos(angle(1));
-    let (s1, c1) = (i64::from(s1), i64::from(c1));
-    let (last, half) = (samples / 2, 1_i64 << (SINE_BITS - 1));
-    let mut index = 0;
-    while index <= last {
-        let (mut s, mut c) = sin_cos(angle(index));
-        let end = (last + 1).min(index + RESEED);
-        while index < end {
-            visit(index, c, s);
-            let (ws, wc) = (i64::from(s), i64::from(c));
-            #[allow(clippy::cast_possible_truncation)]
-            {
-                c = ((wc * c1 - ws * s1 + half) >> SINE_BITS) as i32;
-                s = ((ws * c1 + wc * s1 + half) >> SINE_BITS) as i32;
-            }
-            index += 1;
+/// Angle of `order` at a sample, exact to one LSB.
+struct OrderAngle {
+    step_q32: u64,
+    remainder: u64,
+    samples: u64,
+}
+
+impl OrderAngle {
+    fn new(order: usize, samples: usize) -> Self {
+        let samples = samples.max(1) as u64;
+        let turns = (order as u64) << 32;
+        Self {
+            step_q32: turns / samples,
+            remainder: turns % samples,
+            samples,
         }
     }
+
+    /// Cosine and sine at a sample, Q30.
+    fn phasor(&self, index: usize) -> [i32; 2] {
+        let index = index as u64;
+        #[allow(clippy::cast_possible_truncation)]
+        let angle = (self.step_q32 * index + self.remainder * index / self.samples) as u32;
+        let (sin, cos) = sin_cos(Turn32(angle));
+        [cos, sin]
+    }
+}
+
+/// A phasor turned by a step.
+#[inline]
+fn turned([c, s]: [i32; 2], [c1, s1]: [i32; 2]) -> [i32; 2] {
+    const HALF: i64 = 1 << (SINE_BITS - 1);
+    let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
+    #[allow(clippy::cast_possible_truncation)]
+    [
+        ((product(c, c1) - product(s, s1) + HALF) >> SINE_BITS) as i32,
+        ((product(s, c1) + product(c, s1) + HALF) >> SINE_BITS) as i32,
+    ]
+}
+
+/// Splits a folded sequence: the sample at edge 0, the even half, the sample half a turn on where there is one, and the odd
+/// half, its last sample first to come.
+fn halves<S: Sample>(folded: &mut [S]) -> Option<(&mut S, &mut [S], Option<&mut S>, &mut [S])> {
+    let half = folded.len().div_ceil(2) - 1;
+    let (first, rest) = folded.split_first_mut()?;
+    let (even, rest) = rest.split_at_mut(half);
+    let (middle, odd) = rest.split_at_mut(rest.len() - half);
+    Some((first, even, middle.first_mut(), odd))
 }
 
 /// Replaces x(j), x(-j) by their sum and difference.
-pub(super) fn fold_halves<S: Sequence + ?Sized>(sequence: &mut S, samples: usize) {
-    for index in 1..samples.div_ceil(2) {
-        let (one, other) = (sequence.get(index), sequence.get(samples - index));
-        sequence.set(index, one.wrapping_add(other));
-        sequence.set(samples - index, one.wrapping_sub(other));
+pub(super) fn fold_halves<S: Sample>(sequence: &mut [S]) {
+    if let Some((_, even, _, odd)) = halves(sequence) {
+        for (one, other) in even.iter_mut().zip(odd.iter_mut().rev()) {
+            let (a, b) = (one.value(), other.value());
+            *one = S::of(a.wrapping_add(b));
+            *other = S::of(a.wrapping_sub(b));
+        }
     }
 }
 
-/// The size of `order` in the first `samples` of a folded sequence.
-pub(super) fn coefficient<S: Sequence + ?Sized>(
-    folded: &S,
-    samples: usize,
-    order: usize,
-) -> Coefficient {
-    /// Digits of sine and cosine kept, so that sums of a thousand and more samples of 2^29 fit.
+/// Turns the even and odd halves that [`add_order`] wrote back into samples.
+pub(super) fn unfold_halves<S: Sample>(sequence: &mut [S]) {
+    fold_halves(sequence);
+}
+
+/// The size of `order` in a folded sequence.
+pub(super) fn coefficient<S: Sample>(folded: &mut [S], order: usize) -> Coefficient {
+    /// Digits of sine and cosine kept, so that sums of a thousand and more samples of 2^28 fit.
     const DROPPED: u32 = 8;
-    let (mut re, mut im) = (0_i64, 0_i64);
-    let half = samples.div_ceil(2);
-    half_turn_phasor(order, samples, |index, c, s| {
-        re += i64::from(folded.get(index)) * i64::from(c >> DROPPED);
-        if index != 0 && index < half {
-            im -= i64::from(folded.get(samples - index)) * i64::from(s >> DROPPED);
+    let samples = folded.len();
+    let Some((first, even, middle, odd)) = halves(folded) else {
+        return Coefficient::default();
+    };
+    let angle = OrderAngle::new(order, samples);
+    let step = angle.phasor(1);
+    let one = i64::from(first.value()) << (SINE_BITS - DROPPED);
+    let (mut re, mut im) = (one, 0_i64);
+    let chunks = even.chunks(RESEED).zip(odd.rchunks(RESEED));
+    for (chunk, (even, odd)) in chunks.enumerate() {
+        let mut now = angle.phasor(1 + chunk * RESEED);
+        for (even, odd) in even.iter().zip(odd.iter().rev()) {
+            re += i64::from(even.value()) * i64::from(now[0] >> DROPPED);
+            im -= i64::from(odd.value()) * i64::from(now[1] >> DROPPED);
+            now = turned(now, step);
         }
-    });
+    }
+    if let Some(middle) = middle {
+        let far = i64::from(middle.value()) << (SINE_BITS - DROPPED);
+        re += if order.is_multiple_of(2) { far } else { -far };
+    }
     let scale =
         |sum: i64| saturated((sum / samples as i64) >> (SINE_BITS - DROPPED - COEFFICIENT_BITS));
     Coefficient {
@@ -169,35 +190,33 @@ pub(super) fn coefficient<S: Sequence + ?Sized>(
 }
 
 /// Adds `2 Re(factor exp(i order theta))` to a folded sequence, `factor` in 2^-[`COEFFICIENT_BITS`] of its unit.
-pub(super) fn add_order<S: Sequence + ?Sized>(
-    folded: &mut S,
-    samples: usize,
-    order: usize,
-    factor: Coefficient,
-) {
+pub(super) fn add_order<S: Sample>(folded: &mut [S], order: usize, factor: Coefficient) {
     const SHIFT: u32 = SINE_BITS + COEFFICIENT_BITS - 1;
     const ROUNDING: i64 = 1 << (SHIFT - 1);
-    let Coefficient { re, im } = factor;
-    let half = samples.div_ceil(2);
-    half_turn_phasor(order, samples, |index, c, s| {
-        #[allow(clippy::cast_possible_truncation)]
-        let even = ((i64::from(re) * i64::from(c) + ROUNDING) >> SHIFT) as i32;
-        folded.set(index, folded.get(index).wrapping_add(even));
-        if index != 0 && index < half {
-            #[allow(clippy::cast_possible_truncation)]
-            let odd = ((i64::from(im) * i64::from(s) + ROUNDING) >> SHIFT) as i32;
-            let mirror = samples - index;
-            folded.set(mirror, folded.get(mirror).wrapping_sub(odd));
+    #[allow(clippy::cast_possible_truncation)]
+    let part = |factor: i32, share: i32| {
+        ((i64::from(factor) * i64::from(share) + ROUNDING) >> SHIFT) as i32
+    };
+    let add = |sample: &mut S, more: i32| *sample = S::of(sample.value().wrapping_add(more));
+    let samples = folded.len();
+    let Some((first, even, middle, odd)) = halves(folded) else {
+        return;
+    };
+    let angle = OrderAngle::new(order, samples);
+    let step = angle.phasor(1);
+    let one = part(factor.re, 1 << SINE_BITS);
+    add(first, one);
+    let chunks = even.chunks_mut(RESEED).zip(odd.rchunks_mut(RESEED));
+    for (chunk, (even, odd)) in chunks.enumerate() {
+        let mut now = angle.phasor(1 + chunk * RESEED);
+        for (even, odd) in even.iter_mut().zip(odd.iter_mut().rev()) {
+            add(even, part(factor.re, now[0]));
+            add(odd, -part(factor.im, now[1]));
+            now = turned(now, step);
         }
-    });
-}
-
-/// Turns the even and odd halves that [`add_order`] wrote back into samples.
-pub(super) fn unfold_halves<S: Sequence + ?Sized>(sequence: &mut S, samples: usize) {
-    for index in 1..samples.div_ceil(2) {
-        let (even, odd) = (sequence.get(index), sequence.get(samples - index));
-        sequence.set(index, even.wrapping_add(odd));
-        sequence.set(samples - index, even.wrapping_sub(odd));
+    }
+    if let Some(middle) = middle {
+        add(middle, if order.is_multiple_of(2) { one } else { -one });
     }
 }
 
@@ -206,31 +225,30 @@ pub(super) fn unfold_halves<S: Sequence + ?Sized>(sequence: &mut S, samples: usi
 ///
 /// Each halving smooths with the binomial 1 4 6 4 1, whose gain cos^4 keeps high orders from folding onto low ones:
 /// where a quarter of the samples' rate is left below an order, what folds onto it is below one percent.
-pub(super) fn decimate<S: Sequence + ?Sized>(
-    source: &[i32],
-    target: &mut S,
-    factor: usize,
-) -> usize {
+pub(super) fn decimate<S: Sample>(source: &[i32], target: &mut [S], factor: usize) -> usize {
     let mut length = source.len();
     if factor == 1 {
-        for (index, &value) in source.iter().enumerate() {
-            target.set(index, value);
+        for (target, &value) in target.iter_mut().zip(source) {
+            *target = S::of(value);
         }
         return length;
     }
-    let mut halver = Halver::new(|index| Sequence::get(source, index), length);
-    for sample in 0..length / 2 {
-        let value = halver.next(|index| Sequence::get(source, index), sample);
-        target.set(sample, value);
-    }
+    let get = |source: &[i32], index: usize| source.get(index).copied().unwrap_or(0);
+    let mut halver = Halver::new(|index| get(source, index), length);
     length /= 2;
+    for (sample, target) in target.iter_mut().enumerate().take(length) {
+        *target = S::of(halver.next(|index| get(source, index), sample));
+    }
+    let get = |target: &[S], index: usize| target.get(index).map_or(0, |sample| sample.value());
     for _ in 1..factor.trailing_zeros() {
-        let mut halver = Halver::new(|index| target.get(index), length);
-        for sample in 0..length / 2 {
-            let value = halver.next(|index| target.get(index), sample);
-            target.set(sample, value);
-        }
+        let mut halver = Halver::new(|index| get(target, index), length);
         length /= 2;
+        for sample in 0..length {
+            let value = halver.next(|index| get(target, index), sample);
+            if let Some(target) = target.get_mut(sample) {
+                *target = S::of(value);
+            }
+        }
     }
     length
 }
@@ -325,9 +343,9 @@ mod tests {
         let parts = [(3, 1e8, 0.4), (100, 5e3, -1.0), (250, 2e5, 2.0)];
         for samples in [1250, 1001, 2048, 10_000] {
             let mut x = wave(samples, &parts);
-            fold_halves(x.as_mut_slice(), samples);
+            fold_halves(&mut x);
             for &(n, size, phase) in &parts {
-                let c = coefficient(x.as_slice(), samples, n);
+                let c = coefficient(&mut x, n);
                 let expected = [size / 2.0 * phase.cos(), size / 2.0 * phase.sin()];
                 for (got, want) in [c.re, c.im].into_iter().zip(expected) {
                     assert!(
@@ -344,11 +362,12 @@ mod tests {
         let parts = [(1, 3e5, 0.1), (40, 1e5, 0.7), (256, 4e4, -0.3)];
         let x = wave(10_000, &parts);
         let mut small = std::vec![[0_i16; 2]; 5000];
-        let samples = decimate(&x, small.as_mut_slice(), 4);
+        let samples = decimate(&x, &mut small, 4);
         assert_eq!(samples, 2500);
-        fold_halves(small.as_mut_slice(), samples);
+        let small = &mut small[..samples];
+        fold_halves(small);
         for &(n, size, phase) in &parts {
-            let c = undo_decimation(coefficient(small.as_slice(), samples, n), n, 4, 10_000);
+            let c = undo_decimation(coefficient(small, n), n, 4, 10_000);
             let size_back = (c.power() as f64).sqrt() / 8.0;
             assert!((size_back / size - 1.0).abs() < 2e-5, "{n}: {size_back}");
             assert!(((c.im as f64).atan2(c.re as f64) - phase).abs() < 2e-5);
@@ -365,9 +384,9 @@ mod tests {
                     re: (size * 8.0 * phase.cos()) as i32,
                     im: (size * 8.0 * phase.sin()) as i32,
                 };
-                add_order(x.as_mut_slice(), samples, n, factor);
+                add_order(&mut x, n, factor);
             }
-            unfold_halves(x.as_mut_slice(), samples);
+            unfold_halves(&mut x);
             let off = x
                 .iter()
                 .zip(wave(samples, &parts))

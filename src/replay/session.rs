@@ -200,7 +200,7 @@ where
     };
     let (solution, learned, learned_until) = learn(&mut front, shape, buffers, turns)?;
     slot::write(
-        &slot_header(&solution, learned_until),
+        &slot_header(&solution, learned_until, header.clock_hz.into()),
         solution.entries(),
         |bytes| sink(Part::Slot, bytes),
     )
@@ -212,7 +212,8 @@ where
         solution.entries(),
         solution.shift(),
     )
-    .map_err(SessionError::Table)?;
+    .map_err(SessionError::Table)?
+    .with_delays(Delays::found(solution.class_delays(), header.clock_hz.into()).of_class);
     let head = CorrectedHeader {
         lines: header.lines,
         clock_hz: header.clock_hz,
@@ -264,7 +265,11 @@ where
     Err(SessionError::TooFewTurns(*estimator.totals()))
 }
 
-fn slot_header<B: EdgeBuffers>(solution: &Solution<B>, learned_until: Ticks) -> SlotHeader {
+fn slot_header<B: EdgeBuffers>(
+    solution: &Solution<B>,
+    learned_until: Ticks,
+    clock_hz: u64,
+) -> SlotHeader {
     SlotHeader {
         shape: solution.shape(),
         shift: solution.shift(),
@@ -275,7 +280,7 @@ fn slot_header<B: EdgeBuffers>(solution: &Solution<B>, learned_until: Ticks) -> 
         source: 0,
         learned_until,
         class_offsets: *solution.class_offsets(),
-        delays: Delays::NONE,
+        delays: Delays::found(solution.class_delays(), clock_hz),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The bytes before a slot's entries, of every version.
 
 use super::{MAGIC, SlotError, VERSION};
+use crate::estimate::ClassDelays;
 use crate::shape::{CLASSES_MAX, EncoderShape};
 use crate::units::{TickDelta8, TurnDelta32};
 
@@ -54,6 +55,16 @@ pub struct Delays {
 }
 
 impl Delays {
+    /// The delays that a calibration found in ticks of a clock, or none.
+    #[must_use]
+    pub fn found(delays: Option<ClassDelays>, clock_hz: u64) -> Self {
+        delays.map_or(Self::NONE, |delays| Self {
+            of_class: delays.of_class,
+            standard_error: delays.standard_error,
+            clock_hz,
+        })
+    }
+
     /// No delays known.
     pub const NONE: Self = Self {
         of_class: [TickDelta8::ZERO; CLASSES_MAX],

@@ -204,6 +204,7 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
     heprintln!("learned: {}", Summary::of(&solution));
 
     let mut output = Output::new(slot, &mut memory.output);
+    let delays = Delays::found(solution.class_delays(), header.clock_hz.into());
     let header = SlotHeader {
         shape,
         shift: solution.shift(),
@@ -214,14 +215,15 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
         source: 0,
         learned_until: learned_until.unwrap_or_default(),
         class_offsets: *solution.class_offsets(),
-        delays: Delays::NONE,
+        delays,
     };
     slot::write(&header, solution.entries(), |bytes| output.write(bytes))?;
     output.close()?;
 
     let offsets = *solution.class_offsets();
     let table = ErrorTable::new(shape, offsets, solution.entries(), solution.shift());
-    let mut corrector = Corrector::new(table.map_err(Failure::Table)?, Anchor::Index);
+    let table = table.map_err(Failure::Table)?.with_delays(delays.of_class);
+    let mut corrector = Corrector::new(table, Anchor::Index);
     let (mut correcting, mut asking) = (Cost::default(), Cost::default());
     while refill(&mut events, &mut memory.events)? {
         front.batch(&meter, &memory.events, &mut memory.outcomes);
