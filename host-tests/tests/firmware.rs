@@ -176,7 +176,7 @@ fn every_stage_has_its_price_in_instructions() {
         ("front", 200.0),
         ("learn", 200.0),
         ("correct", 130.0),
-        ("angle_at", 200.0),
+        ("angle_at", 340.0),
     ] {
         let calls = number(&output, &format!("{stage}_calls"));
         let each = number(&output, &format!("{stage}_instructions")) as f64 / calls as f64;

@@ -144,7 +144,7 @@ pub fn locate(
     if usable < 2 {
         return Err(LocateError::NothingLeft);
     }
-    let table = slot.table().map_err(|_| LocateError::Table)?;
+    let table = slot.angles().map_err(|_| LocateError::Table)?;
     let config = FingerprintConfig::new(slot.header.standard_error);
     let begin = |start: usize| {
         let at = first + start * usable / count;

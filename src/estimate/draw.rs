@@ -6,14 +6,40 @@ use super::spectrum::Sample;
 use super::weigh::WEIGHT_ONE;
 use crate::shape::CLASSES_MAX;
 
+/// Edges between two samples at the most.
+const APART_MAX: usize = 32;
+
+/// Fraction bits of an interpolation's weights.
+const WEIGHT_BITS: u32 = 30;
+
 /// Cubic interpolation between the samples of a turn.
 struct Curve<'a, S> {
     grid: &'a [S],
     /// Edges from one sample to the next.
     apart: usize,
+    /// Weights of two samples on either side, for each number of edges past a sample: Lagrange's cubic.
+    weights: [[i32; 4]; APART_MAX],
 }
 
-impl<S: Sample> Curve<'_, S> {
+impl<'a, S: Sample> Curve<'a, S> {
+    fn new(grid: &'a [S], apart: usize) -> Self {
+        let weights = core::array::from_fn(|part| {
+            let (n, t) = (apart as i64, part as i64);
+            let all = [
+                -t * (n - t) * (2 * n - t),
+                3 * (n + t) * (n - t) * (2 * n - t),
+                3 * (n + t) * t * (2 * n - t),
+                -(n + t) * t * (n - t),
+            ];
+            all.map(|weight| saturated((weight << WEIGHT_BITS) / (6 * n * n * n).max(1)))
+        });
+        Self {
+            grid,
+            apart,
+            weights,
+        }
+    }
+
     fn at(&self, sample: usize) -> i64 {
         let samples = self.grid.len();
         let wrapped = if sample >= samples {
@@ -26,34 +52,18 @@ impl<S: Sample> Curve<'_, S> {
             .map_or(0, |sample| i64::from(sample.value()))
     }
 
-    /// Value `part` edges after a sample, by Lagrange's cubic through two samples on either side.
+    /// Value `part` edges after a sample.
     fn value(&self, sample: usize, part: usize) -> i64 {
-        if part == 0 {
+        let Some(weights) = self.weights.get(part).filter(|_| part != 0) else {
             return self.at(sample);
-        }
-        let n = self.apart as i64;
-        let t = part as i64;
-        let [before, here, next, after] = [
-            self.at(sample + self.grid.len() - 1),
-            self.at(sample),
-            self.at(sample + 1),
-            self.at(sample + 2),
-        ];
-        // All over 6 n^3.
-        let sum = -before * (t * (n - t) * (2 * n - t))
-            + 3 * here * ((n + t) * (n - t) * (2 * n - t))
-            + 3 * next * ((n + t) * t * (2 * n - t))
-            - after * ((n + t) * t * (n - t));
-        self.divided(sum)
-    }
-
-    /// `sum` over 6 `apart`^3, `apart` being a power of two.
-    fn divided(&self, sum: i64) -> i64 {
-        const SIXTH_Q32: i128 = 715_827_883;
-        let shift = 32 + 3 * self.apart.trailing_zeros();
-        #[allow(clippy::cast_possible_truncation)]
-        let value = ((i128::from(sum) * SIXTH_Q32 + (1 << (shift - 1))) >> shift) as i64;
-        value
+        };
+        let places = [sample + self.grid.len() - 1, sample, sample + 1, sample + 2];
+        let sum: i64 = places
+            .iter()
+            .zip(weights)
+            .map(|(&place, &weight)| self.at(place) * i64::from(weight))
+            .sum();
+        (sum + (1 << (WEIGHT_BITS - 1))) >> WEIGHT_BITS
     }
 }
 
@@ -72,10 +82,7 @@ pub(super) fn draw<S: Sample>(
     fine: Fine,
 ) {
     let edges = errors.len();
-    let curve = Curve {
-        grid,
-        apart: edges / grid.len().max(1),
-    };
+    let curve = Curve::new(grid, edges / grid.len().max(1));
     let (mut before, mut here) = (
         curve.value(grid.len() - 1, curve.apart - 1),
         curve.value(0, 0),
@@ -92,9 +99,8 @@ pub(super) fn draw<S: Sample>(
         let believed = kept + here;
         let whole = believed + i64::from(offsets[class]);
         // Steps to either side, as a share of the grid's.
-        let slope = i128::from(next - before) * edges as i128;
-        #[allow(clippy::cast_possible_truncation)]
-        let put_back = ((i128::from(whole) * slope) >> (33 + fine.bits)) as i64;
+        let slope_q30 = ((next - before) * edges as i64) >> (3 + fine.bits);
+        let put_back = (whole * slope_q30) >> 30;
         *error = saturated(believed - put_back);
         (before, here) = (here, next);
         class = if class + 1 == classes { 0 } else { class + 1 };

@@ -34,7 +34,8 @@ impl Fine {
 /// A factor 2^power / divisor, as a mantissa of 31 digits and a shift.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ratio {
-    mantissa: i64,
+    mantissa: u32,
+    /// At most 95.
     shift: u32,
 }
 
@@ -49,29 +50,28 @@ impl Ratio {
         } else {
             (1_u64 << (31 + size)) / divisor
         };
-        let shift = 31 + size;
-        let (mantissa, shift) = if shift >= power {
-            (mantissa, shift - power)
-        } else {
-            (mantissa << (power - shift).min(31), 0)
-        };
+        // Factors of 2^31 and more are not needed.
+        let shift = (31 + size).saturating_sub(power);
         Self {
-            mantissa: mantissa.cast_signed(),
+            mantissa: u32::try_from(mantissa).unwrap_or(u32::MAX),
             shift,
         }
     }
 
-    /// `value` times the factor, to the nearest.
+    /// `value` times the factor, to the nearest; digits above 64 bits are lost.
     pub(super) fn times(self, value: i64) -> i64 {
-        let half = if self.shift == 0 {
-            0
+        // Word by word: a product of 128 bits takes several times as long.
+        let low = (value.cast_unsigned() & 0xFFFF_FFFF) * u64::from(self.mantissa);
+        let high = (value >> 32).wrapping_mul(i64::from(self.mantissa));
+        if self.shift >= 32 {
+            let upper = high.wrapping_add((low >> 32).cast_signed());
+            let half = (1_i64 << (self.shift - 32)) >> 1;
+            upper.wrapping_add(half) >> (self.shift - 32)
         } else {
-            1_i128 << (self.shift - 1)
-        };
-        let product = (i128::from(value) * i128::from(self.mantissa) + half) >> self.shift;
-        #[allow(clippy::cast_possible_truncation)]
-        let product = product.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64;
-        product
+            let half = (1_u64 << self.shift) >> 1;
+            let lower = ((low + half) >> self.shift).cast_signed();
+            (high << (32 - self.shift)).wrapping_add(lower)
+        }
     }
 }
 

@@ -144,26 +144,24 @@ fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; OR
             estimate.noise[order - 1],
         );
         let trusted = !estimate.suspect(plan, order);
-        let size = if plan.has_neighbours() {
+        let size;
+        (size, carried) = if plan.has_neighbours() {
             let (level, count) = levels.of_neighbourhood(plan, order);
             let own = match order {
                 _ if !trusted => 0,
                 1 | 2 => mounting_size(power, noise),
                 _ => excess(power, noise, OWN_MARGIN_Q8),
             };
-            excess(level, noise, margin_q8(count))
+            let size = excess(level, noise, margin_q8(count))
                 .max(carried.min(level))
-                .max(own)
+                .max(own);
+            // An order that stands alone, such as eccentricity, says nothing of those below it.
+            (size, size.min(level))
         } else {
-            excess(power, noise, LONE_MARGIN_Q8)
+            let size = excess(power, noise, LONE_MARGIN_Q8);
+            (size, size)
         };
         sizes[order - 1] = size;
-        // An order that stands alone, such as eccentricity, says nothing of those below it.
-        carried = if plan.has_neighbours() {
-            size.min(levels.of_neighbourhood(plan, order).0)
-        } else {
-            size
-        };
     }
     sizes
 }
