@@ -28,6 +28,8 @@ pub struct Reference {
     pub error: Vec<f64>,
     /// Expected RMS of what is left of the line position error.
     pub standard_error: f64,
+    /// Weights of orders 1..=K.
+    pub weights: Vec<f64>,
     /// Orders left alone as possibly torque.
     pub locked: Vec<usize>,
     /// Orders at which torque was told from geometry for certain, by turns of different speed.
@@ -39,7 +41,7 @@ pub struct Reference {
 /// order with 0.
 ///
 /// # Panics
-/// When fewer than two turns can be used.
+/// When fewer than two turns can be used, or just one of either of two speeds.
 #[must_use]
 pub fn estimate(
     recordings: &[&[u64]],
@@ -51,6 +53,11 @@ pub fn estimate(
     let turns = turns::read(recordings, plan);
     assert!(turns.len() >= 2, "two turns at least");
     let moments = Moments::of(&turns);
+    let told = moments.separation.is_some();
+    assert!(
+        !told || turns.len() >= 3,
+        "a turn of either speed leaves no contrast"
+    );
     let (weighed, more) = (&moments.weighed, minus(&moments.plain, &moments.weighed));
     let signed = moments.contrast(weighed, &turns);
     let signed_more = minus(&moments.contrast(&moments.plain, &turns), &signed);
@@ -95,13 +102,14 @@ pub fn estimate(
     Reference {
         error: draw(plan, &mean, &of_mean, &found, &weights, &offsets),
         standard_error: weights.residual.sqrt() * TAU,
+        weights: weights.single[1..].to_vec(),
         locked: weights.locked,
         torques,
     }
 }
 
-/// The mean with its orders weighed, in radians. What is drawn over it is motion taken out, F; an error came out short by the
-/// share -dF/dtheta by which the shaft ran fast there (amplitude modulation, eq. (5)), and that is put back.
+/// The mean with its orders weighed, in radians. What is not believed of an order is the shaft's motion; where that made the
+/// shaft fast by a share v, an error came out short by v of it, and that is put back (amplitude modulation, eq. (5)).
 fn draw(
     plan: Plan,
     mean: &[f64],
@@ -111,26 +119,18 @@ fn draw(
     offsets: &[f64],
 ) -> Vec<f64> {
     let edges = plan.edges;
-    let orders: Vec<(usize, Complex64)> = plan
-        .orders()
-        .map(|n| {
-            (
-                n,
-                2.0 * (weights.single[n] * found[n] - weights.common * of_mean[n]),
-            )
-        })
-        .collect();
+    let wave = |size: Complex64, n: usize, k: usize| {
+        2.0 * size * Complex64::cis(TAU * (n * k % edges) as f64 / edges as f64)
+    };
     let at = |k: usize| {
-        let angle = |n: usize| TAU * (n * k % edges) as f64 / edges as f64;
-        let wave = |(n, size): &(usize, Complex64)| size * Complex64::cis(angle(*n));
-        let over: f64 = orders.iter().map(|order| wave(order).re).sum();
-        // With the angle in turns.
-        let slope: f64 = orders
-            .iter()
-            .map(|order| -wave(order).im * order.0 as f64 * TAU)
-            .sum();
-        let believed = weights.common * mean[k] + over + offsets[k % plan.classes];
-        believed * (1.0 - slope)
+        let (mut believed, mut slope) = (weights.common * mean[k] + offsets[k % plan.classes], 0.0);
+        for n in plan.orders() {
+            let geometry = weights.single[n] * found[n];
+            believed += wave(geometry - weights.common * of_mean[n], n, k).re;
+            // With the angle in turns.
+            slope -= wave(of_mean[n] - geometry, n, k).im * n as f64 * TAU;
+        }
+        believed * (1.0 + slope)
     };
     let mut error: Vec<f64> = (0..edges).map(|k| at(k) * TAU).collect();
     take_class_means(&mut error, 1);

@@ -55,45 +55,60 @@ fn record(twin: &Twin) -> (Vec<Outcome>, Vec<u64>) {
     (outcomes, times)
 }
 
-#[test]
-fn core_and_reference_agree_on_two_speeds() {
-    let slow = rig(15.0, 41);
-    let mut fast = rig(600.0, 42);
+/// The slow rig's recording and the fast one's of the same encoder.
+fn two_speeds(seed: u64) -> [(Vec<Outcome>, Vec<u64>); 2] {
+    let slow = rig(15.0, seed);
+    let mut fast = rig(600.0, seed + 1000);
     fast.errors = Errors {
         list_rad: Simulation::new(&slow)
             .expect("the twin is valid")
             .true_errors(),
         ..Errors::default()
     };
-    let recordings = [record(&slow), record(&fast)];
+    [record(&slow), record(&fast)]
+}
 
+/// Feeds both with the recordings and compares all that they say.
+fn check(recordings: &[(Vec<Outcome>, Vec<u64>)]) {
     let shape = EncoderShape::new(10_000, 4).expect("four classes");
     let mut estimator =
         Estimator::new(shape, Anchor::Index, HeapBuffers::new(10_000)).expect("buffers fit");
-    for (outcomes, _) in &recordings {
+    for (outcomes, _) in recordings {
         for outcome in outcomes {
             estimator.push(outcome);
         }
         estimator.interrupt();
     }
     let solution = estimator.solve().expect("turns enough");
-    let reference = estimate(
-        &recordings.each_ref().map(|(_, times)| &times[..]),
-        10_000,
-        4,
-        0,
-    );
+    let times: Vec<&[u64]> = recordings.iter().map(|(_, times)| &times[..]).collect();
+    let reference = estimate(&times, 10_000, 4, 0);
 
     let standard_error = reference.standard_error;
     let off = distance(&table_rad(&solution), &reference.error) / standard_error;
-    let own = f64::from(solution.standard_error()) * RAD_PER_TURN32 / standard_error;
-    let torques: Vec<usize> = solution
-        .torque_orders()
-        .iter()
-        .map(|torque| torque.order.into())
-        .collect();
-    println!("off {off:.5}, standard error {own:.5} of {standard_error:e}, {torques:?}");
     assert!(off < 0.01, "{off}");
+    let own = f64::from(solution.standard_error()) * RAD_PER_TURN32 / standard_error;
     assert!((own - 1.0).abs() < 0.01, "{own}");
-    assert_eq!(torques, reference.torques);
+    for (index, &meant) in reference.weights.iter().enumerate() {
+        let weight = f64::from(solution.order_weight(index + 1)) / f64::from(1 << 15);
+        assert!(
+            (weight - meant).abs() < 0.02,
+            "{}: {weight} {meant}",
+            index + 1
+        );
+    }
+    for order in [5, 10, 15] {
+        let mut torques = solution.torque_orders().iter();
+        assert!(torques.any(|torque| torque.order == order) && solution.locked_orders().is_empty());
+        assert!(reference.torques.contains(&order.into()) && reference.locked.is_empty());
+    }
+}
+
+#[test]
+fn core_and_reference_agree_on_two_speeds_in_either_order() {
+    for seed in [41, 42] {
+        let mut recordings = two_speeds(seed);
+        check(&recordings);
+        recordings.reverse();
+        check(&recordings);
+    }
 }
