@@ -170,9 +170,8 @@ impl Run {
     #[must_use]
     pub fn reference(&self) -> reference::Reference {
         let edges = self.truth.len();
-        // The turn after the last one used gives the core the curvature only if it is waited for; it is not.
         let used = (TURNS as usize + 1) * edges + 1;
-        reference::estimate(&self.times[..used], edges, 4)
+        reference::estimate(&[&self.times[..used]], edges, 4, 0)
     }
 
     /// Error power of every order 1..N/2 before and after correction, rad^2.

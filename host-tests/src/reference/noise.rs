@@ -1,0 +1,107 @@
+//! Noise of an estimate at every order.
+
+use std::f64::consts::LN_2;
+
+use super::moments::{noise_of, torque_power};
+use super::plan::{Plan, coefficient};
+use super::turns::{LOW_ORDERS, Turn, combine, pairs};
+
+/// Noise powers by order, turns squared.
+#[derive(Debug, Clone)]
+pub(super) struct Noise {
+    /// Expected.
+    pub level: Vec<f64>,
+    /// What the contrast showed at the order itself over the level of its neighbours.
+    pub own: Vec<f64>,
+}
+
+impl Noise {
+    /// Of the estimate with `shares` of the turns, by its `contrast`.
+    pub(super) fn of(plan: Plan, turns: &[Turn], shares: &[f64], contrast: &[f64]) -> Self {
+        let samples = combine(turns, contrast, plan.block);
+        let shown = plan.by_order(|order| coefficient(&samples, order).norm_sqr());
+        let smooth = smooth(plan, &shown);
+        let own = plan.by_order(|order| shown[order] / smooth[order]);
+        // Of a turn at the first one's speed.
+        let norm = noise_of(contrast, turns, torque_power);
+        let level = plan.by_order(|order| {
+            let torque = |turn: &Turn| smooth[order] / norm * torque_power(turn);
+            noise_of(shares, turns, |turn| {
+                if order <= LOW_ORDERS {
+                    low_power(turns, turn.bin, order, torque(turn))
+                } else {
+                    torque(turn)
+                }
+            })
+        });
+        Self { level, own }
+    }
+}
+
+/// Mean over neighbours of the logarithm with the slope of torque noise taken out, and not below that from the order up.
+fn smooth(plan: Plan, shown: &[f64]) -> Vec<f64> {
+    let slope = |order: usize| 4.0 * (order as f64).log2();
+    let mean = |orders: &mut dyn Iterator<Item = usize>| {
+        let levels: Vec<f64> = orders.map(|n| shown[n].log2() + slope(n)).collect();
+        levels.iter().sum::<f64>() / levels.len().max(1) as f64
+    };
+    plan.by_order(|order| {
+        let last = (order + 24).max(order + order / 3).min(plan.single);
+        let first = order.min(last.saturating_sub(24));
+        let above = mean(&mut plan.orders().filter(|n| (first..=last).contains(n)));
+        let level = mean(&mut plan.neighbours(order)).max(above) - slope(order);
+        // The mean over the geometric mean of an exponential distribution.
+        (level + 0.577_215_664_9 / LN_2).exp2()
+    })
+}
+
+/// Power of a low order in one turn of a bin, by the pairs of turns compared; where these are few, also by what is expected.
+fn low_power(turns: &[Turn], bin: i32, order: usize, expected: f64) -> f64 {
+    let mut scatter = [0.0; LOW_ORDERS];
+    for pair in pairs(turns, bin) {
+        for (sum, square) in scatter.iter_mut().zip(pair) {
+            *sum += square;
+        }
+    }
+    let count = pairs(turns, bin).count() as f64;
+    if count == 0.0 {
+        return expected;
+    }
+    let seen = scatter[order - 1] / (2.0 * count * pair_excess(&scatter));
+    let prior = (4.0 - count).max(0.0);
+    (seen * count + expected * prior) / (count + prior)
+}
+
+/// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.
+fn pair_excess(scatter: &[f64; LOW_ORDERS]) -> f64 {
+    let slope = (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0;
+    1.0 + 0.95 * (scatter[0] / slope).min(1.0).powi(2)
+}
+
+/// Noise of an estimate at every order above the single ones: jitter of time stamps, and the tail of torque beyond the last
+/// single order, whose power is `last`.
+pub(super) fn common_noise(plan: Plan, turns: &[Turn], shares: &[f64], last: f64) -> f64 {
+    let edges = plan.edges as f64;
+    // In angle jitter goes with the speed.
+    let square = |turn: &Turn| f64::from(turn.bin).exp2();
+    let per_edge =
+        jitter(turns, edges, square) * noise_of(shares, turns, |turn| 1.0 / square(turn));
+    let tail = last * 2.0 * plan.single as f64 / (3.0 * plan.common_count().max(1) as f64);
+    per_edge / edges.powi(3) + tail
+}
+
+/// Variance of a time stamp, in steps at the first turn's speed, by the speed that shows least; twelve make a second
+/// difference of two turns.
+fn jitter(turns: &[Turn], edges: f64, square: impl Fn(&Turn) -> f64) -> f64 {
+    let of_bin = |turn: &Turn| {
+        let of_bin = turns.iter().filter(|other| other.bin == turn.bin);
+        let sums: Vec<f64> = of_bin.filter_map(|turn| turn.jitter).collect();
+        let mean = sums.iter().sum::<f64>() / sums.len() as f64;
+        (!sums.is_empty()).then(|| mean * square(turn) / (12.0 * edges))
+    };
+    turns
+        .iter()
+        .filter_map(of_bin)
+        .reduce(f64::min)
+        .unwrap_or(0.0)
+}
