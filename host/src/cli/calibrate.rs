@@ -1,52 +1,76 @@
-//! `quadcal calibrate`: from a recording to an error table.
+//! `quadcal calibrate`: from recordings of one encoder to its error table.
+
+use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
+use quadcal::estimate::{DriveKnowledge, Totals};
 
-use crate::calibrate::{self, Calibration};
+use crate::calibrate::{
+    self, CalibrateError, CalibrateOptions, Calibration, Disagreement, Learner,
+};
 use crate::findings::Findings;
 use crate::report::Report;
 use crate::reports;
-use crate::showcase::{Showcase, showcase};
+use crate::reports::calibrate::Calibrated;
+use crate::sensor::SensorPlan;
+use crate::showcase::showcase;
 use crate::survey::Survey;
 use crate::table_file;
 
-use super::calibrate_summary::Summary;
+use super::calibrate_summary::{Summary, facts};
 use super::failure::Failure;
 use super::footer::footer;
-use super::input::InputArgs;
+use super::input::{InputArgs, ReadingArgs};
 use super::output::{JsonArg, ReportArg, Target};
+use super::progress::Pass;
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
 
 const EXAMPLES: &str = "\
 Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
+  quadcal calibrate slow.csv fast.csv -o spindle.qct      two speeds: torque ripple and delays told from the disc's errors
+  quadcal calibrate slow.csv fast.csv --inertia 1.2e-4 -o spindle.qct   and the ripple in N m
+  quadcal calibrate rig.csv --pole-pairs 5 -o rig.qct     one speed, and only the motor makes torque
   quadcal calibrate rig.csv --turns 11 -o rig.qct         leaves later turns to verify on
   quadcal calibrate hall.csv --fraction 0.5 -o hall.qct   learns from the first half
   quadcal calibrate crank.csv --lines 60 --missing 2 -o crank.qct
 
-Let the shaft turn at a steady speed, in torque or voltage mode: a stiff speed loop hides the encoder's low orders. Orders that one
-speed can't tell from torque ripple are left alone and listed.
+Two speeds are best, one half as fast again as the other or more, in one recording or in two of the same encoder and timer (with
+an index, which ties their edges together). Orders that one speed can't tell from torque ripple are left alone and listed. Run the
+shaft in torque or voltage mode: a stiff speed loop hides the encoder's low orders (--hidden-up-to).
 
 ";
 
-/// Learn an encoder's own errors from a recording and write them as an error table
+/// Learn an encoder's own errors from recordings and write them as an error table
 #[derive(Debug, Args)]
 #[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
 pub struct Calibrate {
+    /// Recordings of one encoder's edges: native CSV, logic-analyser CSV, VCD, or one column of seconds
+    #[arg(value_name = "REC", required = true)]
+    recordings: Vec<PathBuf>,
     #[command(flatten)]
-    input: InputArgs,
+    reading: ReadingArgs,
     #[command(flatten)]
     sensor: SensorArgs,
     /// Calibrate a quadrature encoder without index: the table then holds for this recording only
     #[arg(long, help_heading = "Sensor")]
     no_index: bool,
-    /// Learn from this many turns at most
+    /// Learn from this many turns of each recording at most
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(3..), conflicts_with = "fraction", help_heading = "Learning")]
     turns: Option<u32>,
-    /// Learn from this first part of the recording, 0 to 1
+    /// Learn from this first part of each recording, 0 to 1
     #[arg(long, value_name = "F", value_parser = fraction, help_heading = "Learning")]
     fraction: Option<f64>,
+    /// Pole pairs of the motor, where nothing else makes torque: ripple is at multiples of N only
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..), help_heading = "Drive")]
+    pole_pairs: Option<u16>,
+    /// Leave orders up to N alone, as a speed loop that ran while recording may hide them
+    #[arg(long, value_name = "N", help_heading = "Drive")]
+    hidden_up_to: Option<u16>,
+    /// Inertia of all that turns, for torque ripple in N m
+    #[arg(long, value_name = "KG_M2", value_parser = inertia, help_heading = "Drive")]
+    inertia: Option<f64>,
     /// Error table to write, as the bytes of one flash slot
     #[arg(short, long, value_name = "TABLE", help_heading = "Results")]
     output: Target,
@@ -66,41 +90,50 @@ fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
+fn inertia(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("give a number above 0, in kg m^2".to_owned()),
+    }
+}
+
+/// A recording that was looked through once.
+struct Surveyed {
+    input: InputArgs,
+    survey: Survey,
+    plan: SensorPlan,
+    options: CalibrateOptions,
+    source: u32,
+}
+
 impl Calibrate {
     /// Learns and writes everything that was asked for; nothing is written before all of it is known.
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
-        let outputs = [
-            Some(&self.output),
-            self.csv.as_ref(),
-            self.report.report.as_ref(),
-            self.json.json.as_ref(),
-        ];
-        for target in outputs.into_iter().flatten() {
-            self.input.spare(target)?;
-        }
-        let path = &self.input.recording;
-        let failed = |error| Failure::calibrating(path, self.sensor.twin.as_deref(), error);
-        self.input.check_regular()?;
-        let rows = self.input.rows(globals)?;
-        let source = self.input.source()?;
-        let header = rows.recording().header.clone();
-        let mut options = self.sensor.options(header.channels)?;
-        options.turns = self.turns;
-        options.without_index |= self.no_index;
-        let survey = Survey::of(header, rows)?;
-        options.until = self
-            .fraction
-            .map(|fraction| part_of(survey.first, survey.last, fraction));
-        let plan = calibrate::plan(&survey, &options).map_err(failed)?;
-        let rows = self.input.rows(globals)?;
-        let calibration = calibrate::learn(survey, plan, rows, &options).map_err(failed)?;
-
+        let surveyed = self.survey(globals)?;
+        let source = surveyed.first().map_or(0, |first| first.source);
+        let inputs: Vec<InputArgs> = surveyed.iter().map(|one| one.input.clone()).collect();
+        let calibration = self.learn(surveyed, globals)?;
         let findings = Findings::of(&calibration);
-        let shown = showcase(&calibration, || self.input.reopen(globals))
-            .map_err(|error| Failure::verifying(path, path, error))?;
-        let summary = Summary::new(path, &calibration, &findings, &shown);
+        let mut pass = self.pass("Checking", globals);
+        let mut shown = Vec::new();
+        for (input, used) in inputs.iter().zip(&calibration.recordings) {
+            let path = &input.recording;
+            let open = || Ok(pass.watch(input.reopen()?));
+            let check = showcase(&calibration, used, open)
+                .map_err(|error| Failure::verifying(path, path, error))?;
+            shown.push(check);
+        }
+        drop(pass);
+        let names = self.names();
+        let calibrated = Calibrated {
+            names: &names,
+            calibration: &calibration,
+            findings: &findings,
+            shown: &shown,
+            inertia_kg_m2: self.inertia,
+        };
         let page = match &self.report.report {
-            Some(_) => Some(self.page(&calibration, &findings, &shown)?),
+            Some(_) => Some(self.page(&calibrated)?),
             None => None,
         };
         self.output
@@ -111,24 +144,130 @@ impl Calibrate {
         if let (Some(target), Some(page)) = (&self.report.report, page) {
             target.write_report(&page)?;
         }
-        self.json.write(&summary, &summary.facts(&self.output))
+        let text = facts(&calibrated, &self.output);
+        self.json.write(&Summary::new(&calibrated), &text)
     }
 
-    fn page(
-        &self,
-        calibration: &Calibration,
-        findings: &Findings,
-        shown: &Showcase,
-    ) -> Result<Report, Failure> {
-        let path = &self.input.recording;
-        Ok(reports::calibrate::report(
-            &path.display().to_string(),
-            calibration,
-            findings,
-            shown,
-            footer(&[path])?,
-        ))
+    /// Looks through all recordings: what they are, and whether they go together.
+    fn survey(&self, globals: Globals) -> Result<Vec<Surveyed>, Failure> {
+        let inputs: Vec<InputArgs> = self
+            .recordings
+            .iter()
+            .map(|path| self.reading.of(path))
+            .collect();
+        for input in &inputs {
+            self.spare(input)?;
+            input.check_regular()?;
+        }
+        let mut pass = self.pass("Reading", globals);
+        let mut surveyed: Vec<Surveyed> = Vec::new();
+        for input in inputs {
+            let one = self.survey_one(input, &mut pass)?;
+            for other in &surveyed {
+                together(&one, other)?;
+            }
+            surveyed.push(one);
+        }
+        Ok(surveyed)
     }
+
+    fn survey_one(&self, input: InputArgs, pass: &mut Pass) -> Result<Surveyed, Failure> {
+        let rows = pass.watch(input.open()?);
+        let header = rows.recording().header.clone();
+        let source = input.source()?;
+        let mut options = self.sensor.options(header.channels)?;
+        options.turns = self.turns;
+        options.without_index |= self.no_index;
+        options.drive = DriveKnowledge {
+            torque_base: self.pole_pairs.unwrap_or(0),
+            hidden_up_to: self.hidden_up_to.unwrap_or(0),
+        };
+        let survey = Survey::of(header, rows)?;
+        options.until = self
+            .fraction
+            .map(|fraction| part_of(survey.first, survey.last, fraction));
+        let plan = calibrate::plan(&survey, &options)
+            .map_err(|error| self.failed(&input.recording, error))?;
+        Ok(Surveyed {
+            input,
+            survey,
+            plan,
+            options,
+            source,
+        })
+    }
+
+    fn learn(&self, surveyed: Vec<Surveyed>, globals: Globals) -> Result<Calibration, Failure> {
+        let all: PathBuf = self.names().join(" and ").into();
+        // The command line has one recording at least.
+        let Some(first) = surveyed.first() else {
+            let none = CalibrateError::TooFewTurns(Totals::default());
+            return Err(self.failed(&all, none));
+        };
+        let clock_hz = first.survey.header.clock_hz;
+        let mut learner = Learner::new(first.plan, clock_hz, first.options.drive)
+            .map_err(|error| self.failed(&all, error))?;
+        let mut pass = self.pass("Learning", globals);
+        for one in surveyed {
+            let rows = pass.watch(one.input.open()?);
+            learner
+                .add(one.survey, rows, &one.options)
+                .map_err(|error| self.failed(&one.input.recording, error))?;
+        }
+        learner.solve().map_err(|error| self.failed(&all, error))
+    }
+
+    fn names(&self) -> Vec<String> {
+        let names = self.recordings.iter();
+        names.map(|path| path.display().to_string()).collect()
+    }
+
+    fn failed(&self, recording: &Path, error: CalibrateError) -> Failure {
+        Failure::calibrating(recording, self.sensor.twin.as_deref(), error)
+    }
+
+    /// Refuses outputs that would take a recording's place.
+    fn spare(&self, input: &InputArgs) -> Result<(), Failure> {
+        let outputs = [
+            Some(&self.output),
+            self.csv.as_ref(),
+            self.report.report.as_ref(),
+            self.json.json.as_ref(),
+        ];
+        outputs
+            .into_iter()
+            .flatten()
+            .try_for_each(|target| input.spare(target))
+    }
+
+    /// A way through all recordings.
+    fn pass(&self, what: &str, globals: Globals) -> Pass {
+        let sizes = self.recordings.iter().map(|path| {
+            let found = std::fs::metadata(path);
+            found.map(|found| found.len())
+        });
+        Pass::new(what, sizes.sum::<Result<u64, _>>().ok(), globals)
+    }
+
+    fn page(&self, calibrated: &Calibrated<'_>) -> Result<Report, Failure> {
+        let paths: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
+        Ok(reports::calibrate::report(calibrated, footer(&paths)?))
+    }
+}
+
+/// Refuses two recordings that are not of one encoder, or are one recording.
+fn together(this: &Surveyed, other: &Surveyed) -> Result<(), Failure> {
+    let sensor = |one: &Surveyed| (one.plan, one.survey.header.clock_hz);
+    let agreed = if this.source == other.source {
+        Err(Disagreement::Same)
+    } else {
+        calibrate::agree(sensor(this), sensor(other))
+    };
+    agreed.map_err(|source| Failure::Together {
+        this: this.input.recording.clone(),
+        other: other.input.recording.clone(),
+        source,
+    })
 }
 
 /// The tick at a fraction 0..=1 of the way from `first` to `last`.
