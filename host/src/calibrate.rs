@@ -5,10 +5,11 @@ mod error;
 mod learner;
 mod plan;
 
-
 use quadcal::estimate::{Anchor, DriveKnowledge, Solution, Totals};
+use quadcal::shape::CLASSES_MAX;
 use quadcal::slot::SlotHeader;
 use quadcal::step::Faults;
+use quadcal::units::TurnDelta32;
 
 pub use agree::{Disagreement, agree};
 pub use error::CalibrateError;
@@ -48,6 +49,8 @@ pub struct RecordingUse {
     pub faults: Faults,
     /// Last tick that was learned from.
     pub learned_until: u64,
+    /// Sum over the turns taken of their speeds, turns a tick.
+    pub speeds: f64,
 }
 
 /// A solved calibration and how it came about.
@@ -82,8 +85,25 @@ impl Calibration {
             class_standard_error: self.solution.class_standard_error(),
             source,
             learned_until: self.recordings.first().map_or(0, |used| used.learned_until),
-            class_offsets: *self.solution.class_offsets(),
+            class_offsets: self.class_offsets_at_mean_speed(),
         }
+    }
+
+    /// Class offsets with what the delays add at the mean speed of all turns: a slot of this version has no place for delays.
+    #[allow(clippy::cast_possible_truncation)]
+    fn class_offsets_at_mean_speed(&self) -> [TurnDelta32; CLASSES_MAX] {
+        let mut offsets = *self.solution.class_offsets();
+        let speeds: f64 = self.recordings.iter().map(|used| used.speeds).sum();
+        let turns_per_tick = speeds / f64::from(self.totals.turns.max(1));
+        if let Some((ticks_q8, _)) = self.solution.class_delays() {
+            for (offset, &ticks_q8) in offsets.iter_mut().zip(ticks_q8) {
+                // An edge captured late reads less than the shaft's angle, so its error is negative.
+                let turns = -f64::from(ticks_q8) / 256.0 * turns_per_tick;
+                let units = (turns * 2_f64.powi(32)).round() as i32;
+                *offset = TurnDelta32(offset.0.saturating_add(units));
+            }
+        }
+        offsets
     }
 
     /// Whether the turns' speeds differ enough to tell torque from geometry: one took half as long again as another.

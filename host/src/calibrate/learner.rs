@@ -88,6 +88,7 @@ impl Learner {
             },
             faults: decoder.faults(),
             learned_until,
+            speeds: clock.speeds,
         });
         Ok(())
     }
@@ -137,6 +138,7 @@ struct TurnClock {
     latest: u64,
     shortest: Option<u64>,
     longest: u64,
+    speeds: f64,
 }
 
 impl TurnClock {
@@ -150,7 +152,9 @@ impl TurnClock {
     }
 
     /// The turn that the last edge 0 ended was taken.
+    #[allow(clippy::cast_precision_loss)]
     fn take(&mut self) {
+        self.speeds += 1.0 / self.latest.max(1) as f64;
         self.shortest = Some(
             self.shortest
                 .map_or(self.latest, |shortest| shortest.min(self.latest)),
