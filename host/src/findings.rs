@@ -57,7 +57,7 @@ pub struct Findings {
     pub weights: Vec<f64>,
     /// Orders that one speed can't decide.
     pub left_alone: Vec<LeftAlone>,
-    /// Torque locked to the shaft, by order, where the speeds differ enough to tell it.
+    /// Torque locked to the shaft, where the speeds differ enough to tell it; the largest swing of the angle first.
     pub torques: Vec<Torque>,
     /// How late edges of each class are captured.
     pub delays: DelayFindings,

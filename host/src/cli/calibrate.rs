@@ -29,16 +29,17 @@ use super::{EXIT_CODES, Globals};
 const EXAMPLES: &str = "\
 Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
-  quadcal calibrate slow.csv fast.csv -o spindle.qct      two speeds: torque ripple and delays told from the disc's errors
-  quadcal calibrate slow.csv fast.csv --inertia 1.2e-4 -o spindle.qct   and the ripple in N m
-  quadcal calibrate rig.csv --pole-pairs 5 -o rig.qct     one speed, and only the motor makes torque
+  quadcal calibrate slow.csv fast.csv -o spindle.qct      tells torque ripple and delays apart
+  quadcal calibrate slow.csv fast.csv --inertia 1.2e-4 -o spindle.qct    gives the ripple in N m
+  quadcal calibrate rig.csv --pole-pairs 5 -o rig.qct     one speed; only the motor makes torque
   quadcal calibrate rig.csv --turns 11 -o rig.qct         leaves later turns to verify on
   quadcal calibrate hall.csv --fraction 0.5 -o hall.qct   learns from the first half
   quadcal calibrate crank.csv --lines 60 --missing 2 -o crank.qct
 
-Two speeds are best, one half as fast again as the other or more, in one recording or in two of the same encoder and timer (with
-an index, which ties their edges together). Orders that one speed can't tell from torque ripple are left alone and listed. Run the
-shaft in torque or voltage mode: a stiff speed loop hides the encoder's low orders (--hidden-up-to).
+Two speeds are best, one half as fast again as the other or more: in one recording, or in two of the
+same encoder and timer, with an index to tie them together. Orders that one speed can't tell from
+torque ripple are left alone and listed. Drive the shaft in torque or voltage mode: a stiff speed
+loop hides the encoder's low orders (--hidden-up-to).
 
 ";
 

@@ -260,10 +260,17 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
             ),
         );
     let [slowest, _] = words::speeds_r_min(&calibration.totals, calibration.clock_hz);
-    for torque in &findings.torques {
+    let (strong, weaker) = separation::strong(&findings.torques);
+    for torque in strong {
         facts.push(
             format!("Torque ripple, order {}", torque.order),
             separation::torque(torque, inertia_kg_m2, slowest),
+        );
+    }
+    if weaker > 0 {
+        facts.push(
+            format!("  and {weaker} more"),
+            "with less than a hundredth of that swing; --report and --json list them",
         );
     }
     if calibration.two_speeds() && findings.torques.is_empty() {

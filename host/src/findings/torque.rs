@@ -39,7 +39,7 @@ impl Torque {
     }
 }
 
-/// The torque that a calibration told from geometry, lowest order first.
+/// The torque that a calibration told from geometry, the largest swing of the angle first.
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn torques(calibration: &Calibration) -> Vec<Torque> {
     let solution = &calibration.solution;
@@ -63,6 +63,6 @@ pub(super) fn torques(calibration: &Calibration) -> Vec<Torque> {
             }
         })
         .collect();
-    torques.sort_by_key(|torque| torque.order);
+    torques.sort_by(|one, other| other.angle_rad.total_cmp(&one.angle_rad));
     torques
 }

@@ -20,12 +20,21 @@ pub fn torque(torque: &Torque, inertia_kg_m2: Option<f64>, slowest_r_min: f64) -
         ),
     };
     format!(
-        "{size}; at {} it swings the speed by {:.3} % and the angle by {} ± {}",
+        "{size}; at {} it swings the speed by {} and the angle by {} ± {}",
         words::speed_range([slowest_r_min; 2]),
-        100.0 * torque.speed_share(),
+        si(100.0 * torque.speed_share(), "%"),
         si(torque.angle_rad, "rad"),
         si(torque.angle_standard_error_rad, "rad")
     )
+}
+
+/// The torques worth a line each, and how many weaker ones there are: a hundredth of the strongest swing is the bound.
+#[must_use]
+pub fn strong(torques: &[Torque]) -> (&[Torque], usize) {
+    let bound = torques.first().map_or(0.0, |first| first.angle_rad / 100.0);
+    let strong = torques.partition_point(|torque| torque.angle_rad >= bound);
+    let (strong, weak) = torques.split_at(strong);
+    (strong, weak.len())
 }
 
 /// What is known of delays where none was found; nothing where some were, or a sensor has none.
@@ -154,7 +163,7 @@ fn torque_section(
         vec![
             Cell::fixed(f64::from(torque.order), 0),
             size,
-            Cell::fixed(100.0 * torque.speed_share(), 3),
+            Cell::si(100.0 * torque.speed_share(), "%"),
             Cell::with_error(torque.angle_rad, torque.angle_standard_error_rad, "rad"),
         ]
     });
@@ -168,7 +177,7 @@ fn torque_section(
         &[
             "Order (cycles a turn)",
             amplitude,
-            "Swing of the speed, %",
+            "Swing of the speed",
             "Swing of the angle ± standard error",
         ],
         rows.collect(),
