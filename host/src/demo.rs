@@ -151,7 +151,7 @@ fn run(
     let source = table_file::source_of_bytes(&recording);
     let table = table_file::bytes_of(&calibration, source);
     let slot: Slot<'_> = table_file::parse(&table).map_err(DemoError::Table)?;
-    let clock_hz = calibration.survey.header.clock_hz;
+    let clock_hz = calibration.clock_hz;
     let check = verify(&slot, plan, source, clock_hz, open()?, None)?;
     Ok(Run {
         findings: Findings::of(&calibration),

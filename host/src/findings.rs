@@ -1,7 +1,13 @@
 //! What a calibration found, in radians and with the names an engineer uses.
 
+mod delays;
+mod torque;
+
 use quadcal::estimate::ORDERS_MAX;
 use quadcal::units::RAD_PER_TURN32;
+
+pub use delays::{Delay, DelayFindings};
+pub use torque::Torque;
 
 use crate::calibrate::Calibration;
 use crate::sensor::SensorKind;
@@ -51,6 +57,10 @@ pub struct Findings {
     pub weights: Vec<f64>,
     /// Orders that one speed can't decide.
     pub left_alone: Vec<LeftAlone>,
+    /// Torque locked to the shaft, where the speeds differ enough to tell it; the largest swing of the angle first.
+    pub torques: Vec<Torque>,
+    /// How late edges of each class are captured.
+    pub delays: DelayFindings,
 }
 
 impl Findings {
@@ -102,6 +112,8 @@ impl Findings {
                     amplitude_rad: f64::from(locked.amplitude) * RAD_PER_TURN32,
                 })
                 .collect(),
+            torques: torque::torques(calibration),
+            delays: DelayFindings::of(calibration),
         }
     }
 

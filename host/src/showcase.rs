@@ -3,7 +3,7 @@
 use quadcal::slot::{Slot, SlotError};
 use quadcal::table::TableError;
 
-use crate::calibrate::Calibration;
+use crate::calibrate::{Calibration, RecordingUse};
 use crate::recording::{ReadError, Row};
 use crate::table_file;
 use crate::verify::{Verdict, Verification, VerifyError, verify};
@@ -26,13 +26,14 @@ impl Showcase {
     }
 }
 
-/// Runs a calibration's table over the recording it came from: on the turns after those learned from, or on all if there are
-/// none. `open` may be called twice.
+/// Runs a calibration's table over a recording that it came from: on the turns after those learned from, or on all if there are
+/// none. `used` is what the recording gave; `open` may be called twice.
 ///
 /// # Errors
 /// [`VerifyError`] when the recording can't be read again or holds no whole turn.
 pub fn showcase<I>(
     calibration: &Calibration,
+    used: &RecordingUse,
     mut open: impl FnMut() -> Result<I, ReadError>,
 ) -> Result<Showcase, VerifyError>
 where
@@ -51,10 +52,10 @@ where
                 _ => TableError::Length(bytes.len()),
             })
         })?;
-        let clock_hz = calibration.survey.header.clock_hz;
+        let clock_hz = calibration.clock_hz;
         verify(&slot, calibration.plan, SOURCE, clock_hz, open()?, None)
     };
-    let later = check_after(calibration.learned_until);
+    let later = check_after(used.learned_until);
     match later {
         Err(VerifyError::NothingLeft) => Ok(Showcase {
             check: check_after(0)?,

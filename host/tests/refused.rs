@@ -154,6 +154,69 @@ fn bad_recordings_and_twins_are_refused_with_the_reason() {
 }
 
 #[test]
+fn recordings_that_do_not_go_together_are_refused_by_both_names() {
+    let folder = workshop();
+    let at = folder.path();
+    for (name, twin) in [
+        ("other", TWIN.replace("lines = 50", "lines = 40")),
+        (
+            "clock",
+            TWIN.replace("clock_hz = 84_000_000", "clock_hz = 72_000_000"),
+        ),
+        ("free", TWIN.replace("index = true", "index = false")),
+        (
+            "hall",
+            TWIN.replace(
+                "[encoder.quadrature]\nlines = 50\nindex = true",
+                "[encoder.hall]\npole_pairs = 2",
+            )
+            .replace("quadrature_rad = 6e-3", ""),
+        ),
+    ] {
+        fs::write(at.join(format!("{name}.toml")), twin).unwrap();
+        done(at, &format!("simulate {name}.toml -o {name}.csv"));
+    }
+    for (arguments, expected) in [
+        (
+            "rig.csv other.csv",
+            "other.csv: does not go with rig.csv: this one shows 40 lines a turn, the other 50; ",
+        ),
+        (
+            "rig.csv clock.csv",
+            "clock.csv: does not go with rig.csv: this one has a clock of 72000000 Hz, the other of 84000000 Hz; ",
+        ),
+        (
+            "rig.csv hall.csv",
+            "hall.csv: does not go with rig.csv: this one is of three Hall sensors, the other of a quadrature encoder; ",
+        ),
+        (
+            "rig.csv free.csv --lines 50 --no-index",
+            "free.csv: does not go with rig.csv: without an index or a gap nothing ties",
+        ),
+        (
+            "rig.csv rig.csv",
+            "rig.csv: does not go with rig.csv: both are the same recording",
+        ),
+        ("rig.csv none.csv", "none.csv: no such file; "),
+        ("none.csv rig.csv", "none.csv: no such file; "),
+    ] {
+        let arguments =
+            format!("calibrate {arguments} -o t.qct --csv t.csv --report t.html --json t.json");
+        let message = refused(&folder, &arguments, 2);
+        assert!(
+            message.starts_with(&format!("quadcal: {expected}")),
+            "{arguments}: {message}"
+        );
+    }
+    fs::copy(at.join("other.csv"), at.join("second.csv")).unwrap();
+    let message = refused(&folder, "calibrate rig.csv second.csv -o second.csv", 2);
+    assert!(
+        message.contains("second.csv: is the input itself"),
+        "{message}"
+    );
+}
+
+#[test]
 fn bad_tables_and_references_are_refused_with_the_reason() {
     let folder = workshop();
     let at = folder.path();

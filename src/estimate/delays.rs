@@ -10,21 +10,21 @@ use super::scale::Fine;
 use crate::edge::Direction;
 use crate::shape::CLASSES_MAX;
 
-/// Fraction bits that a squared relative duration keeps here.
-const SQUARE_BITS: u32 = 12;
+/// Fraction bits of a relative duration here.
+const RATIO_BITS: u32 = 16;
 
-/// Moments over the turns, by class.
+/// Moments over the turns, by class; rho in Q16, nothing rounded.
 #[derive(Clone, Copy)]
 pub(super) struct Delays {
-    /// Sums of rho^2 x and rho x, Q12, with x the sum of a class's deviations over a turn.
-    pub(super) by_square: [i64; CLASSES_MAX],
-    pub(super) by_duration: [i64; CLASSES_MAX],
+    /// Sums of rho^2 x and rho x, with x the sum of a class's deviations over a turn.
+    by_square: [i128; CLASSES_MAX],
+    by_duration: [i128; CLASSES_MAX],
     /// Sum of (rho x)^2.
-    pub(super) squares: [u128; CLASSES_MAX],
-    /// Sums of rho^2 and rho, Q12, and the number of turns.
-    pub(super) square: u64,
-    pub(super) duration: u64,
-    pub(super) turns: u32,
+    squares: [u128; CLASSES_MAX],
+    /// Sums of rho^2 and rho, and the number of turns.
+    square: u128,
+    duration: u64,
+    turns: u32,
     /// Direction of all these turns: a delay moves an edge the other way in reverse.
     direction: Direction,
 }
@@ -53,17 +53,20 @@ impl Delays {
         if direction != self.direction {
             return;
         }
-        let ratio = (ratio_q32 >> (32 - SQUARE_BITS)).cast_signed();
-        let square = (ratio * ratio) >> SQUARE_BITS;
-        for (class, &sum) in classes.iter().enumerate() {
-            let sum = i64::from(sum);
-            self.by_square[class] = self.by_square[class].saturating_add(sum * square);
-            self.by_duration[class] = self.by_duration[class].saturating_add(sum * ratio);
-            let scaled = u128::from(((sum * ratio) >> SQUARE_BITS).unsigned_abs());
-            self.squares[class] = self.squares[class].saturating_add(scaled * scaled);
+        let ratio = i128::from(ratio_q32 >> (32 - RATIO_BITS));
+        let sums = classes.iter().map(|&sum| i128::from(sum) * ratio);
+        let of_class = self
+            .by_square
+            .iter_mut()
+            .zip(&mut self.by_duration)
+            .zip(&mut self.squares);
+        for (((by_square, by_duration), squares), scaled) in of_class.zip(sums) {
+            *by_square += scaled * ratio;
+            *by_duration += scaled;
+            *squares += scaled.unsigned_abs() * scaled.unsigned_abs();
         }
-        self.square = self.square.saturating_add(square.cast_unsigned());
-        self.duration = self.duration.saturating_add(ratio.cast_unsigned());
+        self.square += (ratio * ratio).unsigned_abs();
+        self.duration = self.duration.saturating_add(ratio_q32 >> (32 - RATIO_BITS));
         self.turns += 1;
     }
 }
@@ -82,6 +85,9 @@ pub(super) struct SolvedDelays {
 /// A delay counts at so many times its standard error.
 const CERTAIN: u128 = 5;
 
+/// Share of the classes' own errors, as a power of one half, that may seem to be delay.
+const MIXED_BITS: u32 = 9;
+
 impl Delays {
     /// Delays of the classes, where the speeds differ enough to show them; `reference` is the first turn's duration.
     pub(super) fn solve(&self, shape: &FoldShape, reference: u64) -> Option<SolvedDelays> {
@@ -89,9 +95,9 @@ impl Delays {
         let lines = i128::from(shape.edges / shape.classes.max(1));
         // Least squares with weights rho^2: x = c + d / rho.
         let (square, duration, turns) = (
-            i128::from(self.square),
+            self.square.cast_signed(),
             i128::from(self.duration),
-            i128::from(self.turns) << SQUARE_BITS,
+            i128::from(self.turns),
         );
         let determinant = square * turns - duration * duration;
         // A tenth of spread in speed at least.
@@ -99,30 +105,37 @@ impl Delays {
             return None;
         }
         let mut slopes_q8 = [0_i64; CLASSES_MAX];
+        let mut levels_q8 = [0_i64; CLASSES_MAX];
         let mut residual = 0_u128;
-        for class in 0..classes {
-            let (a, b) = (
-                i128::from(self.by_square[class]),
-                i128::from(self.by_duration[class]),
-            );
-            let slope_q8 = ((square * b - duration * a) << 8) / determinant;
+        let moments = self
+            .by_square
+            .iter()
+            .zip(&self.by_duration)
+            .zip(&self.squares);
+        let found = slopes_q8.iter_mut().zip(&mut levels_q8);
+        for (((&a, &b), &squares), (slope, level)) in moments.zip(found).take(classes) {
+            let slope_q8 = ((square * b - duration * a) >> (RATIO_BITS - 8)) / determinant;
             let level_q8 = ((turns * a - duration * b) << 8) / determinant;
             // Sum of rho^2 (x - c - d / rho)^2 = squares - c by_square - d by_duration.
-            let explained = (level_q8 * a + slope_q8 * b) >> (8 + SQUARE_BITS);
-            residual += self.squares[class].saturating_sub(explained.max(0).unsigned_abs());
+            let explained = (level_q8 * a + ((slope_q8 * b) << RATIO_BITS)) >> 8;
+            residual += squares.saturating_sub(explained.max(0).unsigned_abs());
             // The sum over a class's intervals, to one edge.
-            slopes_q8[class] = saturated_i64(slope_q8 / lines);
+            *slope = saturated_i64(slope_q8 / lines);
+            *level = saturated_i64(level_q8 / lines);
         }
         let freedom = u128::from(self.turns.saturating_sub(2).max(1)) * classes as u128;
-        let variance = residual / freedom;
-        // Var d = s^2 square / determinant, each in Q12; Q16 for the 8 bits of the slope.
-        let slope_variance_q16 = ((variance << 16) * square.unsigned_abs() << SQUARE_BITS)
-            / determinant.unsigned_abs()
+        let variance = (residual / freedom) >> RATIO_BITS;
+        // Var d = s^2 square / determinant; Q16 for the 8 bits of the slope.
+        let slope_variance_q16 = (variance * (square.unsigned_abs() >> RATIO_BITS))
+            / (determinant.unsigned_abs() >> RATIO_BITS).max(1)
             / (lines * lines).unsigned_abs();
+        let largest_of = |angles: &[i64]| angles.iter().map(|x| x.unsigned_abs()).max();
         let angle_q8 = angles(&slopes_q8, classes);
-        let largest = angle_q8.iter().map(|x| x.unsigned_abs()).max().unwrap_or(0);
-        let error = slope_variance_q16.isqrt().max(1);
-        if u128::from(largest) <= CERTAIN * error {
+        let largest = u128::from(largest_of(&angle_q8).unwrap_or(0));
+        // What ripple and the classes' own errors make together changes with speed too, by a share of these.
+        let mixed = u128::from(largest_of(&angles(&levels_q8, classes)).unwrap_or(0)) >> MIXED_BITS;
+        let error = (slope_variance_q16 + mixed * mixed).isqrt().max(1);
+        if largest <= CERTAIN * error {
             return None;
         }
         // A delay of t ticks makes an edge's error smaller by t / reference of a turn.

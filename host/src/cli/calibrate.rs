@@ -1,64 +1,89 @@
-//! `quadcal calibrate`: from a recording to an error table.
+//! `quadcal calibrate`: from recordings of one encoder to its error table.
+
+use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
+use quadcal::estimate::{DriveKnowledge, Totals};
 
-use crate::calibrate::{self, Calibration};
+use crate::calibrate::{
+    self, CalibrateError, CalibrateOptions, Calibration, Disagreement, Learner,
+};
 use crate::findings::Findings;
-use crate::free_run;
+use crate::free_run::{self, FreeRun};
 use crate::report::Report;
 use crate::reports;
-use crate::showcase::{Showcase, showcase};
+use crate::reports::calibrate::Calibrated;
+use crate::sensor::SensorPlan;
+use crate::showcase::showcase;
 use crate::survey::Survey;
 use crate::table_file;
 
-use super::calibrate_summary::Summary;
+use super::calibrate_summary::{Summary, facts};
 use super::failure::Failure;
 use super::footer::footer;
-use super::input::InputArgs;
+use super::input::{InputArgs, ReadingArgs};
 use super::loop_args::{LoopArgs, remark_gains};
 use super::output::{JsonArg, ReportArg, Target};
+use super::progress::Pass;
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
 
 const EXAMPLES: &str = "\
 Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
+  quadcal calibrate slow.csv fast.csv -o spindle.qct      tells torque ripple and delays apart
+  quadcal calibrate slow.csv fast.csv --inertia 1.2e-4 -o spindle.qct    gives the ripple in N m
+  quadcal calibrate rig.csv --pole-pairs 5 -o rig.qct     one speed; only the motor makes torque
   quadcal calibrate rig.csv --turns 11 -o rig.qct         leaves later turns to verify on
   quadcal calibrate hall.csv --fraction 0.5 -o hall.qct   learns from the first half
   quadcal calibrate axis.csv --twin axis.toml -o axis.qct undoes the speed loop in axis.toml
   quadcal calibrate crank.csv --lines 60 --missing 2 -o crank.qct
 
-Let the shaft turn at a steady speed, in torque or voltage mode: a stiff speed loop hides the encoder's low orders. Where it must be \
-on, give a twin with its gains, or record the torque (--torque): then what it did is undone. Orders that one speed can't tell from \
-torque ripple are left alone and listed.
+Two speeds are best, one half as fast again as the other or more: in one recording, or in two of the
+same encoder and timer, with an index to tie them together. Orders that one speed can't tell from
+torque ripple are left alone and listed. Drive the shaft in torque or voltage mode: a stiff speed
+loop hides the encoder's low orders. Where it must be on, give a twin with its gains, or record the
+torque (--torque): then what it did is undone.
 
 ";
 
-/// Learn an encoder's own errors from a recording and write them as an error table
+/// Learn an encoder's own errors from recordings and write them as an error table
 #[derive(Debug, Args)]
 #[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
 pub struct Calibrate {
+    /// Recordings of one encoder's edges: native CSV, logic-analyser CSV, VCD, or one column of seconds
+    #[arg(value_name = "REC", required = true)]
+    recordings: Vec<PathBuf>,
     #[command(flatten)]
-    input: InputArgs,
+    reading: ReadingArgs,
     #[command(flatten)]
     sensor: SensorArgs,
     /// Calibrate a quadrature encoder without index: the table then holds for this recording only
     #[arg(long, help_heading = "Sensor")]
     no_index: bool,
-    /// Learn from this many turns at most
+    /// Learn from this many turns of each recording at most
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(3..), conflicts_with = "fraction", help_heading = "Learning")]
     turns: Option<u32>,
-    /// Learn from this first part of the recording, 0 to 1
+    /// Learn from this first part of each recording, 0 to 1
     #[arg(long, value_name = "F", value_parser = fraction, help_heading = "Learning")]
     fraction: Option<f64>,
+    /// Pole pairs of the motor, where nothing else makes torque: ripple is at multiples of N only
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..), help_heading = "Drive")]
+    pole_pairs: Option<u16>,
+    /// Leave orders up to N alone, as a speed loop that ran while recording may hide them
+    #[arg(long, value_name = "N", help_heading = "Drive")]
+    hidden_up_to: Option<u16>,
+    /// Inertia of all that turns, for torque ripple in N m and for --torque
+    #[arg(long, value_name = "KG_M2", value_parser = inertia, help_heading = "Drive")]
+    inertia: Option<f64>,
+    #[command(flatten)]
+    speed_loop: LoopArgs,
     /// Error table to write, as the bytes of one flash slot
     #[arg(short, long, value_name = "TABLE", help_heading = "Results")]
     output: Target,
     /// Write the table as CSV too: edge,class,error_rad,standard_error_rad
     #[arg(long, value_name = "PATH", help_heading = "Results")]
     csv: Option<Target>,
-    #[command(flatten)]
-    speed_loop: LoopArgs,
     #[command(flatten)]
     report: ReportArg,
     #[command(flatten)]
@@ -72,59 +97,61 @@ fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
+fn inertia(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("give a number above 0, in kg m^2".to_owned()),
+    }
+}
+
+/// A recording that was looked through once.
+struct Surveyed {
+    input: InputArgs,
+    survey: Survey,
+    plan: SensorPlan,
+    options: CalibrateOptions,
+    source: u32,
+    /// The recording that a free shaft would have made, where a loop is undone.
+    free: Option<FreeRun>,
+}
+
 impl Calibrate {
     /// Learns and writes everything that was asked for; nothing is written before all of it is known.
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
-        let outputs = [
-            Some(&self.output),
-            self.csv.as_ref(),
-            self.report.report.as_ref(),
-            self.json.json.as_ref(),
-        ];
-        for target in outputs.into_iter().flatten() {
-            self.input.spare(target)?;
-        }
-        let path = &self.input.recording;
-        let failed = |error| Failure::calibrating(path, self.sensor.twin.as_deref(), error);
-        self.input.check_regular()?;
-        let rows = self.input.rows(globals)?;
-        let source = self.input.source()?;
-        let header = rows.recording().header.clone();
-        let mut options = self.sensor.options(header.channels)?;
-        options.turns = self.turns;
-        options.without_index |= self.no_index;
-        let mut survey = Survey::of(header, rows)?;
-        let plan = calibrate::plan(&survey, &options).map_err(failed)?;
-        let twin = self.sensor.twin()?;
-        let free =
-            self.speed_loop
-                .free_run(&self.input, twin.as_ref(), &survey.header, plan, globals)?;
-        if let Some(free) = &free {
-            survey = free.survey(survey);
-        }
-        options.until = self
-            .fraction
-            .map(|fraction| part_of(survey.first, survey.last, fraction));
-        let reopen = || {
-            let rows = self.input.reopen(globals)?;
-            Ok(free_run::rows(free.as_ref(), rows))
-        };
-        let mut calibration =
-            calibrate::learn(survey, plan, reopen()?, &options).map_err(failed)?;
-
+        let surveyed = self.survey(globals)?;
+        let source = surveyed.first().map_or(0, |first| first.source);
+        let mut calibration = self.learn(&surveyed, globals)?;
         let findings = Findings::of(&calibration);
-        let shown = showcase(&calibration, reopen)
-            .map_err(|error| Failure::verifying(path, path, error))?;
-        if let Some(free) = &free {
-            // What reads the table counts in the recording's own ticks.
-            calibration.learned_until = free.recorded(calibration.learned_until);
-            remark_gains(free, globals);
-        } else {
-            self.speed_loop.remark_hidden(&calibration, globals);
+        let mut pass = self.pass("Checking", globals);
+        let mut shown = Vec::new();
+        for (one, used) in surveyed.iter().zip(&calibration.recordings) {
+            let path = &one.input.recording;
+            let open = || {
+                let rows = pass.watch(one.input.reopen()?);
+                Ok(free_run::rows(one.free.as_ref(), rows))
+            };
+            let check = showcase(&calibration, used, open)
+                .map_err(|error| Failure::verifying(path, path, error))?;
+            shown.push(check);
         }
-        let summary = Summary::new(path, &calibration, &findings, &shown);
+        drop(pass);
+        for (one, used) in surveyed.iter().zip(&mut calibration.recordings) {
+            if let Some(free) = &one.free {
+                // What reads the table counts in the recording's own ticks.
+                used.learned_until = free.recorded(used.learned_until);
+                remark_gains(&one.input.recording, free, globals);
+            }
+        }
+        let names = self.names();
+        let calibrated = Calibrated {
+            names: &names,
+            calibration: &calibration,
+            findings: &findings,
+            shown: &shown,
+            inertia_kg_m2: self.inertia,
+        };
         let page = match &self.report.report {
-            Some(_) => Some(self.page(&calibration, &findings, &shown)?),
+            Some(_) => Some(self.page(&calibrated)?),
             None => None,
         };
         self.output
@@ -135,24 +162,152 @@ impl Calibrate {
         if let (Some(target), Some(page)) = (&self.report.report, page) {
             target.write_report(&page)?;
         }
-        self.json.write(&summary, &summary.facts(&self.output))
+        let text = facts(&calibrated, &self.output);
+        self.json.write(&Summary::new(&calibrated), &text)
     }
 
-    fn page(
-        &self,
-        calibration: &Calibration,
-        findings: &Findings,
-        shown: &Showcase,
-    ) -> Result<Report, Failure> {
-        let path = &self.input.recording;
-        Ok(reports::calibrate::report(
-            &path.display().to_string(),
-            calibration,
-            findings,
-            shown,
-            footer(&[path])?,
-        ))
+    /// Looks through all recordings: what they are, and whether they go together.
+    fn survey(&self, globals: Globals) -> Result<Vec<Surveyed>, Failure> {
+        let inputs: Vec<InputArgs> = self
+            .recordings
+            .iter()
+            .map(|path| self.reading.of(path))
+            .collect();
+        for input in &inputs {
+            self.spare(input)?;
+            input.check_regular()?;
+        }
+        let mut pass = self.pass("Reading", globals);
+        let mut surveyed: Vec<Surveyed> = Vec::new();
+        for input in inputs {
+            let one = self.survey_one(input, &mut pass)?;
+            for other in &surveyed {
+                together(&one, other)?;
+            }
+            surveyed.push(one);
+        }
+        Ok(surveyed)
     }
+
+    fn survey_one(&self, input: InputArgs, pass: &mut Pass) -> Result<Surveyed, Failure> {
+        let rows = pass.watch(input.open()?);
+        let header = rows.recording().header.clone();
+        let source = input.source()?;
+        let mut options = self.sensor.options(header.channels)?;
+        options.turns = self.turns;
+        options.without_index |= self.no_index;
+        let mut survey = Survey::of(header, rows)?;
+        let plan = calibrate::plan(&survey, &options)
+            .map_err(|error| self.failed(&input.recording, error))?;
+        let twin = self.sensor.twin()?;
+        let header = &survey.header;
+        let free = self
+            .speed_loop
+            .free_run(&input, twin.as_ref(), header, plan, self.inertia)?;
+        if let Some(free) = &free {
+            survey = free.survey(survey);
+        }
+        options.until = self
+            .fraction
+            .map(|fraction| part_of(survey.first, survey.last, fraction));
+        Ok(Surveyed {
+            input,
+            survey,
+            plan,
+            options,
+            source,
+            free,
+        })
+    }
+
+    fn learn(&self, surveyed: &[Surveyed], globals: Globals) -> Result<Calibration, Failure> {
+        let all: PathBuf = self.names().join(" and ").into();
+        // The command line has one recording at least.
+        let Some(first) = surveyed.first() else {
+            let none = CalibrateError::TooFewTurns(Totals::default());
+            return Err(self.failed(&all, none));
+        };
+        let clock_hz = first.survey.header.clock_hz;
+        let mut learner = Learner::new(first.plan, clock_hz, self.drive(surveyed))
+            .map_err(|error| self.failed(&all, error))?;
+        let mut pass = self.pass("Learning", globals);
+        for one in surveyed {
+            let rows = free_run::rows(one.free.as_ref(), pass.watch(one.input.open()?));
+            learner
+                .add(one.survey.clone(), rows, &one.options)
+                .map_err(|error| self.failed(&one.input.recording, error))?;
+        }
+        learner.solve().map_err(|error| self.failed(&all, error))
+    }
+
+    /// What is known of the drive: a loop that is not undone hides orders at the slowest recording's speed.
+    fn drive(&self, surveyed: &[Surveyed]) -> DriveKnowledge {
+        let hidden = surveyed.iter().filter(|one| one.free.is_none());
+        let hidden = hidden.filter_map(|one| {
+            let shape = one.plan.shape().ok()?;
+            self.speed_loop
+                .hidden(one.survey.turns_per_s(shape.edges()), shape.edges())
+        });
+        let last = hidden.map(|orders| orders.last).max().unwrap_or(0);
+        DriveKnowledge {
+            torque_base: self.pole_pairs.unwrap_or(0),
+            hidden_up_to: self
+                .hidden_up_to
+                .unwrap_or(u16::try_from(last).unwrap_or(u16::MAX)),
+        }
+    }
+
+    fn names(&self) -> Vec<String> {
+        let names = self.recordings.iter();
+        names.map(|path| path.display().to_string()).collect()
+    }
+
+    fn failed(&self, recording: &Path, error: CalibrateError) -> Failure {
+        Failure::calibrating(recording, self.sensor.twin.as_deref(), error)
+    }
+
+    /// Refuses outputs that would take a recording's place.
+    fn spare(&self, input: &InputArgs) -> Result<(), Failure> {
+        let outputs = [
+            Some(&self.output),
+            self.csv.as_ref(),
+            self.report.report.as_ref(),
+            self.json.json.as_ref(),
+        ];
+        outputs
+            .into_iter()
+            .flatten()
+            .try_for_each(|target| input.spare(target))
+    }
+
+    /// A way through all recordings.
+    fn pass(&self, what: &str, globals: Globals) -> Pass {
+        let sizes = self.recordings.iter().map(|path| {
+            let found = std::fs::metadata(path);
+            found.map(|found| found.len())
+        });
+        Pass::new(what, sizes.sum::<Result<u64, _>>().ok(), globals)
+    }
+
+    fn page(&self, calibrated: &Calibrated<'_>) -> Result<Report, Failure> {
+        let paths: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
+        Ok(reports::calibrate::report(calibrated, footer(&paths)?))
+    }
+}
+
+/// Refuses two recordings that are not of one encoder, or are one recording.
+fn together(this: &Surveyed, other: &Surveyed) -> Result<(), Failure> {
+    let sensor = |one: &Surveyed| (one.plan, one.survey.header.clock_hz);
+    let agreed = if this.source == other.source {
+        Err(Disagreement::Same)
+    } else {
+        calibrate::agree(sensor(this), sensor(other))
+    };
+    agreed.map_err(|source| Failure::Together {
+        this: this.input.recording.clone(),
+        other: other.input.recording.clone(),
+        source,
+    })
 }
 
 /// The tick at a fraction 0..=1 of the way from `first` to `last`.

@@ -1,13 +1,12 @@
 //! What `quadcal calibrate` prints and writes as JSON.
 
-use std::path::Path;
-
+use quadcal::estimate::Totals;
 use serde::Serialize;
 
-use crate::calibrate::Calibration;
-use crate::findings::Findings;
+use crate::calibrate::RecordingUse;
 use crate::report::si;
-use crate::reports::words;
+use crate::reports::calibrate::Calibrated;
+use crate::reports::{separation, words};
 use crate::showcase::Showcase;
 
 use super::output::{Facts, Target};
@@ -15,21 +14,35 @@ use super::output::{Facts, Target};
 /// The result, as in the JSON.
 #[derive(Debug, Serialize)]
 pub(super) struct Summary {
-    file: String,
+    recordings: Vec<Recording>,
     sensor: &'static str,
     counted: &'static str,
     lines: u32,
     edges_per_turn: u32,
     origin: &'static str,
     clock_hz: u64,
-    seconds: f64,
     turns: Turns,
     faults: Faults,
     parameters: Vec<Value>,
     eps_rms_rad: f64,
     expected_error_before_rad: f64,
     expected_error_after_rad: f64,
+    /// Of one edge's line position error.
+    line_standard_error_rad: f64,
+    /// Whether the speeds differ enough to tell torque from geometry.
+    two_speeds: bool,
+    torque_ripple: Vec<Torque>,
+    delays: Vec<Delay>,
     orders_left_alone: Vec<Order>,
+    orders_hidden_up_to: u16,
+}
+
+/// What one recording gave.
+#[derive(Debug, Serialize)]
+struct Recording {
+    file: String,
+    seconds: f64,
+    turns: Turns,
     learned_until_tick: u64,
     later_turns: Option<LaterTurns>,
 }
@@ -48,6 +61,7 @@ struct Turns {
     broken: u32,
     irregular: u32,
     speed_change: u32,
+    disagrees: u32,
     slowest_rev_per_min: f64,
     fastest_rev_per_min: f64,
 }
@@ -63,10 +77,28 @@ struct Faults {
 #[derive(Debug, Serialize)]
 struct Value {
     name: &'static str,
-    #[serde(skip)]
-    label: &'static str,
     rad: f64,
     standard_error_rad: f64,
+}
+
+/// Peak sizes; the angle and the speed swing in the slowest turn.
+#[derive(Debug, Serialize)]
+struct Torque {
+    order: u16,
+    angle_rad: f64,
+    angle_standard_error_rad: f64,
+    speed_share: f64,
+    acceleration_rad_s2: f64,
+    acceleration_standard_error_rad_s2: f64,
+    torque_n_m: Option<f64>,
+    torque_standard_error_n_m: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Delay {
+    name: &'static str,
+    seconds: f64,
+    standard_error_s: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -75,33 +107,59 @@ struct Order {
     amplitude_rad: f64,
 }
 
-impl Summary {
-    pub fn new(
-        path: &Path,
-        calibration: &Calibration,
-        findings: &Findings,
-        shown: &Showcase,
-    ) -> Self {
-        let (plan, totals, faults) = (calibration.plan, &calibration.totals, &calibration.faults);
-        let survey = &calibration.survey;
-        let [slowest, fastest] = words::speeds_r_min(calibration);
+impl Turns {
+    fn of(totals: &Totals, clock_hz: u64) -> Self {
+        let [slowest, fastest] = words::speeds_r_min(totals, clock_hz);
         Self {
-            file: path.display().to_string(),
+            used: totals.turns,
+            broken: totals.broken,
+            irregular: totals.irregular,
+            speed_change: totals.speed_change,
+            disagrees: totals.disagrees,
+            slowest_rev_per_min: slowest,
+            fastest_rev_per_min: fastest,
+        }
+    }
+}
+
+impl Recording {
+    fn of(name: &str, used: &RecordingUse, shown: &Showcase) -> Self {
+        Self {
+            file: name.to_owned(),
+            seconds: used.survey.seconds(),
+            turns: Turns::of(&used.totals, used.survey.header.clock_hz),
+            learned_until_tick: used.learned_until,
+            later_turns: shown.later.then(|| LaterTurns {
+                scatter_before: shown.check.scatter.before,
+                scatter_after: shown.check.scatter.after,
+                worse: shown.worse_later(),
+            }),
+        }
+    }
+}
+
+impl Summary {
+    pub fn new(calibrated: &Calibrated<'_>) -> Self {
+        let Calibrated {
+            names,
+            calibration,
+            findings,
+            shown,
+            inertia_kg_m2,
+        } = *calibrated;
+        let (plan, faults) = (calibration.plan, &calibration.faults);
+        let recordings = names.iter().zip(&calibration.recordings).zip(shown);
+        Self {
+            recordings: recordings
+                .map(|((name, used), shown)| Recording::of(name, used, shown))
+                .collect(),
             sensor: words::sensor(plan.kind),
             counted: plan.kind.line_name(),
             lines: plan.lines,
             edges_per_turn: calibration.solution.shape().edges(),
             origin: words::origin(plan),
-            clock_hz: survey.header.clock_hz,
-            seconds: survey.seconds(),
-            turns: Turns {
-                used: totals.turns,
-                broken: totals.broken,
-                irregular: totals.irregular,
-                speed_change: totals.speed_change,
-                slowest_rev_per_min: slowest,
-                fastest_rev_per_min: fastest,
-            },
+            clock_hz: calibration.clock_hz,
+            turns: Turns::of(&calibration.totals, calibration.clock_hz),
             faults: Faults {
                 lost: faults.lost,
                 extra: faults.extra,
@@ -113,7 +171,6 @@ impl Summary {
                 .iter()
                 .map(|parameter| Value {
                     name: parameter.id,
-                    label: parameter.name,
                     rad: parameter.rad,
                     standard_error_rad: parameter.standard_error_rad,
                 })
@@ -121,6 +178,36 @@ impl Summary {
             eps_rms_rad: findings.eps_rms_rad(),
             expected_error_before_rad: findings.before_rad,
             expected_error_after_rad: findings.after_rad,
+            line_standard_error_rad: findings.after_rad,
+            two_speeds: calibration.two_speeds(),
+            torque_ripple: findings
+                .torques
+                .iter()
+                .map(|torque| {
+                    let size = inertia_kg_m2.map(|inertia| torque.torque_n_m(inertia));
+                    Torque {
+                        order: torque.order,
+                        angle_rad: torque.angle_rad,
+                        angle_standard_error_rad: torque.angle_standard_error_rad,
+                        speed_share: torque.speed_share(),
+                        acceleration_rad_s2: torque.acceleration_rad_s2,
+                        acceleration_standard_error_rad_s2: torque
+                            .acceleration_standard_error_rad_s2,
+                        torque_n_m: size.map(|[size, _]| size),
+                        torque_standard_error_n_m: size.map(|[_, error]| error),
+                    }
+                })
+                .collect(),
+            delays: findings
+                .delays
+                .found()
+                .iter()
+                .map(|delay| Delay {
+                    name: delay.id,
+                    seconds: delay.seconds,
+                    standard_error_s: delay.standard_error_s,
+                })
+                .collect(),
             orders_left_alone: findings
                 .left_alone
                 .iter()
@@ -129,72 +216,116 @@ impl Summary {
                     amplitude_rad: left.amplitude_rad,
                 })
                 .collect(),
-            learned_until_tick: calibration.learned_until,
-            later_turns: shown.later.then(|| LaterTurns {
-                scatter_before: shown.check.scatter.before,
-                scatter_after: shown.check.scatter.after,
-                worse: shown.worse_later(),
-            }),
+            orders_hidden_up_to: calibration.drive.hidden_up_to,
         }
     }
+}
 
-    pub fn facts(&self, table: &Target) -> Facts {
-        let mut facts = Facts::default();
-        facts.push("Recording", &self.file).push(
-            "Encoder",
-            format!(
-                "{}, {} {}, counted from {}",
-                self.sensor, self.lines, self.counted, self.origin
-            ),
-        );
-        let turns = &self.turns;
-        facts.push(
-            "Turns used",
-            format!(
-                "{} at {}",
-                turns.used,
-                words::speed_range([turns.slowest_rev_per_min, turns.fastest_rev_per_min])
-            ),
-        );
-        facts.push(
-            "Turns rejected",
-            words::rejected(turns.broken, turns.irregular, turns.speed_change),
-        );
-        for value in &self.parameters {
-            let text = words::with_error(value.rad, value.standard_error_rad);
-            facts.push(value.label, text);
-        }
-        facts.push_si("Line position error eps, RMS", self.eps_rms_rad, "rad");
-        facts.push(
+/// The result as text for people.
+pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
+    let Calibrated {
+        calibration,
+        findings,
+        inertia_kg_m2,
+        ..
+    } = *calibrated;
+    let plan = calibration.plan;
+    let mut facts = Facts::default();
+    let encoder = format!(
+        "{}, {} {}, counted from {}",
+        words::sensor(plan.kind),
+        plan.lines,
+        plan.kind.line_name(),
+        words::origin(plan)
+    );
+    recording_facts(&mut facts, calibrated);
+    facts.push("Encoder", encoder);
+    for parameter in &findings.parameters {
+        let text = words::with_error(parameter.rad, parameter.standard_error_rad);
+        facts.push(parameter.name, text);
+    }
+    facts
+        .push_si(
+            "Line position error eps, RMS",
+            findings.eps_rms_rad(),
+            "rad",
+        )
+        .push_si("Standard error of a line", findings.after_rad, "rad")
+        .push(
             "Expected error, RMS",
             format!(
                 "{} before, {} after",
-                si(self.expected_error_before_rad, "rad"),
-                si(self.expected_error_after_rad, "rad")
+                si(findings.before_rad, "rad"),
+                si(findings.after_rad, "rad")
             ),
         );
-        for left in &self.orders_left_alone {
-            facts.push(
-                format!("Order {} left alone", left.order),
-                words::left_alone(left.amplitude_rad),
-            );
-        }
-        if let Some(later) = &self.later_turns {
-            let remark = if later.worse {
+    let [slowest, _] = words::speeds_r_min(&calibration.totals, calibration.clock_hz);
+    let (strong, weaker) = separation::strong(&findings.torques);
+    for torque in strong {
+        facts.push(
+            format!("Torque ripple, order {}", torque.order),
+            separation::torque(torque, inertia_kg_m2, slowest),
+        );
+    }
+    if weaker > 0 {
+        facts.push(
+            format!("  and {weaker} more"),
+            "with less than a hundredth of that swing; --report and --json list them",
+        );
+    }
+    if calibration.two_speeds() && findings.torques.is_empty() {
+        facts.push("Torque ripple", "none that stands out");
+    }
+    for delay in findings.delays.found() {
+        let size = [delay.seconds, delay.standard_error_s].map(|seconds| si(seconds, "s"));
+        facts.push(delay.name, size.join(" ± "));
+    }
+    if let Some(unknown) = separation::delays_unknown(&findings.delays) {
+        facts.push("Rise/fall delay and channel skew", unknown);
+    }
+    for left in &findings.left_alone {
+        let text = separation::left_alone(left);
+        facts.push(format!("Order {} left alone", left.order), text);
+    }
+    if let Some(advice) = separation::advice(findings, calibration.drive) {
+        facts.push("", advice);
+    }
+    if let Some(hidden) = separation::hidden(calibration.drive) {
+        facts.push("Hidden orders", hidden);
+    }
+    let outlook = words::outlook(findings.before_rad, findings.after_rad);
+    facts.push("Table", table).push("", outlook);
+    facts
+}
+
+/// What was taken of each recording, and what the table does on its later turns.
+fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
+    let calibration = calibrated.calibration;
+    let recordings = calibrated
+        .names
+        .iter()
+        .zip(&calibration.recordings)
+        .zip(calibrated.shown);
+    for ((name, used), shown) in recordings {
+        let totals = &used.totals;
+        let speeds = words::speed_range(words::speeds_r_min(totals, calibration.clock_hz));
+        let taken = match totals.turns {
+            0 => "none".to_owned(),
+            turns => format!("{turns} at {speeds}"),
+        };
+        facts
+            .push("Recording", name)
+            .push("  Turns used", taken)
+            .push("  Turns rejected", words::rejected(totals));
+        if shown.later {
+            let scatter = &shown.check.scatter;
+            let remark = if shown.worse_later() {
                 ": worse, so it does not hold at the speeds of these turns"
             } else {
                 ""
             };
-            let scatter = words::scatter(later.scatter_before, later.scatter_after);
-            facts.push("Scatter on later turns", format!("{scatter}{remark}"));
+            let scatter = words::scatter(scatter.before, scatter.after);
+            facts.push("  Scatter on later turns", format!("{scatter}{remark}"));
         }
-        facts.push("Table", table).push(
-            "",
-            words::outlook(
-                self.expected_error_before_rad,
-                self.expected_error_after_rad,
-            ),
-        );
-        facts
     }
 }

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use quadcal::slot::SlotError;
 use thiserror::Error;
 
-use crate::calibrate::CalibrateError;
+use crate::calibrate::{CalibrateError, Disagreement};
 use crate::demo::DemoError;
 use crate::free_run::FreeRunError;
 use crate::locate::LocateError;
@@ -18,6 +18,7 @@ use crate::table_file;
 use crate::twin::TwinError;
 use crate::verify::{ReferenceError, VerifyError};
 
+use super::hints::{lines_hint, option_for, reference_hint, twin_hint};
 use super::output::Target;
 
 /// Why a command did not do what was asked. Prints as one line, what is wrong and where, then what to do.
@@ -83,6 +84,16 @@ pub enum Failure {
         "--torque: a torque moves a shaft by its inertia; give --inertia J in kg m^2, or --twin"
     )]
     NoInertia,
+    /// Two recordings can't be learned from together.
+    #[error("{this}: does not go with {other}: {source}", this = this.display(), other = other.display())]
+    Together {
+        /// The recording.
+        this: PathBuf,
+        /// One given before it.
+        other: PathBuf,
+        /// Why.
+        source: Disagreement,
+    },
     /// A file other than a recording can't be opened or read.
     #[error("{path}: cannot be read ({source}); check the path and its permissions", path = path.display())]
     Open {
@@ -284,6 +295,7 @@ impl Failure {
             | Self::Calibrate { .. }
             | Self::Loop { .. }
             | Self::NoInertia
+            | Self::Together { .. }
             | Self::Open { .. }
             | Self::NotAFile { .. }
             | Self::Table { .. }
@@ -310,60 +322,6 @@ impl Failure {
             WriteError::Io(source) => Self::Write { target, source },
             source => Self::Unwritable { target, source },
         }
-    }
-}
-
-/// The option that carries out what the reader advises, as the reader knows no command line.
-fn option_for(error: &ReadError) -> String {
-    match error {
-        ReadError::MissingColumn { wanted, .. } => {
-            // The mapping knows the time by one name, whatever the column's own.
-            let signal = match wanted.as_str() {
-                signal @ ("a" | "b" | "c" | "z") => signal,
-                _ => "time",
-            };
-            format!(" (--map {signal}=NAME)")
-        }
-        ReadError::DuplicateColumn { .. } => " (--map a=NAME)".to_owned(),
-        ReadError::UnknownFormat { .. } => " (--format)".to_owned(),
-        ReadError::NegativeInterval { .. } => " (--list times)".to_owned(),
-        ReadError::TimeFalls { advice, .. } if advice.contains("as intervals") => {
-            " (--list intervals)".to_owned()
-        }
-        _ => String::new(),
-    }
-}
-
-/// What to do about a twin, where its message does not say.
-fn twin_hint(error: &TwinError) -> &'static str {
-    match error {
-        TwinError::Read { .. } => {
-            "; check the path (quadcal simulate --example paper > twin.toml writes one to start from)"
-        }
-        TwinError::Syntax { .. } => {
-            "; correct the line (quadcal simulate --example paper shows a complete twin)"
-        }
-        _ => "",
-    }
-}
-
-/// Says who gave the wrong number of lines, where that was a twin.
-fn lines_hint(error: &CalibrateError, twin: Option<&Path>) -> String {
-    let wrong = matches!(
-        error,
-        CalibrateError::WrongLines { .. } | CalibrateError::WrongTurn { .. }
-    );
-    match twin {
-        Some(twin) if wrong => format!(" in place of --twin {}, or correct it", twin.display()),
-        _ => String::new(),
-    }
-}
-
-fn reference_hint(error: &ReferenceError) -> &'static str {
-    match error {
-        ReferenceError::Number { .. } => "; correct or delete the row",
-        ReferenceError::Short { .. } => "; record the reference over the whole run",
-        _ => "",
     }
 }
 

@@ -1,7 +1,7 @@
 //! Options with which every command reads a recording.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -19,6 +19,13 @@ pub struct InputArgs {
     /// Recording of edges: native CSV, logic-analyser CSV, VCD, or one column of seconds
     #[arg(value_name = "REC")]
     pub recording: PathBuf,
+    #[command(flatten)]
+    pub(super) reading: ReadingArgs,
+}
+
+/// How to read a recording.
+#[derive(Clone, Debug, Args)]
+pub struct ReadingArgs {
     /// Format of REC, where its content does not tell
     #[arg(long, value_enum, help_heading = "Reading")]
     format: Option<FormatName>,
@@ -59,7 +66,16 @@ enum ListName {
     Times,
 }
 
-impl InputArgs {
+impl ReadingArgs {
+    /// A recording that is read so.
+    #[must_use]
+    pub fn of(&self, recording: &Path) -> InputArgs {
+        InputArgs {
+            recording: recording.to_owned(),
+            reading: self.clone(),
+        }
+    }
+
     /// The options as the readers take them.
     #[must_use]
     pub fn options(&self) -> ReadOptions {
@@ -78,30 +94,31 @@ impl InputArgs {
             },
         }
     }
+}
 
+impl InputArgs {
     /// Opens the recording.
     ///
     /// # Errors
     /// As [`recording::open`].
     pub fn open(&self) -> Result<Recording, Failure> {
-        Ok(recording::open(&self.recording, &self.options())?)
+        Ok(self.reopen()?)
+    }
+
+    /// As [`open`](Self::open), for a caller that has more to say of an error.
+    ///
+    /// # Errors
+    /// As [`recording::open`].
+    pub fn reopen(&self) -> Result<Recording, ReadError> {
+        recording::open(&self.recording, &self.reading.options())
     }
 
     /// Opens the recording to read its rows, with progress.
     ///
     /// # Errors
     /// As [`recording::open`].
-    pub fn reopen(&self, globals: Globals) -> Result<Watched, ReadError> {
-        let recording = recording::open(&self.recording, &self.options())?;
-        Ok(Watched::new(recording, globals))
-    }
-
-    /// As [`reopen`](Self::reopen).
-    ///
-    /// # Errors
-    /// As [`recording::open`].
     pub fn rows(&self, globals: Globals) -> Result<Watched, Failure> {
-        Ok(self.reopen(globals)?)
+        Ok(Watched::new(self.reopen()?, globals))
     }
 
     /// The check sum by which a table knows this recording.

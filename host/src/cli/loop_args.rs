@@ -1,16 +1,15 @@
 //! Options that say what a speed loop did during a recording.
 
 use std::io::{self, Write as _};
+use std::path::Path;
 
 use clap::{Args, value_parser};
 
-use crate::calibrate::Calibration;
 use crate::free_run::torque::TorqueRecord;
 use crate::free_run::{
     FreeRun, FreeRunError, HiddenOrders, Knowledge, LoopModel, Push, hidden_orders,
 };
 use crate::recording::{Header, torque};
-use crate::reports::words;
 use crate::sensor::SensorPlan;
 use crate::twin::Twin;
 
@@ -25,11 +24,8 @@ pub struct LoopArgs {
     /// Column of REC with the torque asked for, N m: undoes what it did to the shaft
     #[arg(long, value_name = "COLUMN")]
     torque: Option<String>,
-    /// Moment of inertia that the torque turns, kg m^2, if no twin tells
-    #[arg(long, value_name = "J", value_parser = positive, requires = "torque", conflicts_with = "twin")]
-    inertia: Option<f64>,
     /// Viscous friction, N m s; 0 if neither given nor in a twin
-    #[arg(long, value_name = "B", value_parser = not_negative, requires = "inertia")]
+    #[arg(long, value_name = "B", value_parser = not_negative, requires = "torque")]
     viscous: Option<f64>,
     /// Sample rate of the drive, Hz: tells when a torque changed between two edges
     #[arg(long, value_name = "HZ", value_parser = positive, requires = "torque")]
@@ -75,9 +71,9 @@ impl LoopArgs {
         twin: Option<&Twin>,
         header: &Header,
         plan: SensorPlan,
-        globals: Globals,
+        inertia: Option<f64>,
     ) -> Result<Option<FreeRun>, Failure> {
-        let Some(push) = self.push(input, twin, header)? else {
+        let Some(push) = self.push(input, twin, header, inertia)? else {
             return Ok(None);
         };
         let knowledge = Knowledge {
@@ -91,32 +87,17 @@ impl LoopArgs {
                 source,
             },
         };
-        let open = || input.reopen(globals).map_err(FreeRunError::from);
+        let open = || input.reopen().map_err(FreeRunError::from);
         FreeRun::of(open, header, plan, push, knowledge)
             .map(Some)
             .map_err(failed)
     }
 
-    /// The orders that a loop which was not undone may hide, at the slowest speed learned from; none where no loop is declared.
+    /// The orders that a loop which was not undone may hide at a mean speed; none where no loop is declared.
     #[must_use]
-    pub fn hidden(&self, calibration: &Calibration) -> Option<HiddenOrders> {
-        let [slowest, _] = words::speeds_r_min(calibration);
-        let edges = calibration.solution.shape().edges();
+    pub fn hidden(&self, turns_per_s: f64, edges: u32) -> Option<HiddenOrders> {
         self.loop_hz
-            .map(|bandwidth| hidden_orders(bandwidth, slowest / 60.0, edges))
-    }
-
-    /// Says on stderr what [`hidden`](Self::hidden) gives.
-    pub fn remark_hidden(&self, calibration: &Calibration, globals: Globals) {
-        let Some(hidden) = self.hidden(calibration).filter(|_| !globals.quiet) else {
-            return;
-        };
-        // A remark that cannot be shown is no reason to fail.
-        let _ = writeln!(
-            io::stderr(),
-            "the speed loop may hide orders 1 to {} of the encoder; to find them, give a twin with its gains or record the torque",
-            hidden.last
-        );
+            .map(|bandwidth| hidden_orders(bandwidth, turns_per_s, edges))
     }
 
     #[allow(clippy::cast_precision_loss)]
@@ -125,6 +106,7 @@ impl LoopArgs {
         input: &InputArgs,
         twin: Option<&Twin>,
         header: &Header,
+        inertia: Option<f64>,
     ) -> Result<Option<Push>, Failure> {
         let clock_hz = header.clock_hz as f64;
         let Some(column) = &self.torque else {
@@ -134,15 +116,13 @@ impl LoopArgs {
             }));
         };
         let shaft = twin.map(|twin| (twin.shaft.inertia_kg_m2, twin.shaft.viscous_n_m_s));
-        let given = self
-            .inertia
-            .map(|inertia| (inertia, self.viscous.unwrap_or(0.0)));
+        let given = inertia.map(|inertia| (inertia, self.viscous.unwrap_or(0.0)));
         let Some((inertia, viscous)) = given.or(shaft) else {
             return Err(Failure::NoInertia);
         };
         let rate = self.torque_rate;
         let rate = rate.or_else(|| twin.and_then(LoopModel::of).map(|model| model.rate_hz));
-        let steps = torque::open(&input.recording, column, &input.options())?;
+        let steps = torque::open(&input.recording, column, &input.reading.options())?;
         Ok(Some(Push::Torque(TorqueRecord::new(
             &steps,
             inertia,
@@ -152,12 +132,12 @@ impl LoopArgs {
     }
 }
 
-/// Says on stderr which gains were found.
-pub fn remark_gains(free: &FreeRun, globals: Globals) {
+/// Says on stderr which gains were found in a recording.
+pub fn remark_gains(recording: &Path, free: &FreeRun, globals: Globals) {
     if globals.quiet {
         return;
     }
-    let mut line = "speed loop undone".to_owned();
+    let mut line = format!("{}: speed loop undone", recording.display());
     if let Some(fit) = free.fit() {
         let (gains, error) = (fit.gains, fit.standard_error);
         let given = free.given();

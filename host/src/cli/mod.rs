@@ -7,6 +7,7 @@ mod convert;
 mod demo;
 pub mod failure;
 mod footer;
+mod hints;
 mod info;
 pub mod input;
 mod locate;

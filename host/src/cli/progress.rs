@@ -1,6 +1,8 @@
 //! Progress on stderr for work that takes more than a second.
 
+use std::cell::{Cell, RefCell};
 use std::io::{self, IsTerminal};
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -119,24 +121,54 @@ fn bar(what: &str, unit: Unit, total: Option<u64>, elapsed: Duration) -> Progres
         .with_elapsed(elapsed)
 }
 
+/// One way through several recordings, with one bar for all.
+#[derive(Debug)]
+pub struct Pass {
+    progress: Rc<RefCell<Progress>>,
+    rows: Rc<Cell<u64>>,
+    begun: u64,
+}
+
+impl Pass {
+    /// Through recordings of `total` bytes together; `what` is done to them.
+    #[must_use]
+    pub fn new(what: &str, total: Option<u64>, globals: Globals) -> Self {
+        let progress = Progress::new(what.to_owned(), Unit::Bytes, total, globals);
+        Self {
+            progress: Rc::new(RefCell::new(progress)),
+            rows: Rc::default(),
+            begun: 0,
+        }
+    }
+
+    /// Reads `recording` on, after those before it.
+    pub fn watch(&mut self, recording: Recording) -> Watched {
+        let before = self.begun;
+        self.begun += recording.total_bytes().unwrap_or(0);
+        Watched {
+            recording,
+            progress: Rc::clone(&self.progress),
+            rows: Rc::clone(&self.rows),
+            before,
+        }
+    }
+}
+
 /// The rows of a recording, with progress by the bytes read.
 #[derive(Debug)]
 pub struct Watched {
     recording: Recording,
-    progress: Progress,
-    rows: u64,
+    progress: Rc<RefCell<Progress>>,
+    rows: Rc<Cell<u64>>,
+    /// Bytes of the recordings before.
+    before: u64,
 }
 
 impl Watched {
     /// Reads `recording` on.
     #[must_use]
     pub fn new(recording: Recording, globals: Globals) -> Self {
-        let total = recording.total_bytes();
-        Self {
-            progress: Progress::new("Reading".to_owned(), Unit::Bytes, total, globals),
-            recording,
-            rows: 0,
-        }
+        Pass::new("Reading", recording.total_bytes(), globals).watch(recording)
     }
 
     /// The recording below.
@@ -151,11 +183,12 @@ impl Iterator for Watched {
 
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
     fn next(&mut self) -> Option<Self::Item> {
-        self.rows += 1;
-        if self.rows.is_multiple_of(STRIDE) {
-            let rows = self.rows as f64;
-            self.progress.reach(self.recording.bytes_read(), |elapsed| {
-                let rate = (rows / elapsed.as_secs_f64()) as u64;
+        let rows = self.rows.get() + 1;
+        self.rows.set(rows);
+        if rows.is_multiple_of(STRIDE) {
+            let done = self.before + self.recording.bytes_read();
+            self.progress.borrow_mut().reach(done, |elapsed| {
+                let rate = (rows as f64 / elapsed.as_secs_f64()) as u64;
                 format!("{} rows/s", indicatif::HumanCount(rate))
             });
         }

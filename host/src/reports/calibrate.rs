@@ -1,27 +1,43 @@
 //! The report of a calibration.
 
-use crate::calibrate::Calibration;
+use crate::calibrate::{Calibration, RecordingUse};
 use crate::findings::Findings;
 use crate::report::{Body, Cell, Footer, Level, Report, Tile};
 use crate::sensor::SensorKind;
 use crate::showcase::Showcase;
 
-use super::{figures, words};
+use super::{figures, separation, words};
 
-/// The page of a calibration of the recording `name`.
+/// A calibration as the report takes it.
+pub struct Calibrated<'a> {
+    /// Names of the recordings, in the calibration's order.
+    pub names: &'a [String],
+    /// The calibration.
+    pub calibration: &'a Calibration,
+    /// What it found.
+    pub findings: &'a Findings,
+    /// The table at work on each recording.
+    pub shown: &'a [Showcase],
+    /// Inertia of all that turns, kg m^2, if it is known.
+    pub inertia_kg_m2: Option<f64>,
+}
+
+/// The page of a calibration.
 #[must_use]
-pub fn report(
-    name: &str,
-    calibration: &Calibration,
-    findings: &Findings,
-    shown: &Showcase,
-    footer: Footer,
-) -> Report {
+pub fn report(calibrated: &Calibrated<'_>, footer: Footer) -> Report {
+    let Calibrated {
+        names,
+        calibration,
+        findings,
+        shown,
+        inertia_kg_m2,
+    } = *calibrated;
     let plan = calibration.plan;
     let mut report = Report::new(
         "Encoder calibration",
         format!(
-            "{name}: {}, {} {}",
+            "{}: {}, {} {}",
+            names.join(" and "),
             words::sensor(plan.kind),
             plan.lines,
             plan.kind.line_name()
@@ -29,15 +45,28 @@ pub fn report(
     );
     verdict(&mut report, calibration, findings, shown);
     let body = report.body();
-    speed(body, shown);
+    for (name, shown) in names.iter().zip(shown) {
+        let of = if names.len() > 1 {
+            Some(name.as_str())
+        } else {
+            None
+        };
+        speed(body, shown, of);
+    }
     errors(body, calibration, findings);
-    turns(body, calibration);
-    report.details("Details", details(calibration, findings));
+    separation::sections(body, calibration, findings, inertia_kg_m2);
+    turns(body, calibration, names);
+    report.details("Details", details(calibration, findings, names));
     report.footer(footer);
     report
 }
 
-fn verdict(report: &mut Report, calibration: &Calibration, findings: &Findings, shown: &Showcase) {
+fn verdict(
+    report: &mut Report,
+    calibration: &Calibration,
+    findings: &Findings,
+    shown: &[Showcase],
+) {
     let (before, after) = (findings.before_rad, findings.after_rad);
     let gain = words::reduction_percent(before, after);
     let outlook = words::outlook(before, after);
@@ -46,12 +75,12 @@ fn verdict(report: &mut Report, calibration: &Calibration, findings: &Findings, 
         headline = first.to_uppercase() + &outlook[1..];
     }
     let mut level = if gain < 5.0 { Level::Warn } else { Level::Good };
-    if shown.worse_later() {
+    if let Some(worse) = shown.iter().find(|shown| shown.worse_later()) {
         level = Level::Bad;
-        headline = words::worse_later(shown);
+        headline = words::worse_later(worse);
     }
     let totals = &calibration.totals;
-    let rejected = totals.broken + totals.irregular + totals.speed_change;
+    let rejected: u32 = words::rejections(totals).iter().map(|(_, n, _)| n).sum();
     report.verdict(
         level,
         format!("{headline}."),
@@ -79,8 +108,8 @@ fn verdict(report: &mut Report, calibration: &Calibration, findings: &Findings, 
     );
 }
 
-/// Speed before and after, on which turns.
-pub(super) fn speed(body: &mut Body, shown: &Showcase) {
+/// Speed before and after, on which turns, of the recording `of` where there are several.
+pub(super) fn speed(body: &mut Body, shown: &Showcase, of: Option<&str>) {
     let which = if shown.later {
         "on turns after those learned from"
     } else {
@@ -93,7 +122,9 @@ pub(super) fn speed(body: &mut Body, shown: &Showcase) {
         100.0 * scatter.before,
         100.0 * scatter.after
     );
-    body.section("Speed before and after", &[&text]);
+    let title = "Speed before and after";
+    let title = of.map_or_else(|| title.to_owned(), |name| format!("{title}: {name}"));
+    body.section(&title, &[&text]);
     body.figure(
         figures::speed(&shown.check.profile),
         "Speed at every edge of one turn.",
@@ -121,39 +152,37 @@ fn errors(body: &mut Body, calibration: &Calibration, findings: &Findings) {
         figures::spectrum(findings, calibration.plan.lines, class_label),
         "Order spectrum of the table: cycles a turn and their size in angle. The level line is the standard error of one order.",
     );
-    if findings.left_alone.is_empty() {
+}
+
+fn turns(body: &mut Body, calibration: &Calibration, names: &[String]) {
+    body.section(
+        "Turns",
+        &["The first whole turn of a recording only sets the speed. Turns with faults are left out, not mended."],
+    );
+    figures::turn_table(body, calibration);
+    if names.len() < 2 {
         return;
     }
-    body.section(
-        "Orders left alone",
-        &["These orders repeat every turn and stand far above their neighbours. Torque ripple locked to the shaft does that, and so do \
-           eccentricity and tilt of the disc; a recording at one speed can't tell which. The table does not touch them, so real \
-           ripple is not hidden. A recording at a second speed tells: a disc's error keeps its size in angle, torque ripple shrinks \
-           with the square of the speed."],
-    );
-    let rows = findings.left_alone.iter().map(|left| {
-        vec![
-            Cell::fixed(f64::from(left.order), 0),
-            Cell::si(left.amplitude_rad, "rad"),
-        ]
-    });
+    let rows = names
+        .iter()
+        .zip(&calibration.recordings)
+        .map(|(name, used)| {
+            let speeds = words::speeds_r_min(&used.totals, calibration.clock_hz);
+            vec![
+                name.as_str().into(),
+                Cell::fixed(f64::from(used.totals.turns), 0),
+                words::speed_range(speeds).into(),
+                words::rejected(&used.totals).into(),
+            ]
+        });
     body.table(
-        "Orders left alone",
-        &["Order (cycles a turn)", "Peak size in angle"],
+        "Turns of each recording",
+        &["Recording", "Turns used", "Speed", "Turns rejected"],
         rows.collect(),
     );
 }
 
-fn turns(body: &mut Body, calibration: &Calibration) {
-    body.section(
-        "Turns",
-        &["The first whole turn only sets the speed. Turns with faults are left out, not mended."],
-    );
-    figures::turn_table(body, calibration);
-}
-
-#[allow(clippy::cast_precision_loss)]
-fn details(calibration: &Calibration, findings: &Findings) -> Body {
+fn details(calibration: &Calibration, findings: &Findings, names: &[String]) -> Body {
     let mut body = Body::new();
     figures::class_table(&mut body, findings);
     body.figure(
@@ -161,10 +190,18 @@ fn details(calibration: &Calibration, findings: &Findings) -> Body {
         "How far each order is believed: 1 is taken as measured, 0 is left alone. Orders to the right of the plot are all weighed \
          like the last one.",
     );
-    let (survey, faults) = (&calibration.survey, &calibration.faults);
+    for (name, used) in names.iter().zip(&calibration.recordings) {
+        recording_table(&mut body, calibration, name, used);
+    }
+    body
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn recording_table(body: &mut Body, calibration: &Calibration, name: &str, used: &RecordingUse) {
+    let (survey, faults) = (&used.survey, &used.faults);
     let count = |value: u32| Cell::fixed(f64::from(value), 0);
     body.table(
-        "Recording",
+        &format!("Recording {name}"),
         &["What", "Value"],
         vec![
             vec![
@@ -191,5 +228,4 @@ fn details(calibration: &Calibration, findings: &Findings) -> Body {
             vec!["Glitches".into(), count(faults.glitch)],
         ],
     );
-    body
 }

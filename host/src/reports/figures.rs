@@ -157,23 +157,17 @@ pub(super) fn weights(findings: &Findings) -> Xy {
     .series(Series::step("weight", &orders, &findings.weights).colour(Colour::AFTER))
 }
 
-/// Turns used and rejected.
+/// Turns used and rejected, of all recordings.
 pub(super) fn turn_table(body: &mut Body, calibration: &Calibration) {
     let totals = &calibration.totals;
     let row = |what: &str, count: u32, why: &str| -> Vec<Cell> {
         vec![what.into(), Cell::fixed(f64::from(count), 0), why.into()]
     };
-    let speeds = words::speed_range(words::speeds_r_min(calibration));
-    body.table(
-        "Turns",
-        &["Turns", "Number", "Why"],
-        vec![
-            row("used", totals.turns, &format!("whole, at {speeds}")),
-            row("broken", totals.broken, words::BROKEN),
-            row("irregular", totals.irregular, words::IRREGULAR),
-            row("change of speed", totals.speed_change, words::SPEED_CHANGE),
-        ],
-    );
+    let speeds = words::speed_range(words::speeds_r_min(totals, calibration.clock_hz));
+    let used = row("used", totals.turns, &format!("whole, at {speeds}"));
+    let rejected = words::rejections(totals).map(|(what, count, why)| row(what, count, why));
+    let rows = std::iter::once(used).chain(rejected);
+    body.table("Turns", &["Turns", "Number", "Why"], rows.collect());
 }
 
 /// Before and after as bars over zero.

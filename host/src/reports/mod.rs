@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod demo;
 mod figures;
+pub mod separation;
 pub mod simulate;
 pub mod verify;
 pub mod words;

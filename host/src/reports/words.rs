@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use quadcal::estimate::Anchor;
+use quadcal::estimate::{Anchor, Totals};
 
-use crate::calibrate::Calibration;
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::showcase::Showcase;
@@ -54,13 +53,14 @@ pub fn origin(plan: SensorPlan) -> &'static str {
     }
 }
 
-/// Speeds of the slowest and the fastest turn used, r/min.
+/// Speeds of the slowest and the fastest turn used, r/min; zero where there was none.
 #[must_use]
 #[allow(clippy::cast_precision_loss)]
-pub fn speeds_r_min(calibration: &Calibration) -> [f64; 2] {
-    let clock_hz = calibration.survey.header.clock_hz as f64;
-    let totals = &calibration.totals;
-    [totals.longest, totals.shortest].map(|ticks| 60.0 * clock_hz / ticks.max(1) as f64)
+pub fn speeds_r_min(totals: &Totals, clock_hz: u64) -> [f64; 2] {
+    [totals.longest, totals.shortest].map(|ticks| match ticks {
+        0 => 0.0,
+        ticks => 60.0 * clock_hz as f64 / ticks as f64,
+    })
 }
 
 /// A range of speeds; one number where both ends print alike.
@@ -75,19 +75,42 @@ pub fn speed_range([slowest, fastest]: [f64; 2]) -> String {
     }
 }
 
+/// Turns that were not used, by name and reason.
+#[must_use]
+pub fn rejections(totals: &Totals) -> [(&'static str, u32, &'static str); 4] {
+    [
+        (
+            "broken",
+            totals.broken,
+            "with lost or extra edges, a glitch or a reversal",
+        ),
+        (
+            "irregular",
+            totals.irregular,
+            "with a stop or an edge more than a step out of place",
+        ),
+        (
+            "change of speed",
+            totals.speed_change,
+            "whose speed changed too much: a third or more off that of the turn before",
+        ),
+        (
+            "disagreeing",
+            totals.disagrees,
+            "that disagree with their neighbours (load step or shock)",
+        ),
+    ]
+}
+
 /// Turns that were not used, and why.
 #[must_use]
-pub fn rejected(broken: u32, irregular: u32, speed_change: u32) -> String {
-    let reasons = [
-        (broken, BROKEN),
-        (irregular, IRREGULAR),
-        (speed_change, SPEED_CHANGE),
-    ];
-    let all = reasons.map(|(count, _)| count).iter().sum::<u32>();
+pub fn rejected(totals: &Totals) -> String {
+    let reasons = rejections(totals);
+    let all = reasons.iter().map(|(_, count, _)| count).sum::<u32>();
     let text: Vec<String> = reasons
         .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, why)| format!("{count} {why}"))
+        .filter(|(_, count, _)| *count > 0)
+        .map(|(_, count, why)| format!("{count} {why}"))
         .collect();
     if all == 0 {
         "none".to_owned()
@@ -95,13 +118,6 @@ pub fn rejected(broken: u32, irregular: u32, speed_change: u32) -> String {
         format!("{all}: {}", text.join("; "))
     }
 }
-
-/// Why a turn is broken.
-pub const BROKEN: &str = "with lost or extra edges, a glitch or a reversal";
-/// Why a turn is irregular.
-pub const IRREGULAR: &str = "with a stop or an edge more than a step out of place";
-/// Why a turn's speed does not fit.
-pub const SPEED_CHANGE: &str = "an eighth or more slower or faster than the turn before";
 
 /// Five digits with a prefix.
 #[must_use]
@@ -118,15 +134,6 @@ pub fn with_error(rad: f64, standard_error_rad: f64) -> String {
     } else {
         format!("{} ± {}", precise(rad), si(standard_error_rad, "rad"))
     }
-}
-
-/// Why an order is left alone.
-#[must_use]
-pub fn left_alone(amplitude_rad: f64) -> String {
-    format!(
-        "{} in angle every turn: torque ripple, or eccentricity or tilt of the disc; one speed can't tell which",
-        si(amplitude_rad, "rad")
-    )
 }
 
 /// How much smaller the error gets, in percent.

@@ -1,0 +1,160 @@
+//! Learns from any number of recordings of one encoder, one after the other.
+
+use quadcal::estimate::{DriveKnowledge, Estimator, Progress, Totals};
+use quadcal::step::{Faults, Outcome};
+
+use super::{CalibrateError, CalibrateOptions, Calibration, RecordingUse};
+use crate::buffers::HeapBuffers;
+use crate::recording::{ReadError, Row};
+use crate::sensor::{PlanError, SensorPlan};
+use crate::survey::Survey;
+
+/// An estimator that recordings are added to. Rows are taken as they come; nothing keeps a recording.
+pub struct Learner {
+    plan: SensorPlan,
+    clock_hz: u64,
+    drive: DriveKnowledge,
+    estimator: Estimator<HeapBuffers>,
+    recordings: Vec<RecordingUse>,
+}
+
+impl Learner {
+    /// A learner of the sensor `plan`, whose recordings count `clock_hz` ticks a second.
+    ///
+    /// # Errors
+    /// [`CalibrateError::Plan`] when the core can't take such an encoder.
+    pub fn new(
+        plan: SensorPlan,
+        clock_hz: u64,
+        drive: DriveKnowledge,
+    ) -> Result<Self, CalibrateError> {
+        let shape = plan.shape()?;
+        let buffers = HeapBuffers::new(shape.edges() as usize);
+        let estimator = Estimator::new(shape, plan.anchor(), buffers)
+            .map_err(|_| PlanError::Lines(plan.lines))?
+            .with_knowledge(drive);
+        Ok(Self {
+            plan,
+            clock_hz,
+            drive,
+            estimator,
+            recordings: Vec::new(),
+        })
+    }
+
+    /// Learns from the `rows` of a recording, as far as the options' `turns` and `until` go. It must agree with those before,
+    /// see [`agree`](super::agree).
+    ///
+    /// # Errors
+    /// [`CalibrateError::Read`] when the recording can't be read.
+    pub fn add(
+        &mut self,
+        survey: Survey,
+        rows: impl Iterator<Item = Result<Row, ReadError>>,
+        options: &CalibrateOptions,
+    ) -> Result<(), CalibrateError> {
+        let before = *self.estimator.totals();
+        let most = options.turns.unwrap_or(u32::MAX);
+        let mut decoder = self.plan.decoder()?;
+        let mut clock = TurnClock::default();
+        let mut learned_until = 0;
+        for row in rows {
+            let row = row?;
+            if options.until.is_some_and(|until| row.ticks > until) {
+                break;
+            }
+            let outcome = decoder.push(row);
+            clock.push(&outcome);
+            if let Progress::TurnTaken(turns) = self.estimator.push(&outcome) {
+                learned_until = row.ticks;
+                clock.take();
+                if turns - before.turns >= most {
+                    break;
+                }
+            }
+        }
+        self.estimator.interrupt();
+        let after = self.estimator.totals();
+        self.recordings.push(RecordingUse {
+            survey,
+            totals: Totals {
+                turns: after.turns - before.turns,
+                broken: after.broken - before.broken,
+                irregular: after.irregular - before.irregular,
+                speed_change: after.speed_change - before.speed_change,
+                disagrees: after.disagrees - before.disagrees,
+                shortest: clock.shortest.unwrap_or(0),
+                longest: clock.longest,
+            },
+            faults: decoder.faults(),
+            learned_until,
+        });
+        Ok(())
+    }
+
+    /// Solves for the table.
+    ///
+    /// # Errors
+    /// [`CalibrateError::TooFewTurns`].
+    pub fn solve(self) -> Result<Calibration, CalibrateError> {
+        let totals = *self.estimator.totals();
+        let solution = self
+            .estimator
+            .solve()
+            .map_err(|_| CalibrateError::TooFewTurns(totals))?;
+        let faults = self
+            .recordings
+            .iter()
+            .fold(Faults::default(), |sum, used| sum_of(sum, used.faults));
+        Ok(Calibration {
+            plan: self.plan,
+            clock_hz: self.clock_hz,
+            drive: self.drive,
+            solution,
+            totals,
+            faults,
+            recordings: self.recordings,
+        })
+    }
+}
+
+fn sum_of(one: Faults, other: Faults) -> Faults {
+    Faults {
+        illegal: one.illegal.saturating_add(other.illegal),
+        lost: one.lost.saturating_add(other.lost),
+        extra: one.extra.saturating_add(other.extra),
+        glitch: one.glitch.saturating_add(other.glitch),
+        abrupt_reversal: one.abrupt_reversal.saturating_add(other.abrupt_reversal),
+        interval_spike: one.interval_spike.saturating_add(other.interval_spike),
+        repeated: one.repeated.saturating_add(other.repeated),
+    }
+}
+
+/// Durations of the turns taken, from edge 0 to edge 0, ticks.
+#[derive(Default)]
+struct TurnClock {
+    started: Option<u64>,
+    latest: u64,
+    shortest: Option<u64>,
+    longest: u64,
+}
+
+impl TurnClock {
+    fn push(&mut self, outcome: &Outcome) {
+        let Some(step) = outcome.step().filter(|step| step.edge == 0) else {
+            return;
+        };
+        if let Some(started) = self.started.replace(step.ticks) {
+            self.latest = step.ticks.wrapping_sub(started);
+        }
+    }
+
+    /// The turn that the last edge 0 ended was taken.
+    fn take(&mut self) {
+        self.shortest = Some(
+            self.shortest
+                .map_or(self.latest, |shortest| shortest.min(self.latest)),
+        );
+        self.longest = self.longest.max(self.latest);
+    }
+}
