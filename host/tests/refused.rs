@@ -208,6 +208,20 @@ fn recordings_that_do_not_go_together_are_refused_by_both_names() {
             "{arguments}: {message}"
         );
     }
+    let recording = fs::read_to_string(at.join("rig.csv")).unwrap();
+    // Another start, so that it is no part of the same recording.
+    let stub: Vec<&str> = recording.lines().skip(300).take(300).collect();
+    let head = "# clock_hz = 84000000\nticks,a,b,z\n";
+    fs::write(
+        at.join("stub.csv"),
+        head.to_owned() + &stub.join("\n") + "\n",
+    )
+    .unwrap();
+    let message = refused(&folder, "calibrate rig.csv stub.csv --lines 50 -o t.qct", 2);
+    assert!(
+        message.starts_with("quadcal: stub.csv: 0 whole turns can be used"),
+        "{message}"
+    );
     fs::copy(at.join("other.csv"), at.join("second.csv")).unwrap();
     let message = refused(&folder, "calibrate rig.csv second.csv -o second.csv", 2);
     assert!(

@@ -109,3 +109,52 @@ const fn name(kind: SensorKind) -> &'static str {
         SensorKind::Wheel { .. } => "one pulse a tooth",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use quadcal::edge::Levels;
+
+    use super::*;
+
+    const CLOCK_HZ: u64 = 84_000_000;
+
+    fn quadrature(index_state: Option<u8>) -> (SensorPlan, u64) {
+        let kind = SensorKind::Quadrature {
+            index_state: index_state.map(Levels),
+        };
+        (SensorPlan { kind, lines: 50 }, CLOCK_HZ)
+    }
+
+    fn wheel(missing: u16, both_edges: bool) -> (SensorPlan, u64) {
+        let kind = SensorKind::Wheel {
+            both_edges,
+            missing,
+        };
+        (SensorPlan { kind, lines: 60 }, CLOCK_HZ)
+    }
+
+    #[test]
+    fn only_recordings_tied_by_an_index_or_a_gap_agree() {
+        assert_eq!(agree(quadrature(Some(1)), quadrature(Some(1))), Ok(()));
+        assert_eq!(agree(wheel(2, true), wheel(2, true)), Ok(()));
+        for (this, other) in [
+            (quadrature(None), quadrature(None)),
+            (quadrature(Some(1)), quadrature(None)),
+            (wheel(0, true), wheel(0, true)),
+        ] {
+            assert_eq!(agree(this, other), Err(Disagreement::NotAnchored));
+        }
+    }
+
+    #[test]
+    fn an_index_at_another_state_moves_every_edge() {
+        let other = agree(quadrature(Some(1)), quadrature(Some(3)));
+        assert_eq!(other, Err(Disagreement::Index));
+    }
+
+    #[test]
+    fn wheels_read_by_one_edge_and_by_both_are_two_sensors() {
+        let other = agree(wheel(2, true), wheel(2, false));
+        assert!(matches!(other, Err(Disagreement::Sensor { .. })));
+    }
+}

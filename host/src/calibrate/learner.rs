@@ -46,7 +46,8 @@ impl Learner {
     /// see [`agree`](super::agree).
     ///
     /// # Errors
-    /// [`CalibrateError::Read`] when the recording can't be read.
+    /// [`CalibrateError::Read`] when the recording can't be read, [`CalibrateError::TooFewTurns`] when none of its turns can be
+    /// used.
     pub fn add(
         &mut self,
         survey: Survey,
@@ -75,17 +76,21 @@ impl Learner {
         }
         self.estimator.interrupt();
         let after = self.estimator.totals();
+        let totals = Totals {
+            turns: after.turns - before.turns,
+            broken: after.broken - before.broken,
+            irregular: after.irregular - before.irregular,
+            speed_change: after.speed_change - before.speed_change,
+            disagrees: after.disagrees - before.disagrees,
+            shortest: clock.shortest.unwrap_or(0),
+            longest: clock.longest,
+        };
+        if totals.turns == 0 {
+            return Err(CalibrateError::TooFewTurns(totals));
+        }
         self.recordings.push(RecordingUse {
             survey,
-            totals: Totals {
-                turns: after.turns - before.turns,
-                broken: after.broken - before.broken,
-                irregular: after.irregular - before.irregular,
-                speed_change: after.speed_change - before.speed_change,
-                disagrees: after.disagrees - before.disagrees,
-                shortest: clock.shortest.unwrap_or(0),
-                longest: clock.longest,
-            },
+            totals,
             faults: decoder.faults(),
             learned_until,
         });

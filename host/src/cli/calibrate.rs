@@ -18,7 +18,8 @@ use crate::showcase::showcase;
 use crate::survey::Survey;
 use crate::table_file;
 
-use super::calibrate_summary::{Summary, facts};
+use super::calibrate_facts::facts;
+use super::calibrate_summary::Summary;
 use super::failure::Failure;
 use super::footer::footer;
 use super::input::{InputArgs, ReadingArgs};

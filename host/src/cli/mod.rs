@@ -1,6 +1,7 @@
 //! The `quadcal` command line: what can be asked for, one file a command, and the pieces they share.
 
 mod calibrate;
+mod calibrate_facts;
 mod calibrate_summary;
 mod completions;
 mod convert;

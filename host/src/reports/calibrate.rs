@@ -201,7 +201,7 @@ fn recording_table(body: &mut Body, calibration: &Calibration, name: &str, used:
     let (survey, faults) = (&used.survey, &used.faults);
     let count = |value: u32| Cell::fixed(f64::from(value), 0);
     body.table(
-        &format!("Recording {name}"),
+        format!("Recording {name}"),
         &["What", "Value"],
         vec![
             vec![

@@ -223,3 +223,51 @@ fn sentence(text: &str) -> String {
         .chain(['.'])
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ripple(order: u16, angle_rad: f64) -> Torque {
+        Torque {
+            order,
+            angle_rad,
+            angle_standard_error_rad: angle_rad / 10.0,
+            acceleration_rad_s2: 2.0,
+            acceleration_standard_error_rad_s2: 0.2,
+        }
+    }
+
+    #[test]
+    fn torque_is_told_in_newton_metres_where_the_inertia_is_known() {
+        let plain = |inertia| torque(&ripple(5, 2e-3), inertia, 15.0).replace('\u{a0}', " ");
+        assert_eq!(
+            plain(Some(1e-3)),
+            "2.00 mN m ± 200 µN m; at 15.00 r/min it swings the speed by 1.00 % and the angle by 2.00 mrad ± 200 µrad"
+        );
+        assert!(plain(None).starts_with("2.00 rad/s² ± 0.200 rad/s²; at 15.00 r/min"));
+    }
+
+    #[test]
+    fn torques_below_a_hundredth_of_the_strongest_are_only_counted() {
+        let torques = [ripple(5, 2e-3), ripple(10, 2.1e-5), ripple(20, 1.9e-5)];
+        let (strong, weaker) = strong(&torques);
+        assert_eq!((strong.len(), weaker), (2, 1));
+        assert_eq!(super::strong(&[]), (&[][..], 0));
+    }
+
+    #[test]
+    fn what_a_speed_loop_may_hide_is_said_in_words() {
+        let drive = |hidden_up_to| DriveKnowledge {
+            hidden_up_to,
+            ..DriveKnowledge::default()
+        };
+        assert_eq!(hidden(drive(0)), None);
+        assert!(hidden(drive(1)).unwrap().starts_with("order 1 left alone"));
+        assert!(
+            hidden(drive(9))
+                .unwrap()
+                .starts_with("orders 1 to 9 left alone")
+        );
+    }
+}
