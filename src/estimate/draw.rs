@@ -1,6 +1,7 @@
 //! From orders back to edges: what is to be taken from every edge is drawn on a coarse grid and interpolated.
 
 use super::close::saturated;
+use super::order::OrderPlan;
 use super::scale::Fine;
 use super::spectrum::Sample;
 use super::weigh::WEIGHT_ONE;
@@ -78,9 +79,10 @@ pub(super) fn draw<S: Sample>(
     grid: &[S],
     common: u32,
     offsets: &[i32; CLASSES_MAX],
-    classes: usize,
+    plan: OrderPlan,
     fine: Fine,
 ) {
+    let classes = plan.edges / plan.lines;
     let edges = errors.len();
     let curve = Curve::new(grid, edges / grid.len().max(1));
     let (mut before, mut here) = (
@@ -89,6 +91,12 @@ pub(super) fn draw<S: Sample>(
     );
     let (mut sample, mut part, mut class) = (0, 0, 0);
     let half = 1_i64 << (WEIGHT_ONE.trailing_zeros() - 1);
+    // With few edges every order is single, and what is drawn is geometry.
+    let scale = if plan.has_neighbours() {
+        edges as i64
+    } else {
+        0
+    };
     for error in errors {
         part += 1;
         if part == curve.apart {
@@ -99,7 +107,7 @@ pub(super) fn draw<S: Sample>(
         let believed = kept + here;
         let whole = believed + i64::from(offsets[class]);
         // Steps to either side, as a share of the grid's.
-        let slope_q30 = ((next - before) * edges as i64) >> (3 + fine.bits);
+        let slope_q30 = ((next - before) * scale) >> (3 + fine.bits);
         let put_back = (whole * slope_q30) >> 30;
         *error = saturated(believed - put_back);
         (before, here) = (here, next);
@@ -124,7 +132,8 @@ mod tests {
             .collect();
         let mut errors = std::vec![0; edges];
         let fine = Fine { bits: 10 };
-        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
+        let plan = OrderPlan::new(edges, edges, 625);
+        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, plan, fine);
         for (k, &error) in errors.iter().enumerate() {
             let want = wave(k as f64 / edges as f64);
             assert!((f64::from(error) - want).abs() < 3.0, "{k}: {error} {want}");
@@ -135,6 +144,7 @@ mod tests {
     fn a_pattern_modulated_by_a_known_swing_comes_back() {
         let edges = 400_usize;
         let fine = Fine { bits: 4 };
+        let plan = OrderPlan::new(edges, edges, edges);
         let turn = 4_294_967_296.0 * 16.0;
         let angle = |k: usize, order: f64| core::f64::consts::TAU * order * k as f64 / edges as f64;
         // Errors of a 2000th of a turn and a swing of the speed by 10 % at order 3.
@@ -145,7 +155,7 @@ mod tests {
         let observed = |k: usize| swing(k) + truth(k) * (1.0 - fast(k));
         let mut errors: Vec<i32> = (0..edges).map(|k| observed(k) as i32).collect();
         let grid: Vec<i32> = (0..edges).map(|k| -swing(k) as i32).collect();
-        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, 1, fine);
+        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, plan, fine);
         for (k, &error) in errors.iter().enumerate() {
             let off = f64::from(error) - truth(k);
             assert!(off.abs() < 0.012 * turn / 2000.0, "{k}: {off}");

@@ -62,8 +62,8 @@ impl Moments {
             weighed,
             weighed_square,
             plain_square,
-            // A turn or two at another speed tell nothing apart.
-            separation: separation.filter(|&s| s < ONE_Q30 << 4),
+            // A turn or two at another speed tell nothing apart, and two turns leave nothing in the contrast.
+            separation: separation.filter(|&s| turns > 3 && s < ONE_Q30 << 4),
         }
     }
 

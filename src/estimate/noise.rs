@@ -30,20 +30,18 @@ pub(super) fn settle_noise(
     smooth_noise(plan, noise, own);
     let norm = contrast.of_powers(speeds, torque_power_q24);
     let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
-    for (power, own) in noise.iter_mut().zip(own).take(plan.single) {
+    for (index, (power, own)) in noise.iter_mut().zip(own).take(plan.single).enumerate() {
         *own = own.saturating_sub(log2((*power).into()));
-        *power = ratio.times(*power);
-    }
-    for (index, power) in noise
-        .iter_mut()
-        .enumerate()
-        .take(LOW_ORDERS.min(plan.single))
-    {
-        let sum = shares.of_powers(speeds, |b| {
-            let expected = Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(*power);
-            low_power(&speeds.bins[b], index, expected, fine)
-        });
-        *power = u64::try_from(sum >> 32).unwrap_or(u64::MAX);
+        let level = *power;
+        *power = if index < LOW_ORDERS {
+            let sum = shares.of_powers(speeds, |b| {
+                let one = Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm);
+                low_power(&speeds.bins[b], index, one.times(level), fine)
+            });
+            u64::try_from(sum >> 32).unwrap_or(u64::MAX)
+        } else {
+            ratio.times(level)
+        };
     }
     for power in noise {
         *power = (*power).max(1);

@@ -26,7 +26,8 @@ impl Fine {
 
     /// Root of a mean square given in 2^-[`POWER_BITS`] of the squared unit, in 2^-32 turn.
     pub(super) fn root_mean_square(self, power: u64) -> u32 {
-        let root = power.isqrt() >> (POWER_BITS / 2 + self.bits);
+        let shift = POWER_BITS / 2 + self.bits;
+        let root = (power.isqrt() + (1 << (shift - 1))) >> shift;
         u32::try_from(root).unwrap_or(u32::MAX)
     }
 }

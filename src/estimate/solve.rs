@@ -104,7 +104,6 @@ impl<B: EdgeBuffers> Estimator<B> {
             &difference,
             weights.common,
             &offsets,
-            classes,
             fine,
         );
 
@@ -230,18 +229,17 @@ fn redraw(
     more: &[Coefficient; ORDERS_MAX],
     common: u32,
     offsets: &[i32; CLASSES_MAX],
-    classes: usize,
     fine: Fine,
 ) {
     let samples = plan.edges / plan.decimation;
     if plan.decimation == 1 {
         let grid = &mut parts.coarse[..samples];
         draw_orders(grid, plan, more);
-        draw(parts.sum, grid, common, offsets, classes, fine);
+        draw(parts.sum, grid, common, offsets, plan, fine);
     } else {
         let grid = &mut parts.cells.as_chunks_mut().0[..samples];
         draw_orders(grid, plan, more);
-        draw(parts.sum, grid, common, offsets, classes, fine);
+        draw(parts.sum, grid, common, offsets, plan, fine);
     }
 }
 
