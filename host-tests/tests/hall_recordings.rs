@@ -35,16 +35,25 @@ fn edge_times(path: &Path) -> Vec<u64> {
         .collect()
 }
 
-/// Intervals over the mean of the whole turn around them, with the slot of each.
-fn relative(times: &[u64], edges: usize) -> Vec<(usize, u64, f64)> {
+/// An interval over the mean of the whole turn around it.
+struct Relative {
+    slot: usize,
+    time: u64,
+    /// The turn's duration, ticks.
+    turn: f64,
+    share: f64,
+}
+
+fn relative(times: &[u64], edges: usize) -> Vec<Relative> {
     (edges..times.len() - edges)
         .map(|k| {
             let turn = (times[k + edges / 2] - times[k - edges / 2]) as f64;
-            (
-                k % edges,
-                times[k],
-                (times[k] - times[k - 1]) as f64 * edges as f64 / turn,
-            )
+            Relative {
+                slot: k % edges,
+                time: times[k],
+                turn,
+                share: (times[k] - times[k - 1]) as f64 * edges as f64 / turn,
+            }
         })
         .collect()
 }
@@ -56,41 +65,37 @@ fn a_spindle_s_table_scatters_no_more_on_the_other_half_than_the_best_fixed_patt
     let edges = calibration.solution.shape().edges() as usize;
     assert_eq!(edges, 12);
     let all = relative(&edge_times(&path), edges);
-    let (first, second): (Vec<_>, Vec<_>) =
-        all.into_iter().partition(|&(_, time, _)| time <= middle);
+    let (first, second): (Vec<_>, Vec<_>) = all
+        .into_iter()
+        .partition(|interval| interval.time <= middle);
 
     // Least squares on the first half: the mean of every slot.
     let mut best = vec![(0.0, 0.0); edges];
-    for (slot, _, y) in &first {
-        best[*slot] = (best[*slot].0 + y, best[*slot].1 + 1.0);
+    for Relative { slot, share, .. } in &first {
+        best[*slot] = (best[*slot].0 + share, best[*slot].1 + 1.0);
     }
     let best: Vec<f64> = best.iter().map(|(sum, count)| sum / count).collect();
 
     let error = table_rad(&calibration.solution);
     let step = std::f64::consts::TAU / edges as f64;
+    let delays = calibration.solution.class_delays().unwrap();
+    let late = |edge: usize| f64::from(delays.of_class[edge % 6].0) / 256.0;
     // The first edge that the decoder counts is edge 1 or the like; the pattern tells which.
-    let ours = |shift: usize| -> Vec<f64> {
-        (0..edges)
-            .map(|k| {
-                let (here, before) = ((k + shift) % edges, (k + shift + edges - 1) % edges);
-                1.0 - (error[here] - error[before]) / step
-            })
-            .collect()
+    let ours = |shift: usize, slot: usize, turn: f64| {
+        let (here, before) = ((slot + shift) % edges, (slot + shift + edges - 1) % edges);
+        let delay = (late(here) - late(before)) * edges as f64 / turn;
+        1.0 - (error[here] - error[before]) / step + delay
     };
-    let scatter = |pattern: &[f64]| {
+    let scatter = |predicted: &dyn Fn(usize, f64) -> f64| {
         rms(&second
             .iter()
-            .map(|(slot, _, y)| y - pattern[*slot])
+            .map(|interval| interval.share - predicted(interval.slot, interval.turn))
             .collect::<Vec<_>>())
     };
-    let shift = (0..edges)
-        .min_by(|a, b| scatter(&ours(*a)).total_cmp(&scatter(&ours(*b))))
-        .unwrap();
-    let (raw, theirs, mine) = (
-        scatter(&vec![1.0; edges]),
-        scatter(&best),
-        scatter(&ours(shift)),
-    );
+    let mine = (0..edges)
+        .map(|shift| scatter(&|slot, turn| ours(shift, slot, turn)))
+        .fold(f64::INFINITY, f64::min);
+    let (raw, theirs) = (scatter(&|_, _| 1.0), scatter(&|slot, _| best[slot]));
     println!(
         "interval scatter, second half: raw {raw:.5}, best fixed pattern {theirs:.5}, quadcal {mine:.5}"
     );

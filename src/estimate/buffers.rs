@@ -1,7 +1,7 @@
 //! Memory of the estimator: a running sum and the turn coming in for every edge, three coarser sums for every block of edges.
 
 /// Blocks of a turn that [`StaticBuffers`] has room for by default.
-pub const BLOCKS: usize = 640;
+pub const BLOCKS: usize = 1024;
 
 /// Fewest blocks a turn that an encoder of more edges is learned with.
 const BLOCKS_MIN: usize = 128;
@@ -124,12 +124,12 @@ mod tests {
     fn blocks_divide_the_turn_and_fit() {
         for (edges, size) in [
             (12, 1),
-            (1024, 2),
-            (2000, 4),
-            (4096, 8),
-            (10_000, 16),
-            (65_536, 128),
-            (14_400, 24),
+            (1024, 1),
+            (2000, 2),
+            (4096, 4),
+            (10_000, 10),
+            (65_536, 64),
+            (14_400, 15),
         ] {
             assert_eq!(block_edges(edges, BLOCKS), Some(size), "{edges}");
         }

@@ -73,7 +73,10 @@ impl OrderPlan {
             edges,
             lines,
             blocks,
-            single: single.min(ORDERS_MAX).min((blocks - 1) / 2),
+            // Noise at a quarter of the blocks and above would show at orders below.
+            single: single
+                .min(ORDERS_MAX)
+                .min(if blocks < edges { blocks / 4 + 6 } else { half }),
             decimation,
         }
     }

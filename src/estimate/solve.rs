@@ -80,7 +80,8 @@ impl<B: EdgeBuffers> Estimator<B> {
                 .then_some(1 << (32 + fine.bits)),
             knowledge: self.knowledge,
         };
-        let weights = weigh(plan, &estimate);
+        // The doubt about torque has been used.
+        let weights = weigh(plan, &estimate, &mut doubt);
         let locked = weights.standing.iter().map(|standing| LockedOrder {
             order: standing.order,
             amplitude: fine.root_mean_square(standing.power.saturating_mul(4)),

@@ -52,13 +52,17 @@ impl Estimate<'_> {
     }
 }
 
-/// Weighs the orders of an estimate against its noise.
+/// Weighs the orders of an estimate against its noise; `sizes` gets the geometry's power at every single order.
 ///
 /// Not inlined, so that the stack it needs is free again for what comes after.
 #[inline(never)]
-pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
+pub(super) fn weigh(
+    plan: OrderPlan,
+    estimate: &Estimate<'_>,
+    sizes: &mut [u64; ORDERS_MAX],
+) -> Weights {
     let common_size = excess(estimate.common, estimate.common_noise, COMMON_MARGIN_Q8);
-    let sizes = sizes(plan, estimate, common_size);
+    find_sizes(plan, estimate, common_size, sizes);
     let common_weight = wiener(common_size, estimate.common_noise);
     // Filled in place: the stack is short.
     let mut weights = Weights {
@@ -126,7 +130,13 @@ pub(super) fn weigh(plan: OrderPlan, estimate: &Estimate<'_>) -> Weights {
 
 /// The geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
 /// order above.
-fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; ORDERS_MAX] {
+#[inline(never)]
+fn find_sizes(
+    plan: OrderPlan,
+    estimate: &Estimate<'_>,
+    common_size: u64,
+    sizes: &mut [u64; ORDERS_MAX],
+) {
     let mut levels = Levels {
         signal: [0; ORDERS_MAX],
         noise: [0; ORDERS_MAX],
@@ -136,7 +146,6 @@ fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; OR
         levels.signal[index] = log2(estimate.coefficients[index].power().into());
         levels.noise[index] = log2(estimate.noise[index].into());
     }
-    let mut sizes = [0; ORDERS_MAX];
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
         let (power, noise) = (
@@ -163,7 +172,6 @@ fn sizes(plan: OrderPlan, estimate: &Estimate<'_>, common_size: u64) -> [u64; OR
         };
         sizes[order - 1] = size;
     }
-    sizes
 }
 
 pub(super) fn single_orders(plan: OrderPlan) -> impl Iterator<Item = usize> {
