@@ -80,7 +80,7 @@ pub enum Rejection {
     /// stopped, or an edge is in the wrong place by a whole step.
     Irregular,
     /// The turn took more than a third longer or shorter than the one before, or the one before is not known and it was not
-    /// steady, or its speed is more than 160 times off that of the first turn.
+    /// steady, or its speed is more than 90 times off that of the first turn.
     SpeedChange,
     /// Its slow motion differs far more from that of the turn before than turns at this speed do: a load step, a shock.
     Disagrees,

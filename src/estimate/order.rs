@@ -1,7 +1,7 @@
 //! Orders of a turn: how many are looked at one by one, and those that one speed cannot decide.
 
 /// Orders weighed one by one at the most; above, all are weighed alike.
-pub const ORDERS_MAX: usize = 256;
+pub const ORDERS_MAX: usize = 240;
 
 /// Orders listed in [`LockedOrder`] at the most.
 pub const LOCKED_MAX: usize = 16;

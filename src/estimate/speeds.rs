@@ -6,7 +6,7 @@ use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::recip::Recip;
 
 /// Speed bins, half an octave each.
-pub(super) const BINS: usize = 30;
+pub(super) const BINS: usize = 27;
 
 /// The bin of the first turn taken.
 const FIRST: i32 = BINS as i32 / 2;
@@ -71,7 +71,7 @@ impl Speeds {
         self.reference
     }
 
-    /// Bin of a turn; the first one sets the reference. None where the speed is more than 160 times off it.
+    /// Bin of a turn; the first one sets the reference. None where the speed is more than 90 times off it.
     pub(super) fn place(&mut self, duration: u64) -> Option<Place> {
         if self.reference == 0 {
             self.reference = duration;

@@ -34,7 +34,11 @@ impl Plan {
             edges,
             classes,
             block,
-            single: single.min(256).min((edges / block - 1) / 2),
+            single: single.min(240).min(if block > 1 {
+                edges / block / 4 + 6
+            } else {
+                (edges - 1) / 2
+            }),
         }
     }
 

@@ -18,7 +18,7 @@ const BLOCK: usize = 512;
 
 /// All memory of an image for `M` lines besides its stack; a `static` of the image.
 pub struct Memory<const M: usize> {
-    buffers: StaticBuffers<M, 4>,
+    buffers: StaticBuffers<M, 4, 1000>,
     line: [u8; 256],
     input: [u8; BLOCK],
     output: [u8; BLOCK],
