@@ -130,19 +130,35 @@ fn turned([c, s]: [i32; 2], [c1, s1]: [i32; 2]) -> [i32; 2] {
     ]
 }
 
-/// Splits a folded sequence: the sample at edge 0, the even half, the sample half a turn on where there is one, and the odd
-/// half, its last sample first to come.
-fn halves<S: Sample>(folded: &mut [S]) -> Option<(&mut S, &mut [S], Option<&mut S>, &mut [S])> {
-    let half = folded.len().div_ceil(2) - 1;
-    let (first, rest) = folded.split_first_mut()?;
-    let (even, rest) = rest.split_at_mut(half);
-    let (middle, odd) = rest.split_at_mut(rest.len() - half);
-    Some((first, even, middle.first_mut(), odd))
+/// A folded sequence, part by part.
+struct Halves<'a, S> {
+    /// The sample at edge 0.
+    first: &'a mut S,
+    even: &'a mut [S],
+    /// The sample half a turn on, where there is one.
+    middle: Option<&'a mut S>,
+    /// The partners of `even`, in reverse.
+    odd: &'a mut [S],
+}
+
+impl<'a, S> Halves<'a, S> {
+    fn of(folded: &'a mut [S]) -> Option<Self> {
+        let half = folded.len().div_ceil(2).checked_sub(1)?;
+        let (first, rest) = folded.split_first_mut()?;
+        let (even, rest) = rest.split_at_mut(half);
+        let (middle, odd) = rest.split_at_mut(rest.len() - half);
+        Some(Self {
+            first,
+            even,
+            middle: middle.first_mut(),
+            odd,
+        })
+    }
 }
 
 /// Replaces x(j), x(-j) by their sum and difference.
 pub(super) fn fold_halves<S: Sample>(sequence: &mut [S]) {
-    if let Some((_, even, _, odd)) = halves(sequence) {
+    if let Some(Halves { even, odd, .. }) = Halves::of(sequence) {
         for (one, other) in even.iter_mut().zip(odd.iter_mut().rev()) {
             let (a, b) = (one.value(), other.value());
             *one = S::of(a.wrapping_add(b));
@@ -161,7 +177,13 @@ pub(super) fn coefficient<S: Sample>(folded: &mut [S], order: usize) -> Coeffici
     /// Digits of sine and cosine kept, so that sums of a thousand and more samples of 2^28 fit.
     const DROPPED: u32 = 8;
     let samples = folded.len();
-    let Some((first, even, middle, odd)) = halves(folded) else {
+    let Some(Halves {
+        first,
+        even,
+        middle,
+        odd,
+    }) = Halves::of(folded)
+    else {
         return Coefficient::default();
     };
     let angle = OrderAngle::new(order, samples);
@@ -199,7 +221,13 @@ pub(super) fn add_order<S: Sample>(folded: &mut [S], order: usize, factor: Coeff
     };
     let add = |sample: &mut S, more: i32| *sample = S::of(sample.value().wrapping_add(more));
     let samples = folded.len();
-    let Some((first, even, middle, odd)) = halves(folded) else {
+    let Some(Halves {
+        first,
+        even,
+        middle,
+        odd,
+    }) = Halves::of(folded)
+    else {
         return;
     };
     let angle = OrderAngle::new(order, samples);
