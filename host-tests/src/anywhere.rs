@@ -3,6 +3,7 @@
 //! Shaft, torque noise and cogging are the same torques at every speed, so the shaft's swing in angle falls as 1/speed^2 while the
 //! disc's errors stay.
 
+mod calibrated;
 mod scenario;
 
 use std::f64::consts::TAU;
@@ -15,6 +16,7 @@ use quadcal_host::twin::{
 
 use crate::accuracy::zero_mean;
 
+pub use calibrated::{GivenGains, Judged};
 pub use scenario::Scenario;
 
 /// Turns that are learned from a recording of one speed; it holds one more, for the speed before.

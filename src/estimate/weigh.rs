@@ -111,14 +111,14 @@ pub(super) fn weigh(
         if order <= usize::from(estimate.knowledge.hidden_up_to) {
             weight = 0;
         }
-        // Where the mounting's share is in doubt, all that shows may be there.
         let mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
-        let shown = if mounting {
-            estimate.coefficients[index].power()
+        residual += 2 * u128::from(if mounting {
+            // Nothing is known of its size beforehand: the noise stays, and so does what is not believed of all that shows.
+            let shown = estimate.coefficients[index].power();
+            doubt.saturating_add(left_over(weight, shown, 0))
         } else {
-            0
-        };
-        residual += 2 * u128::from(left_over(weight, size.max(shown), doubt));
+            left_over(weight, size, doubt)
+        });
         #[allow(clippy::cast_possible_truncation)]
         {
             weights.single[index] = weight as u16;
@@ -193,10 +193,10 @@ const COMMON_MARGIN_Q8: u64 = 282;
 /// mean once in 160,000.
 const OWN_MARGIN_Q8: u64 = 12 << 8;
 
-/// Geometry's power at orders 1 and 2, which a disc's mounting makes large (eccentricity, tilt): P^2 / 2 N, so that what
+/// Geometry's power at orders 1 and 2, which a disc's mounting makes large (eccentricity, tilt): P^2 / N, so that what
 /// shows up no larger than noise is not believed, and what is twice as large mostly is.
 fn mounting_size(power: u64, noise: u64) -> u64 {
-    let size = u128::from(power) * u128::from(power) / (2 * u128::from(noise.max(1)));
+    let size = u128::from(power) * u128::from(power) / u128::from(noise.max(1));
     u64::try_from(size).unwrap_or(u64::MAX)
 }
 

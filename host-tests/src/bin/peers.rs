@@ -9,11 +9,10 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use quadcal_host::calibrate::{self, CalibrateError, CalibrateOptions};
+use quadcal_host::calibrate::CalibrateError;
 use quadcal_host::sim::Simulation;
-use quadcal_host::survey::Survey;
 use quadcal_host_tests::accuracy::{distance, rms, table_rad};
-use quadcal_host_tests::anywhere::{self, Recorded, Rig, Run, Scenario};
+use quadcal_host_tests::anywhere::{self, GivenGains, Recorded, Rig, Run, Scenario};
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 use quadcal_host_tests::peer_bladesight::{Bladesight, PUBLISHED_BETA};
 use quadcal_host_tests::{paper, peer_average};
@@ -191,7 +190,7 @@ fn errors(
         }),
         average: best(&|times| peer_average::estimate(&times[edges..], edges)),
         peer: of_peer,
-        ours: quadcal(&run).ok().map(|error| off(&error)),
+        ours: quadcal(rig, &run, seed).ok().map(|error| off(&error)),
         bound: bound_of(rig, &run.truth),
     })
 }
@@ -202,17 +201,9 @@ fn whole_turns(recorded: &Recorded, edges: usize) -> &[u64] {
     &recorded.times[..=turns * edges]
 }
 
-/// quadcal's errors of every edge, rad, from the recordings of a rig: from the last one alone.
-fn quadcal(run: &Run) -> Result<Vec<f64>, CalibrateError> {
-    let recorded = run.recordings.last().expect("a rig has recordings");
-    let replay = || recorded.rows.iter().copied().map(Ok);
-    let survey = Survey::of(recorded.header.clone(), replay())?;
-    let options = CalibrateOptions {
-        lines: u32::try_from(run.truth.len() / 4).ok(),
-        ..CalibrateOptions::default()
-    };
-    let plan = calibrate::plan(&survey, &options)?;
-    let calibration = calibrate::learn(survey, plan, replay(), &options)?;
+/// quadcal's errors of every edge, rad, from the recordings of a rig together.
+fn quadcal(rig: Rig, run: &Run, seed: u64) -> Result<Vec<f64>, CalibrateError> {
+    let calibration = rig.calibrate(run, seed, GivenGains::EXACT)?;
     Ok(table_rad(&calibration.solution))
 }
 
@@ -230,16 +221,16 @@ fn bound_of(rig: Rig, truth: &[f64]) -> f64 {
 fn compare_times(peer: &Bladesight, most: usize, seed: u64) -> Result<()> {
     let lines = 360;
     let edges = 4 * lines as usize;
-    let run = Rig {
+    let rig = Rig {
         scenario: Scenario::OneSpeed,
         lines,
-    }
-    .run(seed)?;
+    };
+    let run = rig.run(seed)?;
     println!("| edges solved at once | bladesight | quadcal, 11 turns |");
     println!("|---|---|---|");
     for turns in 1..=most {
         let start = Instant::now();
-        quadcal(&run)?;
+        quadcal(rig, &run, seed)?;
         let ours = start.elapsed().as_secs_f64();
         let times = &run.recordings[0].times[..=turns * edges];
         let found = peer.solve(times, anywhere::CLOCK_HZ, edges, turns, &[PUBLISHED_BETA])?;
