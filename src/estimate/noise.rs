@@ -148,7 +148,7 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
         .saturating_add((scatter[4] / 3).saturating_mul(625))
         .saturating_add((scatter[5] / 3).saturating_mul(1296));
     let ratio_q16 = (u128::from(scatter[0]) << 16) / u128::from(slope.max(1));
-    let ratio_q16 = u64::try_from(ratio_q16).unwrap_or(u64::MAX).min(1 << 16);
+    let ratio_q16 = u64::try_from(ratio_q16).unwrap_or(u64::MAX).min(5 << 14);
     const EXCESS_Q16: u64 = 58_982;
     (1 << 16) + ((((ratio_q16 * ratio_q16) >> 16) * EXCESS_Q16) >> 16)
 }

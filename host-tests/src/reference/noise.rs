@@ -20,8 +20,13 @@ impl Noise {
     pub(super) fn of(plan: Plan, turns: &[Turn], shares: &[f64], contrast: &[f64]) -> Self {
         let samples = combine(turns, contrast, plan.block);
         let shown = plan.by_order(|order| coefficient(&samples, order).norm_sqr());
-        let smooth = smooth(plan, &shown);
-        let own = plan.by_order(|order| shown[order] / smooth[order]);
+        // Samples a block apart show jitter of all orders on those that they can tell.
+        let jitter = jitter_power(plan, turns, shares);
+        let folded = jitter * plan.block as f64;
+        let raw = smooth(plan, &shown, folded);
+        let own = plan.by_order(|order| shown[order] / raw[order]);
+        let smooth =
+            plan.by_order(|order| raw[order] - (folded - jitter).min(raw[order] * 7.0 / 8.0));
         // Of a turn at the first one's speed.
         let norm = noise_of(contrast, turns, torque_power);
         let level = plan.by_order(|order| {
@@ -39,8 +44,16 @@ impl Noise {
 }
 
 /// Mean over neighbours of the logarithm with the slope of torque noise taken out, and not below that from the order up.
-fn smooth(plan: Plan, shown: &[f64]) -> Vec<f64> {
-    let slope = |order: usize| 4.0 * (order as f64).log2();
+/// That slope ends in a `floor`.
+fn smooth(plan: Plan, shown: &[f64], floor: f64) -> Vec<f64> {
+    let fourth = |order: usize| 4.0 * (order as f64).log2();
+    let sizes: Vec<f64> = plan
+        .orders()
+        .filter(|order| (7..=18).contains(order))
+        .map(|order| shown[order].log2() + fourth(order))
+        .collect();
+    let size = sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
+    let slope = |order: usize| -((size - fourth(order)).exp2() + floor).log2();
     let mean = |orders: &mut dyn Iterator<Item = usize>| {
         let levels: Vec<f64> = orders.map(|n| shown[n].log2() + slope(n)).collect();
         levels.iter().sum::<f64>() / levels.len().max(1) as f64
@@ -67,7 +80,8 @@ fn low_power(turns: &[Turn], bin: i32, order: usize, expected: f64) -> f64 {
     if count == 0.0 {
         return expected;
     }
-    let seen = scatter[order - 1] / (2.0 * count * pair_excess(&scatter));
+    // As much wider as Student's intervals are.
+    let seen = scatter[order - 1] / (2.0 * count * pair_excess(&scatter)) * (1.0 + 2.0 / count);
     let prior = (4.0 - count).max(0.0);
     (seen * count + expected * prior) / (count + prior)
 }
@@ -75,19 +89,24 @@ fn low_power(turns: &[Turn], bin: i32, order: usize, expected: f64) -> f64 {
 /// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.
 fn pair_excess(scatter: &[f64; LOW_ORDERS]) -> f64 {
     let slope = (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0;
-    1.0 + 0.95 * (scatter[0] / slope).min(1.0).powi(2)
+    1.0 + 0.9 * (scatter[0] / slope).min(1.25).powi(2)
 }
 
 /// Noise of an estimate at every order above the single ones: jitter of time stamps, and the tail of torque beyond the last
 /// single order, whose power is `last`.
 pub(super) fn common_noise(plan: Plan, turns: &[Turn], shares: &[f64], last: f64) -> f64 {
+    let tail = last * 2.0 * plan.single as f64 / (3.0 * plan.common_count().max(1) as f64);
+    jitter_power(plan, turns, shares) + tail
+}
+
+/// Power at every order that jitter of the time stamps gives an estimate.
+fn jitter_power(plan: Plan, turns: &[Turn], shares: &[f64]) -> f64 {
     let edges = plan.edges as f64;
     // In angle jitter goes with the speed.
     let square = |turn: &Turn| f64::from(turn.bin).exp2();
     let per_edge =
         jitter(turns, edges, square) * noise_of(shares, turns, |turn| 1.0 / square(turn));
-    let tail = last * 2.0 * plan.single as f64 / (3.0 * plan.common_count().max(1) as f64);
-    per_edge / edges.powi(3) + tail
+    per_edge / edges.powi(3)
 }
 
 /// Variance of a time stamp, in steps at the first turn's speed, by the speed that shows least; twelve make a second

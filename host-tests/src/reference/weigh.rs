@@ -62,7 +62,7 @@ impl Estimate<'_> {
             }
             let own = match order {
                 _ if self.suspect(plan, order) => 0.0,
-                1 | 2 => power * power / (2.0 * noise),
+                1 | 2 => power * power / noise,
                 _ => power - 12.0 * noise,
             };
             let (level, count) = self.neighbourhood(plan, order);
@@ -103,8 +103,12 @@ impl Estimate<'_> {
                 };
                 single[order] = wiener(sizes[order], doubt) * gate;
                 let mounting = order <= 2 && !suspect && plan.has_neighbours();
-                let shown = if mounting { self.power(order) } else { 0.0 };
-                residual += 2.0 * left_over(single[order], sizes[order].max(shown), doubt);
+                residual += 2.0
+                    * if mounting {
+                        doubt + left_over(single[order], self.power(order), 0.0)
+                    } else {
+                        left_over(single[order], sizes[order], doubt)
+                    };
             }
             single
         };
