@@ -18,8 +18,8 @@
 //! | decoder and corrector in a row | 97 |
 //! | [`interval::Interval::push`] | 42 |
 //! | [`interval::Interval::speed_at`], for the control loop | 103 |
-//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 58 |
-//! | [`fingerprint::Trail::push`], its call included | 26 |
+//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 138 |
+//! | [`fingerprint::Trail::push`], its call included | 28 |
 //!
 //! These paths divide nothing, use no floating point and hold no panic. Anything but one more edge of settled motion, Z low,
 //! goes out of line: at most a few edges a turn, sixteen after a start or a reversal, and every edge of three Hall sensors in
