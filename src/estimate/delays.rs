@@ -25,6 +25,8 @@ pub(super) struct Delays {
     square: u128,
     duration: u64,
     turns: u32,
+    /// Smallest rho, of the fastest turn.
+    shortest: u64,
     /// Direction of all these turns: a delay moves an edge the other way in reverse.
     direction: Direction,
 }
@@ -37,6 +39,7 @@ impl Delays {
         square: 0,
         duration: 0,
         turns: 0,
+        shortest: u64::MAX,
         direction: Direction::Forward,
     };
 
@@ -67,6 +70,7 @@ impl Delays {
         }
         self.square += (ratio * ratio).unsigned_abs();
         self.duration = self.duration.saturating_add(ratio_q32 >> (32 - RATIO_BITS));
+        self.shortest = self.shortest.min(ratio_q32 >> (32 - RATIO_BITS));
         self.turns += 1;
     }
 }
@@ -132,8 +136,10 @@ impl Delays {
         let largest_of = |angles: &[i64]| angles.iter().map(|x| x.unsigned_abs()).max();
         let angle_q8 = angles(&slopes_q8, classes);
         let largest = u128::from(largest_of(&angle_q8).unwrap_or(0));
-        // What ripple and the classes' own errors make together changes with speed too, by a share of these.
+        // What ripple and the classes' own errors make together changes with speed too, by a share of these; at the fastest
+        // turn that is told from a delay worst.
         let mixed = u128::from(largest_of(&angles(&levels_q8, classes)).unwrap_or(0)) >> MIXED_BITS;
+        let mixed = (mixed * u128::from(self.shortest)) >> RATIO_BITS;
         let error = (slope_variance_q16 + mixed * mixed).isqrt().max(1);
         if largest <= CERTAIN * error {
             return None;
@@ -191,4 +197,60 @@ impl SolvedDelays {
 #[allow(clippy::cast_possible_truncation)]
 fn saturated_i64(value: i128) -> i64 {
     value.clamp(i64::MIN.into(), i64::MAX.into()) as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_of_one_edge_is_told_from_its_width_by_two_speeds() {
+        let shape = FoldShape::new(10_000, 4, 10);
+        let (reference, late) = (336_000_000_u64, 17.0);
+        // Class errors in the sums' unit at the first speed: widths of a tenth of a step, A's falling edge late by 17 ticks.
+        let unit = f64::from(1_u32 << shape.unit_shift) / 4_294_967_296.0;
+        let delay = -late / reference as f64 / unit;
+        let mut delays = Delays::NONE;
+        for (turn, rho) in [1.0, 1.001, 0.999, 0.025, 0.0251, 0.0249]
+            .into_iter()
+            .enumerate()
+        {
+            let error = |class: usize| {
+                [0.0, 2500.0, -1700.0, 900.0][class % 4]
+                    + if class % 4 == 2 { delay / rho } else { 0.0 }
+            };
+            let mut sums = [0; CLASSES_MAX];
+            for (class, sum) in sums.iter_mut().enumerate().take(4) {
+                let jitter = f64::from((turn * 7 + class * 3) as u32 % 5) - 2.0;
+                *sum = (-2500.0 * (error(class) - error(class + 3)) + jitter) as i32;
+            }
+            delays.take(&sums, (rho * 4_294_967_296.0) as u64, Direction::Forward);
+        }
+        let found = delays.solve(&shape, reference).unwrap();
+        // The mean over the classes is nobody's to know.
+        for (class, expected) in [-late / 4.0, -late / 4.0, late * 0.75, -late / 4.0]
+            .into_iter()
+            .enumerate()
+        {
+            let ticks = f64::from(found.ticks_q8[class]) / 256.0;
+            assert!(
+                (ticks - expected).abs() < 0.5,
+                "{class}: {ticks} {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn widths_alone_at_two_speeds_are_no_delay() {
+        let shape = FoldShape::new(10_000, 4, 10);
+        let mut delays = Delays::NONE;
+        for rho in [1.0, 1.0, 0.03, 0.03] {
+            delays.take(
+                &[1_000_000, -400_000, -900_000, 300_000, 0, 0],
+                (rho * 4_294_967_296.0) as u64,
+                Direction::Forward,
+            );
+        }
+        assert!(delays.solve(&shape, 336_000_000).is_none());
+    }
 }
