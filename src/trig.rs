@@ -5,7 +5,26 @@ use crate::units::Turn32;
 /// Fraction bits of [`sin_cos`] results: 1.0 is `1 << 30`.
 pub const SINE_BITS: u32 = 30;
 
-const ONE: i64 = 1 << SINE_BITS;
+const ONE: i32 = 1 << SINE_BITS;
+
+/// -1/3!, 1/5!, -1/7!, 1/9! and -1/2!, 1/4!, -1/6!, 1/8!, -1/10!, Q30, the last first.
+const SINE: [i32; 4] = [2_959, -213_044, 8_947_849, -178_956_971];
+const COSINE: [i32; 5] = [-296, 26_630, -1_491_308, 44_739_243, -536_870_912];
+
+/// Q30, rounded.
+#[inline]
+fn product(a: i32, b: i32) -> i32 {
+    #[allow(clippy::cast_possible_truncation)]
+    let rounded = ((i64::from(a) * i64::from(b) + (1 << (SINE_BITS - 1))) >> SINE_BITS) as i32;
+    rounded
+}
+
+/// A polynomial by Horner's rule.
+#[inline]
+fn series<const N: usize>(square: i32, of: [i32; N]) -> i32 {
+    of.iter()
+        .fold(0, |sum, factor| product(sum, square) + factor)
+}
 
 /// `(sin, cos)` in Q30; the error is below 1e-8.
 ///
@@ -17,20 +36,11 @@ pub fn sin_cos(angle: Turn32) -> (i32, i32) {
     let rest = i64::from(angle.0.wrapping_sub(quarter << 30).cast_signed());
     // rest is in 2^-32 turn; x in radians, Q30: x = rest * 2 pi / 2^32 * 2^30.
     const TAU_Q29: i64 = 3_373_259_426;
-    let x = (rest * TAU_Q29) >> 31;
-    let x2 = (x * x) >> SINE_BITS;
-    let mul = |a: i64, b: i64| (a * b) >> SINE_BITS;
-    let sine = mul(
-        x,
-        ONE - mul(x2, ONE - mul(x2, ONE - mul(x2, ONE - x2 / 72) / 42) / 20) / 6,
-    );
-    let cosine = ONE
-        - mul(
-            x2,
-            ONE - mul(x2, ONE - mul(x2, ONE - mul(x2, ONE - x2 / 90) / 56) / 30) / 12,
-        ) / 2;
     #[allow(clippy::cast_possible_truncation)]
-    let (s, c) = (sine as i32, cosine as i32);
+    let x = ((rest * TAU_Q29) >> 31) as i32;
+    let square = product(x, x);
+    let s = x + product(x, product(square, series(square, SINE)));
+    let c = ONE + product(square, series(square, COSINE));
     match quarter & 3 {
         0 => (s, c),
         1 => (c, -s),

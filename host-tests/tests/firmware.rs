@@ -185,7 +185,7 @@ fn every_stage_has_its_price_in_instructions() {
     }
     let solve = number(&output, "solve_instructions");
     println!("solve     {solve} instructions");
-    assert!(solve < 70_000_000, "{solve}");
+    assert!(solve < 30_000_000, "{solve}");
     assert_eq!(output.stdout, bench.succeed(&[EVENTS, SLOT]).stdout);
 }
 

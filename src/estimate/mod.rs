@@ -14,6 +14,7 @@
 
 mod buffers;
 mod close;
+mod decimate;
 mod delays;
 mod draw;
 mod fold;
@@ -31,6 +32,7 @@ mod solution;
 mod solve;
 mod spectrum;
 mod speeds;
+mod transform;
 mod turn;
 mod weigh;
 

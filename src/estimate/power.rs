@@ -1,9 +1,9 @@
 //! Power of every single order, and of all orders above together.
 
+use super::decimate::{decimate, undo_decimation};
 use super::order::{ORDERS_MAX, OrderPlan};
-use super::spectrum::{
-    Coefficient, POWER_BITS, Sample, coefficient, decimate, fold_halves, undo_decimation,
-};
+use super::spectrum::{Coefficient, POWER_BITS, Sample};
+use super::transform::take_orders;
 use crate::trig::sin_cos;
 use crate::units::Turn32;
 
@@ -33,14 +33,12 @@ pub(super) fn split_orders<S: Sample>(
 ) -> u64 {
     let mut steps = mean_square_step(errors);
     let samples = decimate(errors, scratch, plan.decimation);
-    let scratch = &mut scratch[..samples];
-    fold_halves(scratch);
+    single_sizes(&scratch[..samples], plan, coefficients);
     let classes = plan.edges / plan.lines;
     let mut gain_q28 = (2 * (plan.edges - if classes > 1 { classes } else { 0 }) as u64) << 28;
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        let raw = coefficient(scratch, order);
-        let c = undo_decimation(raw, order, plan.decimation, plan.edges);
-        coefficients[order - 1] = c;
+        let c = &mut coefficients[order - 1];
+        *c = undo_decimation(*c, order, plan.decimation, plan.edges);
         let gain_q58 = step_gain_q58(order, plan.edges);
         gain_q28 = gain_q28.saturating_sub((2 * gain_q58) >> 30);
         steps = steps.saturating_sub((u128::from(c.power()) * u128::from(gain_q58)) >> 57);
@@ -61,14 +59,14 @@ fn step_gain_q58(order: usize, edges: usize) -> u64 {
     sine * sine
 }
 
-/// Coefficients of the single orders of a folded coarse sequence, handed to `visit`.
-pub(super) fn coarse_orders(
-    blocks: &mut [i32],
+/// Fills `sizes` with the single orders of a sequence; orders of the edge classes count as zero.
+pub(super) fn single_sizes<S: Sample>(
+    sequence: &[S],
     plan: OrderPlan,
-    mut visit: impl FnMut(usize, Coefficient),
+    sizes: &mut [Coefficient; ORDERS_MAX],
 ) {
-    fold_halves(blocks);
-    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        visit(order, coefficient(blocks, order));
+    take_orders(sequence, &mut sizes[..plan.single]);
+    for class_order in (plan.lines..=plan.single).step_by(plan.lines) {
+        sizes[class_order - 1] = Coefficient::default();
     }
 }

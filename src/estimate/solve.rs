@@ -6,12 +6,13 @@ use super::fold::thirds;
 use super::moments::{Mean, Moments};
 use super::noise::{common_noise, settle_noise};
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
-use super::power::{coarse_orders, split_orders};
+use super::power::{single_sizes, split_orders};
 use super::scale::Fine;
 use super::separate::separate;
 use super::solution::{Solution, SolveError};
-use super::spectrum::{Coefficient, Sample, add_order, unfold_halves};
+use super::spectrum::{Coefficient, Sample};
 use super::speeds::Speeds;
+use super::transform::add_orders;
 use super::weigh::{Estimate, WEIGHT_ONE, weigh};
 use super::{EdgeBuffers, Estimator, Parts};
 use crate::shape::CLASSES_MAX;
@@ -45,9 +46,13 @@ impl<B: EdgeBuffers> Estimator<B> {
         let mut own = [0; ORDERS_MAX];
         let mut difference = [Coefficient::default(); ORDERS_MAX];
         let [even, even_contrast, contrast] = blocks(&mut parts, plan);
-        coarse_orders(even, plan, |order, c| difference[order - 1] = c);
-        coarse_orders(even_contrast, plan, |order, c| doubt[order - 1] = c.power());
-        coarse_orders(contrast, plan, |order, c| noise[order - 1] = c.power());
+        for (blocks, powers) in [(even_contrast, &mut doubt), (contrast, &mut noise)] {
+            single_sizes(blocks, plan, &mut difference);
+            for (power, size) in powers.iter_mut().zip(&difference) {
+                *power = size.power();
+            }
+        }
+        single_sizes(even, plan, &mut difference);
         let speeds = &self.speeds;
         let common_noise = settle(
             plan, &moments, speeds, &mut noise, &mut doubt, &mut own, fine,
@@ -246,13 +251,7 @@ fn redraw(
 
 fn draw_orders<S: Sample>(grid: &mut [S], plan: OrderPlan, more: &[Coefficient; ORDERS_MAX]) {
     grid.fill(S::of(0));
-    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        // Below an eighth of a fine unit an order leaves no trace.
-        if more[order - 1].power() >= 4 {
-            add_order(grid, order, more[order - 1]);
-        }
-    }
-    unfold_halves(grid);
+    add_orders(grid, &more[..plan.single]);
 }
 
 /// Scales the errors to 2^-32 turn and packs them as 16-bit entries in the cells; returns their shift, and the RMS of the
