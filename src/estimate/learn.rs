@@ -43,6 +43,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         self.turn = None;
         self.rate = None;
         self.before = None;
+        self.drift.interrupt();
         self.fold.finish(&mut self.buffers.parts());
         self.settle_fold();
     }
@@ -142,6 +143,7 @@ impl<B: EdgeBuffers> Estimator<B> {
 
     fn reject(&mut self, rejection: Rejection) -> Progress {
         self.totals.reject(rejection);
+        self.drift.interrupt();
         self.turn = None;
         self.before = None;
         Progress::TurnRejected(rejection)
@@ -176,15 +178,20 @@ impl<B: EdgeBuffers> Estimator<B> {
         let place = self.speeds.place(duration);
         let Some(place) = place.filter(|_| excess.unsigned_abs() <= limit.into()) else {
             self.totals.reject(Rejection::SpeedChange);
+            self.drift.interrupt();
             return Progress::TurnRejected(Rejection::SpeedChange);
         };
         let linear = (excess * i64::from(self.inverse_edges_q32)) >> STEP_FRACTION_BITS;
         whole.low = Some(self.low.finish(linear, bend_q32));
         if self.disagrees(&whole, place) {
             self.totals.reject(Rejection::Disagrees);
+            self.drift.interrupt();
             return Progress::TurnRejected(Rejection::Disagrees);
         }
         self.before = Some(whole);
+        if let Some(low) = &whole.low {
+            self.drift.take(place.bin, low);
+        }
         if before.is_some_and(|before| before.low.is_some())
             && let Some(bin) = self.speeds.bin(place)
         {

@@ -22,6 +22,14 @@ pub(super) struct LowOrder {
 }
 
 impl LowOrder {
+    /// Half way to another.
+    pub(super) fn between(self, other: Self) -> Self {
+        Self {
+            re: i32::midpoint(self.re, other.re),
+            im: i32::midpoint(self.im, other.im),
+        }
+    }
+
     /// Squared distance.
     pub(super) fn distance(self, other: Self) -> u64 {
         let square = |a: i32, b: i32| (i64::from(a) - i64::from(b)).unsigned_abs().pow(2);

@@ -17,6 +17,7 @@ mod close;
 mod decimate;
 mod delays;
 mod draw;
+mod drift;
 mod fold;
 mod learn;
 mod lockstep;
@@ -24,6 +25,7 @@ mod low;
 mod moments;
 mod noise;
 mod order;
+mod outlook;
 mod power;
 mod ripple;
 mod scale;
@@ -41,11 +43,13 @@ mod tests;
 
 pub use buffers::{BLOCKS, EdgeBuffers, Parts, StaticBuffers, block_edges, blocks_for};
 pub use order::{LockedOrder, ORDERS_MAX, TorqueOrder};
+pub use outlook::{Advice, Goal, Outlook};
 pub use solution::{ClassDelays, Solution, SolveError};
 
 use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;
 use delays::Delays;
+use drift::Drift;
 use fold::{Fold, FoldShape};
 use learn::WholeTurn;
 use lockstep::Lockstep;
@@ -173,6 +177,7 @@ pub struct Estimator<B> {
     speeds: Speeds,
     weighing: Weighing,
     delays: Delays,
+    drift: Drift,
 }
 
 impl<B: EdgeBuffers> Estimator<B> {
@@ -210,6 +215,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             speeds: Speeds::NONE,
             weighing: Weighing::NEW,
             delays: Delays::NONE,
+            drift: Drift::NONE,
         })
     }
 

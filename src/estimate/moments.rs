@@ -142,6 +142,16 @@ impl Shares {
         }))
     }
 
+    /// What a power that all turns of one bin have in common comes to.
+    pub(super) fn of_bin(&self, speeds: &Speeds, bin: usize, power: u64) -> u64 {
+        let share_q30: i128 = (0..2)
+            .map(|side| i128::from(self.0[bin][side]) * i128::from(speeds.bins[bin].turns[side]))
+            .sum();
+        let share_q30 = share_q30.unsigned_abs();
+        let of_bin = (((share_q30 * share_q30) >> 30) * u128::from(power)) >> 30;
+        u64::try_from(of_bin).unwrap_or(u64::MAX)
+    }
+
     /// Sum over turns of share^2 x `power` of a turn of the bin: Q32 times the powers' unit.
     pub(super) fn of_powers(&self, speeds: &Speeds, power: impl Fn(usize) -> u64) -> u128 {
         let mut sum = 0_u128;

@@ -21,7 +21,7 @@ use crate::units::STEP_FRACTION_BITS;
 pub(super) fn settle_noise(
     plan: OrderPlan,
     noise: &mut [u64; ORDERS_MAX],
-    own: &mut [i32; ORDERS_MAX],
+    own: &mut [i16; ORDERS_MAX],
     speeds: &Speeds,
     shares: &Shares,
     contrast: &Shares,
@@ -34,7 +34,7 @@ pub(super) fn settle_noise(
     let norm = contrast.of_powers(speeds, torque_power_q24);
     let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
     for (index, (power, own)) in noise.iter_mut().zip(own).take(plan.single).enumerate() {
-        *own = own.saturating_sub(log2((*power).into()));
+        *own = own.saturating_sub(log2_q8(*power));
         let level = *power - folded.saturating_sub(jitter).min(*power / 8 * 7);
         *power = if index < LOW_ORDERS {
             let sum = shares.of_powers(speeds, |b| {
@@ -72,7 +72,7 @@ impl Ratio128 {
 
 /// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
 /// are none, and by both where there are few, as a pair or two can look quiet by chance.
-fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u64 {
+pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u64 {
     let pairs = u64::from(bin.pairs);
     if pairs == 0 {
         return expected;
@@ -107,7 +107,7 @@ pub(super) fn common_noise(
 }
 
 /// Power at every order of what jitter of the time stamps makes of an estimate.
-fn jitter_power(plan: OrderPlan, speeds: &Speeds, shares: &Shares, fine: Fine) -> u64 {
+pub(super) fn jitter_power(plan: OrderPlan, speeds: &Speeds, shares: &Shares, fine: Fine) -> u64 {
     let norm = shares.of_powers(speeds, |b| {
         power_of_two((16 << LOG2_BITS) - 2 * octaves_q16(b))
     });
@@ -116,6 +116,14 @@ fn jitter_power(plan: OrderPlan, speeds: &Speeds, shares: &Shares, fine: Fine) -
     let edges = plan.edges as u128;
     let per_edge = ((jitter_q16(plan, speeds) * (norm >> 32)) << up) >> (32 - POWER_BITS);
     u64::try_from(per_edge / (edges * edges * edges)).unwrap_or(u64::MAX)
+}
+
+/// Power of what the time stamp of one edge is uncertain by, at the first turn's speed.
+pub(super) fn stamp_power(plan: OrderPlan, speeds: &Speeds, fine: Fine) -> u64 {
+    let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
+    let edges = plan.edges as u128;
+    let power = ((jitter_q16(plan, speeds) << up) >> (16 - POWER_BITS)) / (edges * edges);
+    u64::try_from(power).unwrap_or(u64::MAX)
 }
 
 /// Variance of a time stamp at the first turn's speed, in squared step fractions, Q16: a second difference of two turns has
@@ -143,14 +151,24 @@ fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
 /// that slope) just the noise; in between, `1 + 0.95 x^2` with x = order 1 over slope is within 5 %, by simulation. The sum itself has 5 % more
 /// than the long-run noise in the first case, which leaves 0.9.
 fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
-    let slope = (scatter[3] / 3)
-        .saturating_mul(256)
-        .saturating_add((scatter[4] / 3).saturating_mul(625))
-        .saturating_add((scatter[5] / 3).saturating_mul(1296));
+    let sum = |terms: &[(usize, u64)]| {
+        terms.iter().fold(0_u64, |sum, &(order, factor)| {
+            sum.saturating_add(scatter[order - 1].saturating_mul(factor))
+        })
+    };
+    // Where the speed changes, so does what torque of one order makes of its neighbours: the lesser of two slopes is noise alone.
+    let slope = (sum(&[(2, 16), (3, 81)]) / 2).min(sum(&[(4, 256), (5, 625), (6, 1296)]) / 3);
     let ratio_q16 = (u128::from(scatter[0]) << 16) / u128::from(slope.max(1));
     let ratio_q16 = u64::try_from(ratio_q16).unwrap_or(u64::MAX).min(5 << 14);
     const EXCESS_Q16: u64 = 58_982;
     (1 << 16) + ((((ratio_q16 * ratio_q16) >> 16) * EXCESS_Q16) >> 16)
+}
+
+/// Logarithm of a power, Q8, as short as [`Estimate::own`](super::weigh::Estimate::own) is kept.
+fn log2_q8(power: u64) -> i16 {
+    #[allow(clippy::cast_possible_truncation)]
+    let short = (log2(power.into()) >> (LOG2_BITS - 8)) as i16;
+    short
 }
 
 /// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
@@ -159,7 +177,7 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
 fn smooth_noise(
     plan: OrderPlan,
     noise: &mut [u64; ORDERS_MAX],
-    own: &mut [i32; ORDERS_MAX],
+    own: &mut [i16; ORDERS_MAX],
     floor: u64,
 ) {
     let mut scratch = [0; ORDERS_MAX];
@@ -169,9 +187,9 @@ fn smooth_noise(
     // The slope's size, from orders where it rules if it rules at all.
     let (mut sum, mut count) = (0_i64, 0_i64);
     for order in single_orders(plan) {
-        own[order - 1] = log2(noise[order - 1].into());
+        own[order - 1] = log2_q8(noise[order - 1]);
         if SLOPE_ORDERS.contains(&order) {
-            sum += i64::from(own[order - 1] + fourth(order));
+            sum += i64::from(log2(noise[order - 1].into()) + fourth(order));
             count += 1;
         }
     }
@@ -183,7 +201,7 @@ fn smooth_noise(
         -log2(u128::from(rest) + u128::from(floor))
     };
     for order in single_orders(plan) {
-        scratch[order - 1] = own[order - 1] + slope(order);
+        scratch[order - 1] = log2(noise[order - 1].into()) + slope(order);
     }
     for order in single_orders(plan) {
         let mean = |orders: &mut dyn Iterator<Item = usize>| {

@@ -9,7 +9,7 @@ use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
 use super::power::{single_sizes, split_orders};
 use super::scale::Fine;
 use super::separate::separate;
-use super::solution::{Solution, SolveError};
+use super::solution::{Found, Solution, SolveError};
 use super::spectrum::{Coefficient, Sample};
 use super::speeds::Speeds;
 use super::transform::add_orders;
@@ -23,19 +23,25 @@ impl<B: EdgeBuffers> Estimator<B> {
     ///
     /// # Errors
     /// [`SolveError::TooFewTurns`] with fewer than two turns.
+    #[inline]
     pub fn solve(mut self) -> Result<Solution<B>, SolveError> {
+        let found = self.find()?;
+        Ok(Solution {
+            found,
+            buffers: self.buffers,
+        })
+    }
+
+    #[inline]
+    fn find(&mut self) -> Result<Found, SolveError> {
         self.interrupt();
         let totals = self.totals;
         if totals.turns < 2 {
             return Err(SolveError::TooFewTurns(totals.turns));
         }
-        let edges = self.shape.edges() as usize;
         let classes = self.shape.classes() as usize;
-        let block = self.fold.shape.block as usize;
-        let plan = OrderPlan::new(edges, self.shape.lines() as usize, edges / block);
-        // Torque ripple's angle goes with 1 / speed^2: turns of which one took half as long again as another tell.
-        let two_speeds = totals.longest >= totals.shortest + totals.shortest / 2;
-        let moments = Moments::of(&self.speeds, &self.weighing, two_speeds);
+        let plan = self.plan();
+        let moments = Moments::of(&self.speeds, &self.weighing, self.two_speeds());
         let mut parts = self.buffers.parts();
         let unit_shift = self.fold.shape.unit_shift;
         let fine = close(&mut parts, plan, &moments, &self.speeds, unit_shift);
@@ -128,7 +134,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             weights.standing.len()
         );
         #[allow(clippy::cast_possible_truncation)]
-        Ok(Solution {
+        Ok(Found {
             shape: self.shape,
             turns: totals.turns,
             class_offsets,
@@ -146,8 +152,22 @@ impl<B: EdgeBuffers> Estimator<B> {
             torques,
             reference: self.speeds.reference(),
             delays,
-            buffers: self.buffers,
         })
+    }
+}
+
+impl<B> Estimator<B> {
+    /// How this encoder's orders are split.
+    pub(super) fn plan(&self) -> OrderPlan {
+        let edges = self.shape.edges() as usize;
+        let block = self.fold.shape.block as usize;
+        OrderPlan::new(edges, self.shape.lines() as usize, edges / block)
+    }
+
+    /// Whether torque can be told from geometry: its angle goes with 1 / speed^2, and turns of which one took half as long again as
+    /// another tell.
+    pub(super) fn two_speeds(&self) -> bool {
+        self.totals.longest >= self.totals.shortest + self.totals.shortest / 2
     }
 }
 
@@ -160,7 +180,7 @@ fn settle(
     speeds: &Speeds,
     noise: &mut [u64; ORDERS_MAX],
     doubt: &mut [u64; ORDERS_MAX],
-    own: &mut [i32; ORDERS_MAX],
+    own: &mut [i16; ORDERS_MAX],
     fine: Fine,
 ) -> u64 {
     let shares = moments.shares(Mean::Weighed);

@@ -252,8 +252,10 @@ where
     B: EdgeBuffers,
     S: FnMut(&mut [u8]) -> Result<usize, F>,
 {
-    let mut estimator =
-        Estimator::new(shape, Anchor::Index, buffers).map_err(SessionError::Shape)?;
+    let mut estimator = match Estimator::new(shape, Anchor::Index, buffers) {
+        Ok(estimator) => estimator,
+        Err(error) => return Err(SessionError::Shape(error)),
+    };
     while let Some(sample) = front.next_sample()? {
         let progress = estimator.push(&front.decoder.push(sample));
         if matches!(progress, Progress::TurnTaken(taken) if taken >= turns) {

@@ -24,6 +24,9 @@ struct Options {
     /// Discs to try, by their lines.
     #[arg(long, num_args = 1.., default_values_t = [60, 360])]
     lines: Vec<u32>,
+    /// Only the scenario of this name; by default, all.
+    #[arg(long)]
+    scenario: Option<String>,
     /// Seeds a row.
     #[arg(long, default_value_t = 4)]
     seeds: u64,
@@ -75,8 +78,10 @@ fn main() -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|---|");
     for &lines in &options.lines {
         for scenario in Scenario::ALL {
+            let wanted = options.scenario.as_deref();
             // The speed loop needs edges more often than these discs give them.
-            if scenario != Scenario::SpeedLoop {
+            if scenario != Scenario::SpeedLoop && wanted.is_none_or(|name| name == scenario.name())
+            {
                 println!("{}", row(peer.as_ref(), &options, Rig { scenario, lines })?);
             }
         }

@@ -88,7 +88,8 @@ fn low_power(turns: &[Turn], bin: i32, order: usize, expected: f64) -> f64 {
 
 /// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.
 fn pair_excess(scatter: &[f64; LOW_ORDERS]) -> f64 {
-    let slope = (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0;
+    let upper = (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0;
+    let slope = upper.min((scatter[1] * 16.0 + scatter[2] * 81.0) / 2.0);
     1.0 + 0.9 * (scatter[0] / slope).min(1.25).powi(2)
 }
 

@@ -57,9 +57,9 @@ impl Plan {
         self.edges >= 64
     }
 
-    /// Neighbours of an order: a third of it to either side, two at least.
+    /// Neighbours of an order: a third of it to either side, four at least.
     pub(super) fn neighbours(self, order: usize) -> impl Iterator<Item = usize> {
-        let reach = (order / 3).max(2);
+        let reach = (order / 3).max(4);
         self.orders().filter(move |n| n.abs_diff(order) <= reach)
     }
 

@@ -60,10 +60,10 @@ impl Estimate<'_> {
                 sizes[order] = (power - 4.0 * noise).max(0.0);
                 continue;
             }
-            let own = match order {
-                _ if self.suspect(plan, order) => 0.0,
-                1 | 2 => power * power / noise,
-                _ => power - 12.0 * noise,
+            let own = if self.suspect(plan, order) {
+                0.0
+            } else {
+                power - 12.0 * noise
             };
             let (level, count) = self.neighbourhood(plan, order);
             let margin = (10.4 / (count as f64).sqrt()).exp2();
@@ -101,8 +101,13 @@ impl Estimate<'_> {
                 } else {
                     1.0
                 };
-                single[order] = wiener(sizes[order], doubt) * gate;
                 let mounting = order <= 2 && !suspect && plan.has_neighbours();
+                let least = if mounting {
+                    (1.0 - doubt / (2.0 * self.power(order))).max(0.0)
+                } else {
+                    0.0
+                };
+                single[order] = wiener(sizes[order], doubt).max(least) * gate;
                 residual += 2.0
                     * if mounting {
                         doubt + left_over(single[order], self.power(order), 0.0)
