@@ -67,21 +67,26 @@ impl Recip {
     }
 }
 
+/// Upper word of a product.
+#[inline]
+const fn high(a: u32, b: u32) -> u32 {
+    ((a as u64 * b as u64) >> 32) as u32
+}
+
 /// 2^63 / `d` for a normalised `d` (top bit set), a little low, at most 2^32 - 1.
 #[inline]
 const fn newton(d: u32) -> u32 {
-    let d = d as u64;
     // Reciprocal estimate in Q30: 1 to 2.
-    let mut r = (SEED as u64 * 2).wrapping_sub((SLOPE as u64 * 2 * d) >> 32);
+    let mut r = (SEED * 2).wrapping_sub(high(SLOPE * 2, d));
     // From Q30 to Q31 in the last round only, so that 2 still fits in between.
     let mut round = 0;
     while round < 2 {
-        let product = ((r * d) >> 32) + 1;
-        r = (r * ((1 << 31) - product)) >> 30;
+        let product = high(r, d) + 1;
+        r = ((r as u64 * ((1 << 31) - product) as u64) >> 30) as u32;
         round += 1;
     }
-    let product = ((r * d) >> 31) + 1;
-    let result = (r * ((1 << 32) - product)) >> 30;
+    let product = ((r as u64 * d as u64) >> 31) as u32 + 1;
+    let result = (r as u64 * product.wrapping_neg() as u64) >> 30;
     if result > u32::MAX as u64 {
         u32::MAX
     } else if result < 1 << 31 {

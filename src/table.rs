@@ -64,10 +64,14 @@ impl OfClass {
     /// Nothing.
     pub const NONE: Self = Self {
         offset: TurnDelta32(0),
-        delay: Delay {
-            late: TickDelta8::ZERO,
-            stretch: TickDelta8::ZERO,
-        },
+        delay: Delay::NONE,
+    };
+}
+
+impl Delay {
+    const NONE: Self = Self {
+        late: TickDelta8::ZERO,
+        stretch: TickDelta8::ZERO,
     };
 }
 
@@ -81,6 +85,8 @@ pub struct ErrorTable<'a, E: Entry = i16> {
     class_offsets: [TurnDelta32; CLASSES_MAX],
     /// Zero beyond C.
     class_delays: [TickDelta8; CLASSES_MAX],
+    /// Whether any of them is not zero.
+    has_delays: bool,
     entries: &'a [E],
     /// `1 << shift`.
     scale: i32,
@@ -107,6 +113,7 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
             grid: Grid::new(shape),
             class_offsets,
             class_delays: NO_DELAYS,
+            has_delays: false,
             entries,
             scale: 1 << shift,
         })
@@ -116,6 +123,12 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
     #[must_use]
     pub const fn with_delays(mut self, class_delays: [TickDelta8; CLASSES_MAX]) -> Self {
         self.class_delays = class_delays;
+        self.has_delays = false;
+        let mut class = 0;
+        while class < CLASSES_MAX {
+            self.has_delays |= class_delays[class].0 != 0;
+            class += 1;
+        }
         self
     }
 
@@ -125,6 +138,7 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
             grid,
             class_offsets: [TurnDelta32(0); CLASSES_MAX],
             class_delays: NO_DELAYS,
+            has_delays: false,
             entries: &[],
             scale: 1,
         }
@@ -156,6 +170,9 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
     #[inline]
     #[must_use]
     pub fn delay(&self, edge: u32, direction: Direction) -> TickDelta8 {
+        if !self.has_delays {
+            return TickDelta8::ZERO;
+        }
         let class = self.grid.class(edge) as usize;
         let class = match direction {
             Direction::Forward => class,
@@ -166,6 +183,9 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
 
     /// Delay of a step's edge, and by how much it is more than that of the edge before.
     pub(crate) fn delay_after(&self, edge: u32, direction: Direction, flags: Flags) -> Delay {
+        if !self.has_delays {
+            return Delay::NONE;
+        }
         let late = self.delay(edge, direction);
         let before = if flags.intersects(Flags::FIRST.with(Flags::ILLEGAL)) {
             // Which edge was before is not known.

@@ -61,11 +61,13 @@ impl CorrectedEdge {
     /// Way in a time of 2^-8 tick, with its sign.
     #[inline]
     fn way(&self, time_q8: i64) -> i64 {
-        let time = time_q8.unsigned_abs();
-        // Both times are made to fit: their product with the way has 64 bits.
-        let excess = 32_u32.saturating_sub(time.leading_zeros());
-        let (time, interval) = (time >> excess, self.interval_q8() >> excess);
-        let way = Recip::of_u64(interval).times(u64::from(self.moved.0.unsigned_abs()) * time);
+        let (time, interval) = (time_q8.unsigned_abs(), self.interval_q8());
+        // Both are made to fit 32 bits: what is cut off is worth less than the angle's unit.
+        let excess = 32_u32.saturating_sub((time | interval).leading_zeros());
+        #[allow(clippy::cast_possible_truncation)]
+        let [time, interval] = [time, interval].map(|t| (t >> excess) as u32);
+        let product = u64::from(self.moved.0.unsigned_abs()) * u64::from(time);
+        let way = Recip::of_u32(interval).times(product);
         let way = i64::try_from(way).unwrap_or(i64::MAX);
         if time_q8 < 0 { -way } else { way }
     }
