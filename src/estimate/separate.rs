@@ -6,8 +6,14 @@ use super::order::{ORDERS_MAX, OrderPlan, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
 use super::spectrum::Coefficient;
 
-/// The strongest orders of torque found.
-pub(super) type Torques = heapless::Vec<TorqueOrder, TORQUES_MAX>;
+/// Torque found.
+#[derive(Default)]
+pub(super) struct Torques {
+    /// The strongest orders.
+    pub strongest: heapless::Vec<TorqueOrder, TORQUES_MAX>,
+    /// Orders at which it is certain.
+    pub count: u16,
+}
 
 /// Torque is taken for certain at so many times the noise, and for none at half of it: noise alone is six times its mean
 /// once in 400 orders.
@@ -25,7 +31,7 @@ pub(super) fn separate(
     doubt: &[u64; ORDERS_MAX],
     fine: Fine,
 ) -> Torques {
-    let mut torques = Torques::new();
+    let mut torques = Torques::default();
     let Some(share_q30) = moments.separation else {
         difference.fill(Coefficient::default());
         return torques;
@@ -43,8 +49,9 @@ pub(super) fn separate(
                 re: i32::try_from(doubt.isqrt()).unwrap_or(i32::MAX),
                 im: 0,
             };
+            torques.count += 1;
             keep_strongest(
-                &mut torques,
+                &mut torques.strongest,
                 TorqueOrder {
                     #[allow(clippy::cast_possible_truncation)]
                     order: order as u16,
@@ -71,7 +78,7 @@ fn peak(coefficient: Coefficient, fine: Fine) -> u32 {
 }
 
 /// Keeps `torque` in a list of the strongest.
-fn keep_strongest(list: &mut Torques, torque: TorqueOrder) {
+fn keep_strongest(list: &mut heapless::Vec<TorqueOrder, TORQUES_MAX>, torque: TorqueOrder) {
     if list.push(torque).is_err()
         && let Some(weakest) = list.iter_mut().min_by_key(|kept| kept.amplitude)
         && weakest.amplitude < torque.amplitude
