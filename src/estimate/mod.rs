@@ -12,6 +12,7 @@
 //!
 //! Work an edge is constant, without division or search; the library's head has what it costs.
 
+mod agree;
 mod buffers;
 mod close;
 mod delays;
@@ -43,6 +44,7 @@ pub use solution::{ClassDelays, Solution, SolveError};
 
 use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;
+use agree::Agreement;
 use delays::Delays;
 use fold::{Fold, FoldShape};
 use learn::WholeTurn;
@@ -82,7 +84,8 @@ pub enum Rejection {
     /// The turn took more than a third longer or shorter than the one before, or the one before is not known and it was not
     /// steady, or its speed is more than 90 times off that of the first turn.
     SpeedChange,
-    /// Its slow motion differs far more from that of the turn before than turns at this speed do: a load step, a shock.
+    /// Its slow motion differs far more from that of the turn taken last than turns at this speed do: a load step, a shock. The
+    /// fourth such turn in a row is taken, and so is one that agrees with the one before: the shaft now runs like that.
     Disagrees,
 }
 
@@ -163,8 +166,7 @@ pub struct Estimator<B> {
     turn: Option<Turn>,
     rate: Option<TurnRate>,
     before: Option<WholeTurn>,
-    last_taken: Option<WholeTurn>,
-    disagreed: bool,
+    agreement: Agreement,
     low: LowOrders,
     fold: Fold,
     folding: Option<Place>,
@@ -200,8 +202,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             turn: None,
             rate: None,
             before: None,
-            last_taken: None,
-            disagreed: false,
+            agreement: Agreement::NONE,
             low: LowOrders::new(length, length / block),
             fold: Fold::idle(fold),
             folding: None,
