@@ -19,7 +19,7 @@ use crate::accuracy::zero_mean;
 
 pub use calibrated::{GivenGains, Judged};
 pub use disturbed::{
-    Disturbance, Disturbed, LOADS, RAMP_LOADS, STRONG_RIPPLE, STRONG_WANDER, Verdicts,
+    Disturbance, Disturbed, LOADS, RAMP_LOADS, STRONG_RIPPLE, STRONG_WANDER, Share, Verdicts,
 };
 pub use scenario::Scenario;
 

@@ -152,17 +152,16 @@ impl Seen {
     }
 
     /// Takes from squared differences what a change of speed may make of locked torque: with q the ratio of the durations' squares,
-    /// an order differs by q - 1 of itself at the most, be all of it torque.
+    /// q - 1 of what the order has in the turn with less of it, and, as geometry may hide half of the torque there, twice that.
     fn take_locked(&self, other: &Self, squares: &mut [u64; LOW_ORDERS]) {
         let shorter = self.duration.min(other.duration);
         let change = self.duration.abs_diff(other.duration);
         let change_q16 = Recip::of_u64(shorter).times(change << 16);
         let growth_q16 = 2 * change_q16 + ((change_q16 * change_q16) >> 16);
-        // The square of a sum is at most twice that of the squares.
-        let share_q32 = u128::from(2 * growth_q16 * growth_q16);
-        let power = |low: LowOrder| u128::from(low.distance(LowOrder::default()));
+        let share_q32 = u128::from(4 * growth_q16 * growth_q16);
+        let power = |low: &LowOrder| u128::from(low.distance(LowOrder::default()));
         for (square, (one, other)) in squares.iter_mut().zip(self.low.iter().zip(&other.low)) {
-            let locked = ((power(*one) + power(*other)) * share_q32) >> 32;
+            let locked = (power(one).min(power(other)) * share_q32) >> 32;
             *square = square.saturating_sub(u64::try_from(locked).unwrap_or(u64::MAX));
         }
     }
@@ -191,3 +190,6 @@ fn level(squares: &[u64; LOW_ORDERS]) -> u64 {
         sum.saturating_add(square.saturating_mul(n.pow(4)))
     })
 }
+
+#[cfg(test)]
+mod tests;

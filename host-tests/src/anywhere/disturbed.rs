@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use quadcal_host::calibrate::{CalibrateError, Calibration};
+use quadcal::estimate::Rejection;
+use quadcal_host::calibrate::{CalibrateError, Calibration, RejectedTurn};
 use quadcal_host::twin::{Drive, LoadStep, Noise, Twin, TwinError};
 
 use super::{
@@ -176,13 +177,33 @@ fn time_s(drive: &Drive, turns: f64) -> f64 {
     }
 }
 
-/// How the verdicts on turns fit what happened to them.
+/// How the verdicts on turns fit what happened to them: of so many turns, so many were rejected. Turns rejected for a change of speed
+/// are apart unless they were hit: the second one of the ramp is twice as fast as the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verdicts {
-    /// Turns hit by a load that comes or goes, and of those the ones that were rejected.
-    pub hit: [u64; 2],
-    /// Turns taken or rejected that no load came or went in, and of those the ones that were rejected.
-    pub spared: [u64; 2],
+    /// Turns in which a load comes or goes.
+    pub hit: Share,
+    /// The turn after such a turn, in which a fast shaft still settles, and which the turn before can't tell the bend of.
+    pub after: Share,
+    /// All others that a calibration looked at.
+    pub spared: Share,
+}
+
+/// How many turns there were, and how many of them were rejected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Turns.
+    pub turns: u64,
+    /// Of those rejected.
+    pub rejected: u64,
+}
+
+impl Share {
+    /// Rejected turns over all.
+    #[must_use]
+    pub fn part(self) -> f64 {
+        self.rejected as f64 / self.turns as f64
+    }
 }
 
 impl Verdicts {
@@ -190,14 +211,22 @@ impl Verdicts {
     pub fn add(&mut self, calibration: &Calibration, hit: &[Vec<u64>]) {
         for (used, hit) in calibration.recordings.iter().zip(hit) {
             let rejected = used.rejected.listed();
-            let named = rejected.iter().filter(|turn| hit.contains(&turn.number));
-            let named = named.count() as u64;
-            let (taken, rejected) = (u64::from(used.totals.turns), rejected.len() as u64);
-            let hit = hit.len() as u64;
-            self.hit[0] += hit;
-            self.hit[1] += named;
-            self.spared[0] += taken + rejected - hit;
-            self.spared[1] += rejected - named;
+            let looked_at = used.totals.turns as usize + rejected.len();
+            // The first turn of a recording only sets the rate.
+            for number in 2..2 + looked_at as u64 {
+                let verdict = rejected.iter().find(|turn| turn.number == number);
+                let is_hit = hit.contains(&number);
+                let share = if is_hit {
+                    &mut self.hit
+                } else if hit.contains(&(number - 1)) {
+                    &mut self.after
+                } else {
+                    &mut self.spared
+                };
+                let counts = |turn: &&RejectedTurn| is_hit || turn.reason != Rejection::SpeedChange;
+                share.turns += 1;
+                share.rejected += u64::from(verdict.filter(counts).is_some());
+            }
         }
     }
 }

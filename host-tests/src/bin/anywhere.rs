@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use quadcal_host_tests::accuracy::rms;
 use quadcal_host_tests::anywhere::{
-    Disturbance, Disturbed, GivenGains, Judged, Rig, Scenario, Verdicts,
+    Disturbance, Disturbed, GivenGains, Judged, Rig, Scenario, Share, Verdicts,
 };
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 
@@ -134,9 +134,9 @@ fn main() -> Result<()> {
     println!();
     println!(
         "| disturbed | raw | quadcal | removed | undisturbed | own standard error | within 95 % | turns taken, a run | rejected: \
-         broken, irregular, change of speed, disagrees | hit by a load step: rejected of all | others: rejected of all |"
+         broken, irregular, change of speed, disagrees | rejected of those hit by a load step | of those after these | of all others |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let names = |by: &Disturbance| {
         let only = options.only.as_ref();
         only.is_none_or(|part| by.name().contains(part))
@@ -182,8 +182,9 @@ fn print_disturbed(by: Disturbance, options: &Options) -> Result<()> {
     let (raw, left) = (over(|run| run.raw), over(|run| run.left));
     let covered = judged.iter().map(|run| run.covered).sum::<f64>() / judged.len() as f64;
     let runs = options.seeds as f64;
+    let share = |share: Share| format!("{} of {}", share.rejected, share.turns);
     println!(
-        "| {} | {raw:.2e} | **{left:.2e}** | {:.2} % | {:.2e} | {:.2e} | {:.1} % | {:.1} | {} | {} of {} | {} of {} |",
+        "| {} | {raw:.2e} | **{left:.2e}** | {:.2} % | {:.2e} | {:.2e} | {:.1} % | {:.1} | {} | {} | {} | {} |",
         by.name(),
         100.0 * (1.0 - left / raw),
         rms(&undisturbed),
@@ -191,10 +192,9 @@ fn print_disturbed(by: Disturbance, options: &Options) -> Result<()> {
         100.0 * covered,
         f64::from(taken) / runs,
         reasons.map(|count| count.to_string()).join(", "),
-        verdicts.hit[1],
-        verdicts.hit[0],
-        verdicts.spared[1],
-        verdicts.spared[0],
+        share(verdicts.hit),
+        share(verdicts.after),
+        share(verdicts.spared),
     );
     Ok(())
 }

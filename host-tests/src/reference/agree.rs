@@ -83,9 +83,9 @@ impl Seen {
         if change > self.duration / 16.0 {
             // Locked torque goes with the square of the duration.
             let ratio = 1.0 + change / self.duration.min(other.duration);
-            let locked = 2.0 * (ratio * ratio - 1.0).powi(2);
+            let locked = (2.0 * (ratio * ratio - 1.0)).powi(2);
             for ((square, one), other) in squares.iter_mut().zip(self.low).zip(other.low) {
-                *square = (*square - locked * (one.norm_sqr() + other.norm_sqr())).max(0.0);
+                *square = (*square - locked * one.norm_sqr().min(other.norm_sqr())).max(0.0);
             }
         }
         let level_of = level(&squares);

@@ -125,7 +125,7 @@ fn rejected_facts(facts: &mut Facts, used: &RecordingUse) {
     let turns = used.rejected.listed();
     for turn in turns.iter().take(LISTED) {
         let (start, duration) = used.seconds_of(turn);
-        let took = duration.map_or_else(String::new, |s| format!(", took {}", si(s, "s")));
+        let took = duration.map_or_else(String::new, |s| format!(", took {}", words::took(s)));
         let why = words::reason(turn.reason);
         facts.push(
             format!("    Turn {}", turn.number),

@@ -1,7 +1,7 @@
 //! The turns of a calibration: how many were used, and which were thrown out.
 
 use crate::calibrate::{Calibration, RecordingUse};
-use crate::report::{Body, Cell, si};
+use crate::report::{Body, Cell};
 
 use super::{figures, words};
 
@@ -52,20 +52,18 @@ fn rejected(body: &mut Body, name: &str, used: &RecordingUse) {
         vec![
             Cell::fixed(turn.number as f64, 0),
             Cell::fixed(start, 3),
-            duration.map_or_else(|| "-".into(), |duration| si(duration, "s").into()),
+            duration.map_or_else(|| "-".into(), |seconds| words::took(seconds).into()),
             words::reason(turn.reason).into(),
         ]
     });
     let all = turns.len() as u64 + used.rejected.more();
-    let caption = if all > LISTED as u64 {
-        format!("The first {LISTED} of {all} turns rejected of {name}; --json lists more")
+    let which = if all > LISTED as u64 {
+        format!("The first {LISTED} of {all} turns rejected of {name} (--json lists more)")
     } else {
         format!("Turns rejected of {name}")
     };
     body.table(
-        format!(
-            "{caption}. Turn 1 is the first whole one; it begins so long after the recording does"
-        ),
+        format!("{which}, by number, the first whole turn being 1, and time from the recording's first row"),
         &["Turn", "Begins, s", "Took", "Why"],
         rows.collect(),
     );

@@ -102,6 +102,13 @@ pub fn rejections(totals: &Totals) -> [(&'static str, u32, &'static str); 4] {
     ]
 }
 
+/// How long a turn took, four digits, as turns differ by little.
+#[must_use]
+pub fn took(seconds: f64) -> String {
+    let (number, unit) = si_digits(seconds, "s", 4);
+    format!("{number} {unit}")
+}
+
 /// Why a turn was not used, in few words.
 #[must_use]
 pub const fn reason(reason: Rejection) -> &'static str {
