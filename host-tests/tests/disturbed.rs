@@ -33,3 +33,61 @@ fn left(by: Disturbance, lines: u32) -> Left {
         verdicts,
     }
 }
+
+/// Torque that a stiff drive damps is not as 1/speed^2, so two speeds leave a part of strong ripple behind, at orders 5 and 10 above
+/// all: up to twice the rest, of which the standard error knows nothing.
+#[test]
+fn ripple_of_a_fifth_leaves_one_percent() {
+    let left = left(Disturbance::Ripple, 2500);
+    assert!(left.of_raw < 0.01, "{}", left.of_raw);
+    assert!(left.covered > 0.6, "{}", left.covered);
+    assert_eq!(left.verdicts.spared.rejected, 0);
+}
+
+#[test]
+fn wander_of_two_percent_leaves_a_tenth_and_is_said() {
+    let left = left(Disturbance::Wander, 2500);
+    assert!(left.of_raw < 0.1, "{}", left.of_raw);
+    assert!(left.covered > 0.9, "{}", left.covered);
+    assert!(left.verdicts.spared.part() < 0.01, "{:?}", left.verdicts);
+}
+
+#[test]
+fn turns_hit_by_a_load_are_named_and_others_are_not() {
+    for lines in [60, 2500] {
+        let left = left(Disturbance::LoadSteps, lines);
+        assert!(left.of_raw < 0.025, "{lines}: {}", left.of_raw);
+        assert!(left.covered > 0.85, "{lines}: {}", left.covered);
+        let verdicts = left.verdicts;
+        assert_eq!(verdicts.hit.turns, 6 * SEEDS.count() as u64);
+        assert!(verdicts.hit.part() > 0.95, "{lines}: {verdicts:?}");
+        assert!(verdicts.spared.part() < 0.02, "{lines}: {verdicts:?}");
+    }
+}
+
+#[test]
+fn a_ramp_with_ripple_and_loads_leaves_a_percent() {
+    let left = left(Disturbance::Ramp, 2500);
+    assert!(left.of_raw < 0.005, "{}", left.of_raw);
+    assert!(left.covered > 0.85, "{}", left.covered);
+    let verdicts = left.verdicts;
+    assert!(verdicts.hit.part() > 0.7, "{verdicts:?}");
+    assert!(verdicts.spared.part() < 0.01, "{verdicts:?}");
+}
+
+#[test]
+fn a_rejected_turn_is_named_with_the_times_of_its_edges() {
+    let disturbed = Disturbed {
+        by: Disturbance::LoadSteps,
+        lines: 60,
+    };
+    let run = disturbed.run(9_100).unwrap();
+    let calibration = disturbed.calibrate(&run, 9_100).unwrap();
+    let (recorded, used) = (&run.recordings[0], &calibration.recordings[0]);
+    let sixth = used.rejected.listed()[0];
+    assert_eq!((sixth.number, sixth.reason), (6, Rejection::Disagrees));
+    let edges = run.truth.len();
+    assert_eq!(sixth.start, recorded.times[5 * edges]);
+    let end = recorded.times[6 * edges];
+    assert_eq!(sixth.duration, Some(end - sixth.start));
+}
