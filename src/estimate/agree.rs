@@ -4,7 +4,7 @@
 //! is noise, whose usual size the pairs of turns so far show, or a disturbance: a load step, a shock.
 
 use super::low::{LOW_ORDERS, LowOrder};
-use super::speeds::{Bin, Speeds};
+use super::speeds::Speeds;
 use crate::edge::Direction;
 use crate::recip::Recip;
 
@@ -54,10 +54,35 @@ const AT_ODDS: u8 = 8;
 /// Pairs of turns that say what is usual, at the least.
 const PAIRS: u16 = 3;
 
-/// How many times the usual is far off with many pairs, and what a few of them add to that, over their number: 14 with three, 8
-/// with twelve. Torque noise comes to that in one turn of some thousands, by simulation.
-const FAR_OFF: u128 = 6;
-const FAR_OFF_OF_FEW: u128 = 24;
+/// How many times the usual is far off, for a sum of squared differences.
+struct Limit {
+    /// With many pairs.
+    of_many: u128,
+    /// What few of them add to that, over their number.
+    of_few: u128,
+}
+
+/// Of all orders, each weighed to count alike: 14 with three pairs, 8 with twelve.
+const WEIGHED: Limit = Limit {
+    of_many: 6,
+    of_few: 24,
+};
+
+/// As they are, which is order 1 for the most part: 30 with three pairs, 15 with twelve. Torque noise comes to either limit in one
+/// turn of some thousands, by simulation.
+const PLAIN: Limit = Limit {
+    of_many: 10,
+    of_few: 60,
+};
+
+impl Limit {
+    /// Whether a turn is beyond the limit, where so many pairs have come to a sum of `usual`.
+    fn is_passed(&self, turn: u64, usual: u64, pairs: u16, wary: u128) -> bool {
+        let pairs = u128::from(pairs);
+        let most = u128::from(usual) * (self.of_many * pairs + self.of_few);
+        u128::from(turn) * pairs * pairs * wary > most
+    }
+}
 
 /// The same after a turn that disagreed is smaller by this: what disturbed one may be in the next.
 const WARY: u128 = 3;
@@ -142,11 +167,10 @@ impl Seen {
         if !self.is_like(other) {
             self.take_locked(other, &mut squares);
         }
-        let level = level(&squares);
+        let level = weighed(&squares);
         let far = usual(self.bin, other.bin, speeds).is_some_and(|(usual, pairs)| {
-            let pairs = u128::from(pairs);
-            let most = u128::from(usual) * (FAR_OFF * pairs + FAR_OFF_OF_FEW);
-            u128::from(level) * pairs * pairs * wary > most
+            WEIGHED.is_passed(level, weighed(&usual), pairs, wary)
+                || PLAIN.is_passed(plain(&squares), plain(&usual), pairs, wary)
         });
         Off { level, far }
     }
@@ -167,28 +191,32 @@ impl Seen {
     }
 }
 
-/// Sum over the pairs of turns at a speed of how much they differ, and their number: of the bin itself, or, with too few there, of
-/// the other one.
-fn usual(bin: usize, other: usize, speeds: &Speeds) -> Option<(u64, u16)> {
+/// How much the pairs of turns at a speed differ in all, and their number: of the bin itself, or, with too few there, of the other
+/// one.
+fn usual(bin: usize, other: usize, speeds: &Speeds) -> Option<([u64; LOW_ORDERS], u16)> {
     let pairs_of = |bin: usize| speeds.bins.get(bin).filter(|bin| bin.pairs >= PAIRS);
-    let sum = |bin: &Bin| level(&bin.scatter);
     if let Some(own) = pairs_of(bin) {
-        return Some((sum(own), own.pairs));
+        return Some((own.scatter, own.pairs));
     }
     // Noise grows with the cube of the duration, by less than four from one bin to the next.
     let slower = u32::try_from(bin.saturating_sub(other)).unwrap_or(0);
     let known = pairs_of(other)?;
-    Some((
-        sum(known).saturating_mul(1 << (2 * slower.min(8))),
-        known.pairs,
-    ))
+    let scatter = known.scatter;
+    let scatter = scatter.map(|square| square.saturating_mul(1 << (2 * slower.min(8))));
+    Some((scatter, known.pairs))
 }
 
-/// Squares of all orders together. Torque noise falls with the fourth power of the order.
-fn level(squares: &[u64; LOW_ORDERS]) -> u64 {
+/// Squares of all orders together, each of which torque noise makes alike: it falls with the fourth power of the order.
+fn weighed(squares: &[u64; LOW_ORDERS]) -> u64 {
     squares.iter().zip(1_u64..).fold(0, |sum, (square, n)| {
         sum.saturating_add(square.saturating_mul(n.pow(4)))
     })
+}
+
+/// Squares of all orders together.
+fn plain(squares: &[u64; LOW_ORDERS]) -> u64 {
+    let squares = squares.iter();
+    squares.fold(0, |sum, square| sum.saturating_add(*square))
 }
 
 #[cfg(test)]

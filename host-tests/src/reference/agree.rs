@@ -100,9 +100,13 @@ impl Seen {
             return (level_of, false);
         }
         let count = pairs.len() as f64;
-        let mean = pairs.iter().map(level).sum::<f64>() / count;
-        let most = (6.0 + 24.0 / count) * slower * mean;
-        (level_of, wary * level_of > most)
+        let passed = |level: fn(&Squares) -> f64, limit: f64| {
+            let mean = pairs.iter().map(level).sum::<f64>() / count;
+            wary * level(&squares) > limit * slower * mean
+        };
+        let far = passed(level, 6.0 + 24.0 / count)
+            || passed(|squares| squares.iter().sum(), 10.0 + 60.0 / count);
+        (level_of, far)
     }
 }
 

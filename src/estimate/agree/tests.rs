@@ -101,18 +101,18 @@ fn a_pattern_that_stays_is_taken_the_fourth_time_and_is_no_scatter() {
     let taken: [bool; 6] = core::array::from_fn(|_| run.take(TURN, 1000, STEP_UP));
     assert_eq!(taken, [false, false, false, true, true, true]);
     let after = run.speeds.bins.map(|bin| bin.scatter);
-    let sum = |bins: &[[u64; LOW_ORDERS]]| bins.iter().map(level).sum::<u64>();
+    let sum = |bins: &[[u64; LOW_ORDERS]]| bins.iter().map(weighed).sum::<u64>();
     assert!(sum(&after) < 3 * sum(&before));
 }
 
 #[test]
 fn turns_that_stay_rough_are_taken_in_the_end_and_said_to_scatter() {
     let mut run = Run::settled();
-    let level_before = run.speeds.bins.map(|bin| level(&bin.scatter));
+    let level_before = run.speeds.bins.map(|bin| weighed(&bin.scatter));
     let taken: [bool; 40] = core::array::from_fn(|_| run.take(TURN, 30_000, [0; LOW_ORDERS]));
     assert!(taken[..4].iter().all(|taken| !taken));
     assert!(taken[20..].iter().all(|&taken| taken), "{taken:?}");
-    let level_after = run.speeds.bins.map(|bin| level(&bin.scatter));
+    let level_after = run.speeds.bins.map(|bin| weighed(&bin.scatter));
     let grown = level_after.iter().sum::<u64>() / level_before.iter().sum::<u64>();
     assert!(grown > 300, "{grown}");
 }
