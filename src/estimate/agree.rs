@@ -68,8 +68,8 @@ const WEIGHED: Limit = Limit {
     of_few: 24,
 };
 
-/// As they are, which is order 1 for the most part: 30 with three pairs, 15 with twelve. Torque noise comes to either limit in one
-/// turn of some thousands, by simulation.
+/// As they are, which is order 1 for the most part: 30 with three pairs, 15 with twelve. Torque noise came to neither limit in a
+/// thousand turns of a simulation.
 const PLAIN: Limit = Limit {
     of_many: 10,
     of_few: 60,
@@ -84,7 +84,7 @@ impl Limit {
     }
 }
 
-/// The same after a turn that disagreed is smaller by this: what disturbed one may be in the next.
+/// The limits are smaller by this after a turn that disagreed: what disturbed one may be in the next.
 const WARY: u128 = 3;
 
 impl Agreement {

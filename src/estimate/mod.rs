@@ -84,8 +84,8 @@ pub enum Rejection {
     /// The turn took more than a third longer or shorter than the one before, or the one before is not known and it was not
     /// steady, or its speed is more than 90 times off that of the first turn.
     SpeedChange,
-    /// Its slow motion differs far more from that of the turn taken last than turns at this speed do: a load step, a shock. The
-    /// fourth such turn in a row is taken, and so is one that agrees with the one before: the shaft now runs like that.
+    /// Its slow motion differs far more from that of the turn taken last than turns at this speed do: a load step, a shock. Of
+    /// turns that go on like that the fourth is taken if it is like the third, the ninth in any case: so the shaft runs now.
     Disagrees,
 }
 
