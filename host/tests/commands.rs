@@ -244,52 +244,6 @@ fn a_turn_with_a_shock_is_thrown_out_and_the_reason_told() {
 }
 
 #[test]
-fn the_turns_that_a_load_hits_are_named_with_number_time_and_reason() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    let twin = Path::new(env!("CARGO_MANIFEST_DIR")).join("twins/load-step.toml");
-    fs::copy(twin, at.join("load.toml")).unwrap();
-    done(at, "simulate load.toml -o load.csv");
-    let text = done(
-        at,
-        "calibrate load.csv -o t.qct --json t.json --report t.html",
-    );
-    let found = json(&fs::read_to_string(at.join("t.json")).unwrap());
-    let rejected = found["recordings"][0]["turns_rejected"].as_array().unwrap();
-    let hit: Vec<_> = rejected
-        .iter()
-        .map(|turn| turn["turn"].as_u64().unwrap())
-        .collect();
-    assert!([6, 9, 10].iter().all(|turn| hit.contains(turn)), "{hit:?}");
-    // Beside them the turn after may be left out, in which the shaft comes back.
-    assert!(
-        hit.iter().all(|turn| [6, 7, 9, 10, 11].contains(turn)),
-        "{hit:?}"
-    );
-    assert_eq!(found["turns"]["disagrees"], hit.len());
-    assert_eq!(found["recordings"][0]["turns_rejected_not_listed"], 0);
-    let sixth = &rejected[0];
-    assert_eq!(
-        (&sixth["turn"], &sixth["reason"]),
-        (&6.into(), &"disagrees".into())
-    );
-    // Five turns and the 0.15 of one before the index, of 0.1 s each.
-    let start = sixth["start_s"].as_f64().unwrap();
-    assert!((start - 0.515).abs() < 1e-3, "{start}");
-    assert!((sixth["seconds"].as_f64().unwrap() - 0.1).abs() < 1e-3);
-    assert!(
-        text.contains("    Turn 6 ")
-            && text.contains("disagrees with its neighbours; begins at 0.51"),
-        "{text}"
-    );
-    let page = fs::read_to_string(at.join("t.html")).unwrap();
-    assert!(
-        page.contains("Turns rejected of load.csv")
-            && page.contains("disagrees with its neighbours")
-    );
-}
-
-#[test]
 fn a_table_serves_another_recording_of_its_encoder() {
     let folder = workshop();
     let at = folder.path();
