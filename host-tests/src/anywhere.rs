@@ -4,6 +4,7 @@
 //! disc's errors stay.
 
 mod calibrated;
+mod disturbed;
 mod scenario;
 
 use std::f64::consts::TAU;
@@ -17,6 +18,9 @@ use quadcal_host::twin::{
 use crate::accuracy::zero_mean;
 
 pub use calibrated::{GivenGains, Judged};
+pub use disturbed::{
+    Disturbance, Disturbed, LOADS, RAMP_LOADS, STRONG_RIPPLE, STRONG_WANDER, Share, Verdicts,
+};
 pub use scenario::Scenario;
 
 /// Turns that are learned from a recording of one speed; it holds one more, for the speed before.
@@ -104,6 +108,21 @@ pub struct Run {
 }
 
 impl Run {
+    /// Runs the twins of one disc.
+    ///
+    /// # Errors
+    /// The simulator's.
+    pub fn of(twins: &[Twin]) -> Result<Self, TwinError> {
+        let mut truth = Vec::new();
+        let mut recordings = Vec::new();
+        for twin in twins {
+            let simulation = Simulation::new(twin)?;
+            truth = zero_mean(simulation.true_errors());
+            recordings.push(record(simulation));
+        }
+        Ok(Self { recordings, truth })
+    }
+
     /// What a calibration may see: headers and rows.
     #[must_use]
     pub fn into_recordings(self) -> Vec<(Header, Vec<Row>)> {
@@ -204,14 +223,7 @@ impl Rig {
     /// # Errors
     /// The simulator's.
     pub fn run(self, seed: u64) -> Result<Run, TwinError> {
-        let mut truth = Vec::new();
-        let mut recordings = Vec::new();
-        for twin in self.twins(seed) {
-            let simulation = Simulation::new(&twin)?;
-            truth = zero_mean(simulation.true_errors());
-            recordings.push(record(simulation));
-        }
-        Ok(Run { recordings, truth })
+        Run::of(&self.twins(seed))
     }
 
     /// What a calibration may see of a run: headers and rows.

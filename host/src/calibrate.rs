@@ -4,6 +4,8 @@ mod agree;
 mod error;
 mod learner;
 mod plan;
+mod rejected;
+mod turns;
 
 use quadcal::estimate::{Anchor, DriveKnowledge, Solution, Totals};
 use quadcal::slot::{Delays, SlotHeader};
@@ -13,6 +15,7 @@ pub use agree::{Disagreement, agree};
 pub use error::CalibrateError;
 pub use learner::Learner;
 pub use plan::plan;
+pub use rejected::{RejectedTurn, RejectedTurns};
 
 use crate::buffers::HeapBuffers;
 use crate::recording::{ReadError, Recording, Row};
@@ -43,10 +46,26 @@ pub struct RecordingUse {
     pub survey: Survey,
     /// Turns taken and rejected.
     pub totals: Totals,
+    /// Which turns were rejected, and why.
+    pub rejected: RejectedTurns,
     /// Faults seen by the decoder in the part that was used.
     pub faults: Faults,
     /// Last tick that was learned from.
     pub learned_until: u64,
+}
+
+impl RecordingUse {
+    /// When a turn began, counted from the recording's first row, and how long it took, s; of the latter nothing where the recording
+    /// ends within the turn.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn seconds_of(&self, turn: &RejectedTurn) -> (f64, Option<f64>) {
+        let seconds = |ticks: u64| ticks as f64 / self.survey.header.clock_hz as f64;
+        (
+            seconds(turn.start.saturating_sub(self.survey.first)),
+            turn.duration.map(seconds),
+        )
+    }
 }
 
 /// A solved calibration and how it came about.

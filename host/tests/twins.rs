@@ -34,6 +34,7 @@ fn every_file_in_the_folder_is_tried_here() {
         [
             "delays.toml",
             "hall.toml",
+            "load-step.toml",
             "paper.toml",
             "run-down.toml",
             "speed-loop.toml",
@@ -132,4 +133,21 @@ fn hall_and_wheel_give_their_edges_a_turn() {
     let wheel = run("wheel-60-2.toml");
     assert!((5799..=5801).contains(&wheel.len()), "{}", wheel.len());
     assert!(wheel.iter().all(|event| event.truth.edge.unwrap() < 116));
+}
+
+#[test]
+fn the_loads_slow_the_turns_that_they_are_in() {
+    let events = run("load-step.toml");
+    let starts: Vec<f64> = events
+        .iter()
+        .filter(|event| event.truth.edge == Some(0))
+        .map(|event| event.truth.time_s)
+        .collect();
+    let turns: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert_eq!(turns.len(), 14);
+    // The first load is within turn 6; the second comes in turn 9 and goes in turn 10.
+    let within = |turn: usize, s: f64| starts[turn - 1] < s && s < starts[turn];
+    assert!(within(6, 0.555) && within(6, 0.59) && within(9, 0.86) && within(10, 0.98));
+    assert!(turns[..5].iter().all(|turn| (turn - 0.1).abs() < 1e-4));
+    assert!(turns[5] > 0.1004 && turns[9] > 0.1005, "{turns:?}");
 }

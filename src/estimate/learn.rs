@@ -1,9 +1,8 @@
 //! The estimator's edge path, and what it does at the ends of turns.
 
+use super::agree::Seen;
 use super::fold::{Motion, TurnScale};
 use super::lockstep::Lockstep;
-use super::low::{LOW_ORDERS, LowOrder};
-
 use super::speeds::Place;
 use super::turn::{Turn, TurnRate};
 use super::{Anchor, BROKEN, EdgeBuffers, Estimator, Progress, Rejection, TURNS_MAX};
@@ -15,9 +14,8 @@ use crate::units::{STEP_FRACTION_BITS, Ticks};
 #[derive(Clone, Copy)]
 pub(super) struct WholeTurn {
     duration: u64,
-    direction: Direction,
-    /// Its lowest orders, once there is a rate to measure them by.
-    low: Option<[LowOrder; LOW_ORDERS]>,
+    /// Whether it was taken, so that it moved as smoothly as others.
+    taken: bool,
 }
 
 impl<B: EdgeBuffers> Estimator<B> {
@@ -44,6 +42,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         self.rate = None;
         self.before = None;
         self.drift.interrupt();
+        self.agreement.interrupt();
         self.fold.finish(&mut self.buffers.parts());
         self.settle_fold();
     }
@@ -157,16 +156,13 @@ impl<B: EdgeBuffers> Estimator<B> {
         let duration = turn.duration(now);
         let measured = turn.rate.is_some();
         self.rate = TurnRate::of(duration, self.shape.edges());
-        let mut whole = WholeTurn {
+        let before = self.before.replace(WholeTurn {
             duration,
-            direction: turn.direction,
-            low: None,
-        };
-        let before = self.before.replace(whole);
+            taken: false,
+        });
         if !measured {
             return Progress::Running;
         }
-        let bend_q32 = before.map_or(0, |before| Motion::bend_q32(before.duration, duration));
         let grid = self.shape.edges() << STEP_FRACTION_BITS;
         let excess = i64::from(turn.whole()) - i64::from(grid);
         // Without a turn just before, only a turn as long as the rate says is known to have been steady.
@@ -182,17 +178,19 @@ impl<B: EdgeBuffers> Estimator<B> {
             return Progress::TurnRejected(Rejection::SpeedChange);
         };
         let linear = (excess * i64::from(self.inverse_edges_q32)) >> STEP_FRACTION_BITS;
-        whole.low = Some(self.low.finish(linear, bend_q32));
-        if self.disagrees(&whole, place) {
+        let (seen, bend_q32, agrees) = self.seen(duration, turn.direction, linear, place, before);
+        if !agrees && self.agreement.reject(seen, &self.speeds) {
             self.totals.reject(Rejection::Disagrees);
             self.drift.interrupt();
             return Progress::TurnRejected(Rejection::Disagrees);
         }
-        self.before = Some(whole);
-        if let Some(low) = &whole.low {
-            self.drift.take(place.bin, low);
-        }
-        if before.is_some_and(|before| before.low.is_some())
+        self.drift.take(place.bin, &seen.low);
+        self.agreement.take(seen, agrees, &mut self.speeds);
+        self.before = Some(WholeTurn {
+            duration,
+            taken: true,
+        });
+        if before.is_some_and(|before| before.taken)
             && let Some(bin) = self.speeds.bin(place)
         {
             bin.jitter = bin.jitter.saturating_add(turn.jitter.squares);
@@ -214,51 +212,35 @@ impl<B: EdgeBuffers> Estimator<B> {
         Progress::TurnTaken(self.totals.turns)
     }
 
-    /// Compares a turn's lowest orders with those of the turn taken last. One of like speed adds to the scatter, unless it
-    /// is far off all scatter seen so far: then it disagrees, but not twice in a row.
-    fn disagrees(&mut self, turn: &WholeTurn, place: Place) -> bool {
-        let last = self.last_taken.replace(*turn);
-        let Some((last, last_low, low)) = last.and_then(|last| Some((last, last.low?, turn.low?)))
-        else {
-            return false;
+    /// The turn as it compares with others, its bend, and whether it agrees. After a turn that was not taken the two durations
+    /// need not tell how this one moves; then it may have been steady, if that is closer to the turn taken last.
+    fn seen(
+        &self,
+        duration: u64,
+        direction: Direction,
+        linear: i64,
+        place: Place,
+        before: Option<WholeTurn>,
+    ) -> (Seen, i32, bool) {
+        let with_bend = |bend_q32| {
+            let seen = Seen {
+                duration,
+                direction,
+                bin: place.bin,
+                low: self.low.finish(linear, bend_q32),
+            };
+            (seen, bend_q32, self.agreement.off(&seen, &self.speeds))
         };
-        let alike = turn.duration.abs_diff(last.duration) <= turn.duration >> 4;
-        if !alike || turn.direction != last.direction {
-            return false;
-        }
-        let mut squares = [0; LOW_ORDERS];
-        let mut level = 0_u64;
-        let both = low.iter().zip(&last_low);
-        for ((square, (one, other)), n) in squares.iter_mut().zip(both).zip(1_u64..) {
-            *square = one.distance(*other);
-            // Torque noise falls with the fourth power of the order.
-            level = level.saturating_add(square.saturating_mul(n.pow(4)));
-        }
-        let Some(bin) = self.speeds.bin(place) else {
-            return false;
-        };
-        let usual = bin
-            .scatter
-            .iter()
-            .zip(1_u64..)
-            .fold(0_u64, |sum, (scatter, n)| {
-                sum.saturating_add(scatter.saturating_mul(n.pow(4)))
-            });
-        // Thirty times the mean of three pairs or more: torque noise does so in one turn of ten thousand.
-        let far_off = bin.pairs >= 3 && (level >> 5).saturating_mul(bin.pairs.into()) > usual;
-        if far_off && !self.disagreed {
-            self.disagreed = true;
-            self.last_taken = Some(last);
-            return true;
-        }
-        self.disagreed = false;
-        if !far_off {
-            bin.pairs = bin.pairs.saturating_add(1);
-            for (sum, square) in bin.scatter.iter_mut().zip(squares) {
-                *sum = sum.saturating_add(square);
+        let smooth = before.map_or(0, |before| Motion::bend_q32(before.duration, duration));
+        let mut best = with_bend(smooth);
+        if before.is_some_and(|before| !before.taken) {
+            let steady = with_bend(0);
+            if steady.2.level < best.2.level {
+                best = steady;
             }
         }
-        false
+        let (seen, bend_q32, off) = best;
+        (seen, bend_q32, !off.far)
     }
 
     /// Takes note of the classes of the turn that was folded.

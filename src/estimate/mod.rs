@@ -12,6 +12,7 @@
 //!
 //! Work an edge is constant, without division or search; the library's head has what it costs.
 
+mod agree;
 mod buffers;
 mod close;
 mod decimate;
@@ -48,6 +49,7 @@ pub use solution::{ClassDelays, Solution, SolveError};
 
 use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;
+use agree::Agreement;
 use delays::Delays;
 use drift::Drift;
 use fold::{Fold, FoldShape};
@@ -88,7 +90,8 @@ pub enum Rejection {
     /// The turn took more than a third longer or shorter than the one before, or the one before is not known and it was not
     /// steady, or its speed is more than 90 times off that of the first turn.
     SpeedChange,
-    /// Its slow motion differs far more from that of the turn before than turns at this speed do: a load step, a shock.
+    /// Its slow motion differs far more from that of the turn taken last than turns at this speed do: a load step, a shock. Of
+    /// turns that go on like that the fourth is taken if it is like the third, the ninth in any case: so the shaft runs now.
     Disagrees,
 }
 
@@ -169,8 +172,7 @@ pub struct Estimator<B> {
     turn: Option<Turn>,
     rate: Option<TurnRate>,
     before: Option<WholeTurn>,
-    last_taken: Option<WholeTurn>,
-    disagreed: bool,
+    agreement: Agreement,
     low: LowOrders,
     fold: Fold,
     folding: Option<Place>,
@@ -207,8 +209,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             turn: None,
             rate: None,
             before: None,
-            last_taken: None,
-            disagreed: false,
+            agreement: Agreement::NONE,
             low: LowOrders::new(length, length / block),
             fold: Fold::idle(fold),
             folding: None,

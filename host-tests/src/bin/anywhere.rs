@@ -5,7 +5,9 @@
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use quadcal_host_tests::accuracy::rms;
-use quadcal_host_tests::anywhere::{GivenGains, Judged, Rig, Scenario};
+use quadcal_host_tests::anywhere::{
+    Disturbance, Disturbed, GivenGains, Judged, Rig, Scenario, Share, Verdicts,
+};
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 
 /// RMS error over all edges and seeds, rad; order 1 alone is most of it, so a few dozen seeds are needed for two digits.
@@ -129,6 +131,71 @@ fn main() -> Result<()> {
             print(row, &options)?;
         }
     }
+    println!();
+    println!(
+        "| disturbed | raw | quadcal | removed | undisturbed | own standard error | within 95 % | turns taken, a run | rejected: \
+         broken, irregular, change of speed, disagrees | rejected of those hit by a load step | of those after these | of all others |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let names = |by: &Disturbance| {
+        let only = options.only.as_ref();
+        only.is_none_or(|part| by.name().contains(part))
+    };
+    for by in Disturbance::ALL.into_iter().filter(names) {
+        print_disturbed(by, &options)?;
+    }
+    Ok(())
+}
+
+fn print_disturbed(by: Disturbance, options: &Options) -> Result<()> {
+    let disturbed = Disturbed {
+        by,
+        lines: options.lines,
+    };
+    let rig = disturbed.rig();
+    let (mut judged, mut undisturbed) = (Vec::new(), Vec::new());
+    let (mut taken, mut reasons) = (0, [0; 4]);
+    let mut verdicts = Verdicts::default();
+    for seed in options.first..options.first + options.seeds {
+        let run = rig.run(seed)?;
+        let calibration = rig.calibrate(&run, seed, GivenGains::EXACT)?;
+        undisturbed.push(Judged::of(&calibration, &run).left);
+        let run = disturbed.run(seed)?;
+        let calibration = disturbed
+            .calibrate(&run, seed)
+            .with_context(|| format!("seed {seed}"))?;
+        let totals = &calibration.totals;
+        taken += totals.turns;
+        let of_run = [
+            totals.broken,
+            totals.irregular,
+            totals.speed_change,
+            totals.disagrees,
+        ];
+        for (sum, count) in reasons.iter_mut().zip(of_run) {
+            *sum += count;
+        }
+        verdicts.add(&calibration, &disturbed.hit(&run, seed));
+        judged.push(Judged::of(&calibration, &run));
+    }
+    let over = |pick: fn(&Judged) -> f64| rms(&judged.iter().map(pick).collect::<Vec<_>>());
+    let (raw, left) = (over(|run| run.raw), over(|run| run.left));
+    let covered = judged.iter().map(|run| run.covered).sum::<f64>() / judged.len() as f64;
+    let runs = options.seeds as f64;
+    let share = |share: Share| format!("{} of {}", share.rejected, share.turns);
+    println!(
+        "| {} | {raw:.2e} | **{left:.2e}** | {:.2} % | {:.2e} | {:.2e} | {:.1} % | {:.1} | {} | {} | {} | {} |",
+        by.name(),
+        100.0 * (1.0 - left / raw),
+        rms(&undisturbed),
+        over(|run| run.standard_error),
+        100.0 * covered,
+        f64::from(taken) / runs,
+        reasons.map(|count| count.to_string()).join(", "),
+        share(verdicts.hit),
+        share(verdicts.after),
+        share(verdicts.spared),
+    );
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Input are crossing times only, starting at edge 0. It shares no code with the core.
 
+mod agree;
 mod delays;
 mod moments;
 mod noise;

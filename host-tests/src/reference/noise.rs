@@ -2,9 +2,10 @@
 
 use std::f64::consts::LN_2;
 
+use super::agree::LOW_ORDERS;
 use super::moments::{noise_of, torque_power};
 use super::plan::{Plan, coefficient};
-use super::turns::{LOW_ORDERS, Turn, combine, pairs};
+use super::turns::{Turn, combine, pairs};
 
 /// Noise powers by order, turns squared.
 #[derive(Debug, Clone)]

@@ -2,10 +2,8 @@
 
 use realfft::num_complex::Complex64;
 
+use super::agree::{Agreement, LOW_ORDERS, Seen, Squares};
 use super::plan::{Plan, coefficient};
-
-/// Lowest orders, compared from turn to turn.
-pub(super) const LOW_ORDERS: usize = 6;
 
 /// A turn taken.
 #[derive(Debug, Clone)]
@@ -19,7 +17,7 @@ pub(super) struct Turn {
     /// Sign in the contrasts.
     pub sign: f64,
     /// Squared differences of the lowest orders to the turn before, of like speed; turns squared.
-    pub pair: Option<[f64; LOW_ORDERS]>,
+    pub pair: Option<Squares>,
     /// Sum of squared second differences between this turn's deviations and the last one's, steps squared.
     pub jitter: Option<f64>,
 }
@@ -29,14 +27,14 @@ pub(super) struct Turn {
 struct Reader {
     turns: Vec<Turn>,
     first: Option<f64>,
-    last: Option<(f64, [Complex64; LOW_ORDERS])>,
-    disagreed: bool,
+    agreement: Agreement,
 }
 
 /// All turns that are taken of some recordings, which begin at a crossing of edge 0; the first turn of each gives the rate.
 pub(super) fn read(recordings: &[&[u64]], plan: Plan) -> Vec<Turn> {
     let mut reader = Reader::default();
     for times in recordings {
+        reader.agreement.interrupt();
         let mut before = None;
         let mut known: Option<Vec<f64>> = None;
         for crossings in times.windows(plan.edges + 1).step_by(plan.edges) {
@@ -49,7 +47,7 @@ pub(super) fn read(recordings: &[&[u64]], plan: Plan) -> Vec<Turn> {
             let deviations = steps(&time, plan);
             let old = known.take();
             let jitter = old.map(|old| second_differences(&deviations, &old));
-            if reader.take(&time, before, duration, jitter, plan) {
+            if reader.take(&time, [before, duration], jitter, plan) {
                 known = Some(deviations);
             }
         }
@@ -62,8 +60,7 @@ impl Reader {
     fn take(
         &mut self,
         time: &[f64],
-        before: f64,
-        duration: f64,
+        [before, duration]: [f64; 2],
         jitter: Option<f64>,
         plan: Plan,
     ) -> bool {
@@ -74,22 +71,24 @@ impl Reader {
         if (whole - 1.0).abs() > 1.0 / 3.0 || !(-12..12).contains(&bin) {
             return false;
         }
-        // Three crossings of edge 0: the angle is tau - bend tau (1 - tau).
-        let bend = (before - duration) / before * duration / (before + duration);
-        let angle = |tau: f64| tau - bend * tau * (1.0 - tau);
-        let tau_at = |x: f64| {
-            let half = 1.0 - bend;
-            2.0 * x / (half + (half * half + 4.0 * bend * x).sqrt())
-        };
-        let place = |k: usize| k as f64 / plan.edges as f64;
-        let off_motion: Vec<f64> = (0..plan.edges)
-            .step_by(plan.block)
-            .map(|k| time[k] - whole * tau_at(place(k)))
-            .collect();
-        let low = std::array::from_fn(|index| coefficient(&off_motion, index + 1));
-        let Ok(pair) = self.compare(duration, bin, low) else {
+        // Three crossings of edge 0 tell how the turn bends. Where the one before was not taken it may as well have been steady.
+        let smooth = (before - duration) / before * duration / (before + duration);
+        let bends = [Some(smooth), jitter.is_none().then_some(0.0)];
+        let usual = |bin| pairs(&self.turns, bin).copied().collect();
+        let seen = bends.into_iter().flatten().map(|bend| {
+            let low = low_orders(time, bend, plan);
+            let seen = Seen { duration, bin, low };
+            (seen, bend, self.agreement.off(&seen, &usual))
+        });
+        let closest = seen.min_by(|one, other| one.2.0.total_cmp(&other.2.0));
+        let (seen, bend, (_, far)) = closest.expect("one bend at least");
+        if far && self.agreement.reject(seen, &usual) {
             return false;
-        };
+        }
+        let pair = self.agreement.take(seen, !far);
+        // The angle is tau - bend tau (1 - tau).
+        let angle = |tau: f64| tau - bend * tau * (1.0 - tau);
+        let place = |k: usize| k as f64 / plan.edges as f64;
         let sign = if self.turns.len().count_ones().is_multiple_of(2) {
             1.0
         } else {
@@ -106,45 +105,25 @@ impl Reader {
         });
         true
     }
-
-    /// Squared differences of the lowest orders to those of the last turn where the two are of like speed; `Err` for a turn
-    /// that differs far more than others do, though not twice in a row.
-    fn compare(
-        &mut self,
-        duration: f64,
-        bin: i32,
-        low: [Complex64; LOW_ORDERS],
-    ) -> Result<Option<[f64; LOW_ORDERS]>, ()> {
-        let Some((last, last_low)) = self.last.replace((duration, low)) else {
-            return Ok(None);
-        };
-        if (duration - last).abs() > duration / 16.0 {
-            return Ok(None);
-        }
-        let squares: [f64; LOW_ORDERS] =
-            std::array::from_fn(|index| (low[index] - last_low[index]).norm_sqr());
-        // Torque noise falls with the fourth power of the order.
-        let level = |squares: &[f64; LOW_ORDERS]| -> f64 {
-            let by_order = squares.iter().zip(1..);
-            by_order.map(|(x, n)| x * f64::from(n).powi(4)).sum()
-        };
-        let usual: Vec<f64> = pairs(&self.turns, bin).map(level).collect();
-        let mean = usual.iter().sum::<f64>() / usual.len().max(1) as f64;
-        let far_off = usual.len() >= 3 && level(&squares) > 32.0 * mean;
-        if far_off && !self.disagreed {
-            self.disagreed = true;
-            self.last = Some((last, last_low));
-            return Err(());
-        }
-        self.disagreed = false;
-        Ok((!far_off).then_some(squares))
-    }
 }
 
 /// The pairs of turns compared in a bin.
-pub(super) fn pairs(turns: &[Turn], bin: i32) -> impl Iterator<Item = &[f64; LOW_ORDERS]> {
+pub(super) fn pairs(turns: &[Turn], bin: i32) -> impl Iterator<Item = &Squares> {
     let of_bin = turns.iter().filter(move |turn| turn.bin == bin);
     of_bin.filter_map(|turn| turn.pair.as_ref())
+}
+
+/// The lowest orders of how far a turn's crossings are off a motion with this bend, in durations of the turn before.
+fn low_orders(time: &[f64], bend: f64, plan: Plan) -> [Complex64; LOW_ORDERS] {
+    let tau_at = |x: f64| {
+        let half = 1.0 - bend;
+        2.0 * x / (half + (half * half + 4.0 * bend * x).sqrt())
+    };
+    let off_motion: Vec<f64> = (0..plan.edges)
+        .step_by(plan.block)
+        .map(|k| time[k] - time[plan.edges] * tau_at(k as f64 / plan.edges as f64))
+        .collect();
+    std::array::from_fn(|index| coefficient(&off_motion, index + 1))
 }
 
 /// Deviation of every interval from the grid, steps.

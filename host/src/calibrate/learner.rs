@@ -1,8 +1,9 @@
 //! Learns from any number of recordings of one encoder, one after the other.
 
-use quadcal::estimate::{DriveKnowledge, Estimator, Progress, Totals};
-use quadcal::step::{Faults, Outcome};
+use quadcal::estimate::{Anchor, DriveKnowledge, Estimator, Progress, Totals};
+use quadcal::step::Faults;
 
+use super::turns::TurnClock;
 use super::{CalibrateError, CalibrateOptions, Calibration, RecordingUse};
 use crate::buffers::HeapBuffers;
 use crate::recording::{ReadError, Row};
@@ -57,7 +58,8 @@ impl Learner {
         let before = *self.estimator.totals();
         let most = options.turns.unwrap_or(u32::MAX);
         let mut decoder = self.plan.decoder()?;
-        let mut clock = TurnClock::default();
+        let edges = self.estimator.shape().edges();
+        let mut clock = TurnClock::new(edges, self.plan.anchor() == Anchor::Index);
         let mut learned_until = 0;
         for row in rows {
             let row = row?;
@@ -66,24 +68,29 @@ impl Learner {
             }
             let outcome = decoder.push(row);
             clock.push(&outcome);
-            if let Progress::TurnTaken(turns) = self.estimator.push(&outcome) {
-                learned_until = row.ticks;
-                clock.take();
-                if turns - before.turns >= most {
-                    break;
+            match self.estimator.push(&outcome) {
+                Progress::Running => {}
+                Progress::TurnRejected(reason) => clock.reject(reason, &outcome),
+                Progress::TurnTaken(turns) => {
+                    learned_until = row.ticks;
+                    clock.take();
+                    if turns - before.turns >= most {
+                        break;
+                    }
                 }
             }
         }
         self.estimator.interrupt();
         let after = self.estimator.totals();
+        let [shortest, longest] = clock.range();
         let totals = Totals {
             turns: after.turns - before.turns,
             broken: after.broken - before.broken,
             irregular: after.irregular - before.irregular,
             speed_change: after.speed_change - before.speed_change,
             disagrees: after.disagrees - before.disagrees,
-            shortest: clock.shortest.unwrap_or(0),
-            longest: clock.longest,
+            shortest,
+            longest,
         };
         if totals.turns == 0 {
             return Err(CalibrateError::TooFewTurns(totals));
@@ -91,6 +98,7 @@ impl Learner {
         self.recordings.push(RecordingUse {
             survey,
             totals,
+            rejected: clock.into_rejected(),
             faults: decoder.faults(),
             learned_until,
         });
@@ -132,34 +140,5 @@ fn sum_of(one: Faults, other: Faults) -> Faults {
         abrupt_reversal: one.abrupt_reversal.saturating_add(other.abrupt_reversal),
         interval_spike: one.interval_spike.saturating_add(other.interval_spike),
         repeated: one.repeated.saturating_add(other.repeated),
-    }
-}
-
-/// Durations of the turns taken, from edge 0 to edge 0, ticks.
-#[derive(Default)]
-struct TurnClock {
-    started: Option<u64>,
-    latest: u64,
-    shortest: Option<u64>,
-    longest: u64,
-}
-
-impl TurnClock {
-    fn push(&mut self, outcome: &Outcome) {
-        let Some(step) = outcome.step().filter(|step| step.edge == 0) else {
-            return;
-        };
-        if let Some(started) = self.started.replace(step.ticks) {
-            self.latest = step.ticks.wrapping_sub(started);
-        }
-    }
-
-    /// The turn that the last edge 0 ended was taken.
-    fn take(&mut self) {
-        self.shortest = Some(
-            self.shortest
-                .map_or(self.latest, |shortest| shortest.min(self.latest)),
-        );
-        self.longest = self.longest.max(self.latest);
     }
 }

@@ -1,5 +1,6 @@
 //! What `quadcal calibrate` prints.
 
+use crate::calibrate::RecordingUse;
 use crate::report::si;
 use crate::reports::calibrate::Calibrated;
 use crate::reports::{separation, words};
@@ -102,6 +103,7 @@ fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
             .push("Recording", name)
             .push("  Turns used", taken)
             .push("  Turns rejected", words::rejected(totals));
+        rejected_facts(&mut *facts, used);
         if shown.later {
             let scatter = &shown.check.scatter;
             let remark = if shown.worse_later() {
@@ -112,5 +114,26 @@ fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
             let scatter = words::scatter(scatter.before, scatter.after);
             facts.push("  Scatter on later turns", format!("{scatter}{remark}"));
         }
+    }
+}
+
+/// Rejected turns of a recording that are listed.
+const LISTED: usize = 5;
+
+/// Which turns of a recording were rejected, where and why.
+fn rejected_facts(facts: &mut Facts, used: &RecordingUse) {
+    let turns = used.rejected.listed();
+    for turn in turns.iter().take(LISTED) {
+        let (start, duration) = used.seconds_of(turn);
+        let took = duration.map_or_else(String::new, |s| format!(", took {}", words::took(s)));
+        let why = words::reason(turn.reason);
+        facts.push(
+            format!("    Turn {}", turn.number),
+            format!("{why}; begins at {start:.3} s{took}"),
+        );
+    }
+    let more = turns.len().saturating_sub(LISTED) as u64 + used.rejected.more();
+    if more > 0 {
+        facts.push(format!("    and {more} more"), "--json lists them");
     }
 }

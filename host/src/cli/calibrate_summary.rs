@@ -3,7 +3,7 @@
 use quadcal::estimate::Totals;
 use serde::Serialize;
 
-use crate::calibrate::RecordingUse;
+use crate::calibrate::{self, RecordingUse};
 use crate::reports::calibrate::Calibrated;
 use crate::reports::words;
 use crate::showcase::Showcase;
@@ -40,6 +40,10 @@ struct Recording {
     file: String,
     seconds: f64,
     turns: Turns,
+    /// The first thousand turns rejected, in their order.
+    turns_rejected: Vec<RejectedTurn>,
+    /// How many more were.
+    turns_rejected_not_listed: u64,
     learned_until_tick: u64,
     later_turns: Option<LaterTurns>,
 }
@@ -61,6 +65,21 @@ struct Turns {
     disagrees: u32,
     slowest_rev_per_min: f64,
     fastest_rev_per_min: f64,
+}
+
+/// A turn that was not learned from.
+#[derive(Debug, Serialize)]
+struct RejectedTurn {
+    /// Its number in the recording: 1 is the first whole turn.
+    turn: u64,
+    /// When it began, from the recording's first row on.
+    start_s: f64,
+    /// How long it took; null where the recording ends within it.
+    seconds: Option<f64>,
+    /// The key of its count in `turns`.
+    reason: &'static str,
+    /// The same in words.
+    why: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -121,10 +140,22 @@ impl Turns {
 
 impl Recording {
     fn of(name: &str, used: &RecordingUse, shown: &Showcase) -> Self {
+        let rejected = |turn: &calibrate::RejectedTurn| {
+            let (start_s, seconds) = used.seconds_of(turn);
+            RejectedTurn {
+                turn: turn.number,
+                start_s,
+                seconds,
+                reason: words::reason_id(turn.reason),
+                why: words::reason(turn.reason),
+            }
+        };
         Self {
             file: name.to_owned(),
             seconds: used.survey.seconds(),
             turns: Turns::of(&used.totals, used.survey.header.clock_hz),
+            turns_rejected: used.rejected.listed().iter().map(rejected).collect(),
+            turns_rejected_not_listed: used.rejected.more(),
             learned_until_tick: used.learned_until,
             later_turns: shown.later.then(|| LaterTurns {
                 scatter_before: shown.check.scatter.before,

@@ -6,7 +6,7 @@ use crate::report::{Body, Cell, Footer, Level, Report, Tile};
 use crate::sensor::SensorKind;
 use crate::showcase::Showcase;
 
-use super::{figures, separation, words};
+use super::{figures, separation, turns, words};
 
 /// A calibration as the report takes it.
 pub struct Calibrated<'a> {
@@ -55,7 +55,7 @@ pub fn report(calibrated: &Calibrated<'_>, footer: Footer) -> Report {
     }
     errors(body, calibration, findings);
     separation::sections(body, calibration, findings, inertia_kg_m2);
-    turns(body, calibration, names);
+    turns::section(body, calibration, names);
     report.details("Details", details(calibration, findings, names));
     report.footer(footer);
     report
@@ -151,34 +151,6 @@ fn errors(body: &mut Body, calibration: &Calibration, findings: &Findings) {
     body.figure(
         figures::spectrum(findings, calibration.plan.lines, class_label),
         "Order spectrum of the table: cycles a turn and their size in angle. The level line is the standard error of one order.",
-    );
-}
-
-fn turns(body: &mut Body, calibration: &Calibration, names: &[String]) {
-    body.section(
-        "Turns",
-        &["The first whole turn of a recording only sets the speed. Turns with faults are left out, not mended."],
-    );
-    figures::turn_table(body, calibration);
-    if names.len() < 2 {
-        return;
-    }
-    let rows = names
-        .iter()
-        .zip(&calibration.recordings)
-        .map(|(name, used)| {
-            let speeds = words::speeds_r_min(&used.totals, calibration.clock_hz);
-            vec![
-                name.as_str().into(),
-                Cell::fixed(f64::from(used.totals.turns), 0),
-                words::speed_range(speeds).into(),
-                words::rejected(&used.totals).into(),
-            ]
-        });
-    body.table(
-        "Turns of each recording",
-        &["Recording", "Turns used", "Speed", "Turns rejected"],
-        rows.collect(),
     );
 }
 

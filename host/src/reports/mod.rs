@@ -5,5 +5,6 @@ pub mod demo;
 mod figures;
 pub mod separation;
 pub mod simulate;
+mod turns;
 pub mod verify;
 pub mod words;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use quadcal::estimate::{Anchor, Totals};
+use quadcal::estimate::{Anchor, Rejection, Totals};
 
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
@@ -100,6 +100,35 @@ pub fn rejections(totals: &Totals) -> [(&'static str, u32, &'static str); 4] {
             "that disagree with their neighbours (load step or shock)",
         ),
     ]
+}
+
+/// How long a turn took, four digits, as turns differ by little.
+#[must_use]
+pub fn took(seconds: f64) -> String {
+    let (number, unit) = si_digits(seconds, "s", 4);
+    format!("{number} {unit}")
+}
+
+/// Why a turn was not used, in few words.
+#[must_use]
+pub const fn reason(reason: Rejection) -> &'static str {
+    match reason {
+        Rejection::Broken => "broken edges",
+        Rejection::Irregular => "irregular edges",
+        Rejection::SpeedChange => "change of speed",
+        Rejection::Disagrees => "disagrees with its neighbours",
+    }
+}
+
+/// The same as a name in files, that of its count in a calibration's JSON.
+#[must_use]
+pub const fn reason_id(reason: Rejection) -> &'static str {
+    match reason {
+        Rejection::Broken => "broken",
+        Rejection::Irregular => "irregular",
+        Rejection::SpeedChange => "speed_change",
+        Rejection::Disagrees => "disagrees",
+    }
 }
 
 /// Turns that were not used, and why.

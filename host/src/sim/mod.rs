@@ -1,7 +1,7 @@
 //! The simulator: a twin in, edges with their true angles out.
 //!
-//! The shaft's equation J dw/dt = drive - b w - coulomb sgn(w) + ripple(theta) + noise(t) is integrated by Taylor series of
-//! 16 terms between the instants at which the drive, the noise or the loop change, with a step that keeps the truncated
+//! The shaft's equation J dw/dt = drive - b w - coulomb sgn(w) + ripple(theta) + load(t) + noise(t) is integrated by Taylor series
+//! of 16 terms between the instants at which the drive, a load, the noise or the loop change, with a step that keeps the truncated
 //! rest near 1e-16 rad; edges are roots of the series. Ten times finer steps move no edge by 1e-10 rad.
 //!
 //! Same seed, same bytes: all random numbers are ChaCha8 streams of their own purpose, `sin`, `cos`, `exp` and `log` come from the
@@ -16,6 +16,7 @@ mod disc;
 mod drive;
 mod error_list;
 mod event;
+mod load;
 mod plant;
 mod random;
 mod shaft;
@@ -35,6 +36,7 @@ use capture::Capture;
 use crossing::Crossing;
 use disc::Disc;
 use drive::{Knot, Noise, SpeedLoop};
+use load::Loads;
 use plant::Plant;
 use shaft::{Forcing, LongSum, Shaft};
 use signal::Signals;
@@ -49,6 +51,8 @@ pub struct Simulation {
     knot: usize,
     speed_loop: Option<SpeedLoop>,
     loop_push: f64,
+    loads: Loads,
+    load_push: f64,
     noise: Option<Noise>,
     noise_push: f64,
     shaft: Shaft,
@@ -107,6 +111,8 @@ impl Simulation {
             knot: 0,
             speed_loop: SpeedLoop::new(twin, &plant),
             loop_push: 0.0,
+            loads: Loads::new(twin),
+            load_push: 0.0,
             noise: plant.noise(twin),
             noise_push: 0.0,
             shaft: Shaft::new(
@@ -167,7 +173,11 @@ impl Simulation {
         }
         let knot = self.knots[self.knot];
         let forcing = Forcing {
-            level: knot.level + knot.slope * (now - knot.from_s) + self.noise_push + self.loop_push,
+            level: knot.level
+                + knot.slope * (now - knot.from_s)
+                + self.load_push
+                + self.noise_push
+                + self.loop_push,
             slope: knot.slope,
             damping: knot.damping,
         };
@@ -189,6 +199,10 @@ impl Simulation {
             self.knot += 1;
         }
         let mut end = self.end_s.min(next_knot(self.knot));
+        while self.loads.next_s() <= now {
+            self.load_push = self.loads.change();
+        }
+        end = end.min(self.loads.next_s());
         if let Some(noise) = &mut self.noise {
             while noise.next_s() <= now {
                 self.noise_push = noise.change();

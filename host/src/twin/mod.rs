@@ -8,6 +8,7 @@ mod delay;
 mod drive;
 mod encoder;
 mod error;
+mod load;
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +20,7 @@ pub use delay::{ChannelSkew, EdgeDelay, RiseFall};
 pub use drive::{Drive, Noise, Ripple, Shaft, Step};
 pub use encoder::{Encoder, Errors, Harmonic, Per, Position};
 pub use error::{BadValue, ErrorListFault, Place, TwinError};
+pub use load::LoadStep;
 
 /// A declared rig: encoder, shaft, drive, noise, timer and what to record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,6 +43,9 @@ pub struct Twin {
     /// Torque ripple locked to the shaft's angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ripple: Vec<Ripple>,
+    /// Torques that come and go at given times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub load_step: Vec<LoadStep>,
     /// White torque noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
@@ -215,6 +220,7 @@ impl Twin {
                 ripple(10.0, 1.1, 0.005),
                 ripple(15.0, 2.0, 0.0025),
             ],
+            load_step: Vec::new(),
             noise: None,
             edge_delay: None,
             channel_skew: None,

@@ -40,6 +40,43 @@ fn delays_are_kept_and_a_key_they_do_not_have_is_refused() {
 }
 
 #[test]
+fn loads_are_kept_and_one_that_goes_before_it_comes_is_refused() {
+    let mut twin = Twin::paper();
+    twin.load_step = vec![
+        LoadStep {
+            torque_n_m: -2e-3,
+            from_s: 1.5,
+            until_s: None,
+        },
+        LoadStep {
+            torque_n_m: 1e-3,
+            from_s: 2.5,
+            until_s: Some(3.25),
+        },
+    ];
+    let text = twin.to_toml().unwrap();
+    assert_eq!(Twin::parse(&text, "paper").unwrap(), twin);
+    for (from, to, key) in [
+        ("until_s = 3.25", "until_s = 2.5", "load_step[1].until_s"),
+        ("until_s = 3.25", "until_s = nan", "load_step[1].until_s"),
+        ("from_s = 1.5", "from_s = -1.5", "load_step[0].from_s"),
+        (
+            "torque_n_m = 0.001",
+            "torque_n_m = 1e7",
+            "load_step[1].torque_n_m",
+        ),
+    ] {
+        let text = text.replace(from, to);
+        let bad = bad_value(&text);
+        let line = text.lines().position(|l| l == to).unwrap() + 1;
+        assert_eq!(
+            (bad.key.as_str(), bad.place.position.map(|p| p.0)),
+            (key, Some(line))
+        );
+    }
+}
+
+#[test]
 fn a_value_out_of_range_names_line_column_key_value_and_range() {
     let text = paper_text().replace("lines = 2500", "lines = 0");
     let bad = bad_value(&text);

@@ -1,6 +1,7 @@
 mod capture;
 mod delay;
 mod disc;
+mod load;
 mod motion;
 
 use std::f64::consts::TAU;

@@ -101,6 +101,7 @@ impl Twin {
         self.check_shaft(&mut c);
         self.check_drive(&mut c);
         self.check_ripple(&mut c);
+        self.check_loads(&mut c);
         self.check_noise(&mut c);
         self.check_delays(&mut c);
         self.check_capture(&mut c);

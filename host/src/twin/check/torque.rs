@@ -1,4 +1,4 @@
-//! Ranges and conflicts of ripple and noise.
+//! Ranges and conflicts of ripple, loads and noise.
 
 use super::{Checker, TIME_MAX, TORQUE_MAX};
 use crate::twin::{Drive, Noise, Twin};
@@ -59,6 +59,35 @@ impl Twin {
                     "one of torque_n_m and speed_fraction",
                     "give the ripple one size",
                 ),
+            }
+        }
+    }
+
+    pub(super) fn check_loads(&self, c: &mut Checker<'_>) {
+        for (i, load) in self.load_step.iter().enumerate() {
+            let key = |name: &str| format!("load_step[{i}].{name}");
+            c.between(
+                &key("torque_n_m"),
+                load.torque_n_m,
+                -TORQUE_MAX,
+                TORQUE_MAX,
+                "give the torque on the shaft, negative to brake a shaft turning forward",
+            );
+            c.between(
+                &key("from_s"),
+                load.from_s,
+                0.0,
+                TIME_MAX,
+                "say when the load comes",
+            );
+            if let Some(until) = load.until_s {
+                c.require(
+                    until > load.from_s && until <= TIME_MAX,
+                    &key("until_s"),
+                    until,
+                    &format!("after from_s and up to {TIME_MAX:?}"),
+                    "leave it out for a load that stays",
+                );
             }
         }
     }

@@ -1,0 +1,84 @@
+//! The turns that a calibration throws out, as a user is told of them.
+
+mod workshop;
+
+use std::fs;
+use std::path::Path;
+
+use workshop::{TWIN, done, json};
+
+#[test]
+fn the_turns_that_a_load_hits_are_named_with_number_time_and_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let twin = Path::new(env!("CARGO_MANIFEST_DIR")).join("twins/load-step.toml");
+    fs::copy(twin, at.join("load.toml")).unwrap();
+    done(at, "simulate load.toml -o load.csv");
+    let text = done(
+        at,
+        "calibrate load.csv -o t.qct --json t.json --report t.html",
+    );
+    let found = json(&fs::read_to_string(at.join("t.json")).unwrap());
+    let rejected = found["recordings"][0]["turns_rejected"].as_array().unwrap();
+    let hit: Vec<_> = rejected
+        .iter()
+        .map(|turn| turn["turn"].as_u64().unwrap())
+        .collect();
+    assert!([6, 9, 10].iter().all(|turn| hit.contains(turn)), "{hit:?}");
+    // Beside them the turn after may be left out, in which the shaft comes back.
+    assert!(
+        hit.iter().all(|turn| [6, 7, 9, 10, 11].contains(turn)),
+        "{hit:?}"
+    );
+    assert_eq!(found["turns"]["disagrees"], hit.len());
+    assert_eq!(found["recordings"][0]["turns_rejected_not_listed"], 0);
+    let sixth = &rejected[0];
+    assert_eq!(
+        (&sixth["turn"], &sixth["reason"]),
+        (&6.into(), &"disagrees".into())
+    );
+    // Five turns and the 0.15 of one before the index, of 0.1 s each.
+    let start = sixth["start_s"].as_f64().unwrap();
+    assert!((start - 0.515).abs() < 1e-3, "{start}");
+    assert!((sixth["seconds"].as_f64().unwrap() - 0.1).abs() < 1e-3);
+    assert!(
+        text.contains("    Turn 6 ")
+            && text.contains("disagrees with its neighbours; begins at 0.51"),
+        "{text}"
+    );
+    let page = fs::read_to_string(at.join("t.html")).unwrap();
+    assert!(
+        page.contains("Turns rejected of load.csv")
+            && page.contains("disagrees with its neighbours")
+    );
+}
+
+#[test]
+fn of_many_broken_turns_the_terminal_names_five_and_the_json_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    // An edge amid each of nine turns; 200 edges a turn.
+    let lost: Vec<String> = (6..15).map(|turn| (200 * turn + 100).to_string()).collect();
+    let faults = format!("{TWIN}[faults]\nlost_edges = [{}]\n", lost.join(", "));
+    fs::write(at.join("lossy.toml"), faults).unwrap();
+    done(at, "simulate lossy.toml -o lossy.csv");
+    let text = done(at, "calibrate lossy.csv -o t.qct --json t.json");
+    let found = json(&fs::read_to_string(at.join("t.json")).unwrap());
+    let rejected = found["recordings"][0]["turns_rejected"].as_array().unwrap();
+    let numbers: Vec<_> = rejected
+        .iter()
+        .map(|turn| turn["turn"].as_u64().unwrap())
+        .collect();
+    let first = numbers[0];
+    assert_eq!(numbers, (first..first + 9).collect::<Vec<_>>(), "{found}");
+    for turn in rejected {
+        assert_eq!(turn["reason"], "broken");
+        assert_eq!(turn["why"], "broken edges");
+        assert!(
+            (turn["seconds"].as_f64().unwrap() - 0.1).abs() < 1e-3,
+            "{turn}"
+        );
+    }
+    assert_eq!(text.matches("    Turn ").count(), 5, "{text}");
+    assert!(text.contains("    and 4 more"), "{text}");
+}
