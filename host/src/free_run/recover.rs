@@ -20,6 +20,8 @@ use crate::survey::Survey;
 pub const FINER: u64 = 16;
 /// Turns that the gains are measured on, at most.
 const FIT_TURNS: usize = 16;
+/// Steps of Newton's method from the mean speed to the time of an angle.
+const INVERSIONS: usize = 4;
 
 /// How well the drive is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +66,10 @@ pub struct FreeRun {
     pub(super) push: Push,
     given: Gains,
     pub(super) gains: Gains,
-    pub(super) trend: Trend,
+    /// Of the loop's displacement by share, and of the angle that the grid shows.
+    trend: Trend<4>,
+    /// How the free run goes on: the motion of constant acceleration nearest to that of the recording.
+    pace: Trend<1>,
     /// As it is before the first row.
     pub(super) decoder: Decoder,
     pub(super) clock_hz: u64,
@@ -120,7 +125,8 @@ impl FreeRun {
             given: push.gains(),
             push,
             gains,
-            trend: Trend::default(),
+            trend: Trend::none(),
+            pace: Trend::none(),
             decoder: plan.decoder().map_err(FreeRunError::from)?,
             clock_hz,
             step_rad: TAU / f64::from(edges),
@@ -143,6 +149,7 @@ impl FreeRun {
         }
         let mut decoder = self.decoder.clone();
         let mut fit = TrendFit::new(self.push.viscous());
+        let mut pace = TrendFit::new(0.0);
         let mut pushed: Option<Pushed> = None;
         let (mut last, mut steps) = (0, 0_i64);
         for row in rows {
@@ -156,15 +163,19 @@ impl FreeRun {
             };
             let made = pushed.reach(crossing.ticks);
             pushed.edge(&crossing);
-            fit.add(self.seconds(crossing.ticks), &made);
             steps += i64::from(crossing.direction.sign()) * i64::from(crossing.steps);
             last = crossing.ticks;
+            let shown = steps as f64 * self.step_rad;
+            let time = self.seconds(last);
+            fit.add(time, &[made[0], made[1], made[2], shown]);
+            pace.add(time, &[shown]);
         }
         self.speed = steps as f64 * self.step_rad / self.seconds(last);
         if !self.speed.is_normal() {
             return Err(FreeRunError::NoRun);
         }
         self.trend = fit.trend();
+        self.pace = pace.trend();
         Ok(self)
     }
 
@@ -173,12 +184,26 @@ impl FreeRun {
         ticks.saturating_sub(self.from) as f64 / self.clock_hz as f64
     }
 
-    /// The loop's displacement without what a free shaft could have done, rad.
-    pub(super) fn displacement(&self, ticks: u64, made: &Shares) -> f64 {
-        let free = self.trend.at(self.seconds(ticks));
-        self.gains.kp * (made[0] - free[0])
-            + self.gains.ki * (made[1] - free[1])
-            + (made[2] - free[2])
+    /// How much later the free run is where the shaft was at a tick, s.
+    ///
+    /// What a free shaft could have done is taken out of the loop's displacement. The same of the angle that the grid shows is put in
+    /// its place, so that displacement and smooth motion are the whole motion. A start that had yet to settle, which is in both,
+    /// then leaves nothing: the free run has come as far when its pace says so.
+    pub(super) fn later(&self, ticks: u64, made: &Shares) -> f64 {
+        let time = self.seconds(ticks);
+        let [kp, ki, neither, shown] = self.trend.at(time);
+        let gone = self.gains.kp * (made[0] - kp)
+            + self.gains.ki * (made[1] - ki)
+            + (made[2] - neither)
+            + shown;
+        let mut later = 0.0;
+        for _ in 0..INVERSIONS {
+            let [pace] = self.pace.speed_at(time + later);
+            // A shaft that nearly stands comes to no angle at any sure time.
+            let pace = if pace / self.speed < 0.1 { self.speed } else { pace };
+            later += (gone - self.pace.at(time + later)[0]) / pace;
+        }
+        later
     }
 
     /// The gains used, over inertia; with a recorded torque, `kp` is what its accelerations were multiplied by.

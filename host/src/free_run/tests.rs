@@ -83,7 +83,7 @@ impl Recorded {
             .collect();
         let mut fit = TrendFit::new(run.push().viscous());
         for &(time, angle) in &points {
-            fit.add(time, &[angle, 0.0, 0.0]);
+            fit.add(time, &[angle]);
         }
         let trend = fit.trend();
         let rest = |&(time, angle): &(f64, f64)| (angle - trend.at(time)[0]).powi(2);
