@@ -19,6 +19,12 @@ pub struct Crossing {
 }
 
 impl Crossing {
+    /// Steps of the grid since the edge before, negative in reverse.
+    #[must_use]
+    pub fn way(&self) -> i64 {
+        i64::from(self.direction.sign()) * i64::from(self.steps)
+    }
+
     /// The edge in what a decoder made of a row, if there is one.
     #[must_use]
     pub fn of(outcome: &Outcome) -> Option<Self> {

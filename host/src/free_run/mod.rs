@@ -14,7 +14,9 @@
 //! acts from the sample that asks for it to the next.
 
 pub mod command;
+mod course;
 pub mod crossing;
+mod error;
 pub mod fit;
 pub mod hidden;
 pub mod model;
@@ -22,6 +24,7 @@ pub mod motion;
 pub mod phase;
 mod push;
 mod recover;
+mod repeat;
 mod rows;
 #[cfg(test)]
 mod tests;
@@ -29,8 +32,9 @@ pub mod torque;
 pub mod trend;
 mod whiten;
 
+pub use error::FreeRunError;
 pub use hidden::{HiddenOrders, hidden_orders};
 pub use model::{Gains, LoopModel};
 pub use push::Push;
-pub use recover::{FreeRun, FreeRunError, Knowledge};
+pub use recover::{FreeRun, Knowledge};
 pub use rows::{FreeRows, rows};

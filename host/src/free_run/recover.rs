@@ -2,18 +2,19 @@
 
 use std::f64::consts::TAU;
 
-use thiserror::Error;
-
 use super::command::Shares;
 use super::crossing::Crossing;
+use super::error::FreeRunError;
 use super::fit::{self, Fit};
 use super::model::Gains;
+use super::motion::Response;
 use super::phase;
 use super::push::{Push, Pushed};
+use super::repeat::{Repeated, TurnSums};
 use super::rows::FreeRows;
 use super::trend::{Trend, TrendFit};
 use crate::recording::{Header, ReadError, Row};
-use crate::sensor::{Decoder, PlanError, SensorPlan};
+use crate::sensor::{Decoder, SensorPlan};
 use crate::survey::Survey;
 
 /// Ticks of a free run in one of the recording: rounding is far below what the capture itself rounds.
@@ -31,33 +32,6 @@ pub struct Knowledge {
     pub gains_within: f64,
     /// Whether the loop's sample times are known; if not, they are looked for.
     pub phase: bool,
-}
-
-/// Why a free run can't be found.
-#[derive(Debug, Error)]
-pub enum FreeRunError {
-    /// The recording can't be read.
-    #[error(transparent)]
-    Read(Box<ReadError>),
-    /// The core can't take such an encoder.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// The shaft does not get on.
-    #[error(
-        "the loop can't be undone: the recording holds no run in one direction; record three turns or more at one speed"
-    )]
-    NoRun,
-    /// Too little to measure gains on.
-    #[error(
-        "the loop's gains can't be measured on less than three turns; record more, or take the gains as exact"
-    )]
-    TooShort,
-}
-
-impl From<ReadError> for FreeRunError {
-    fn from(error: ReadError) -> Self {
-        Self::Read(Box::new(error))
-    }
 }
 
 /// How the times of a recording become those of a free run.
@@ -78,6 +52,9 @@ pub struct FreeRun {
     /// Mean speed, rad/s, negative in reverse.
     pub(super) speed: f64,
     fit: Option<Fit>,
+    /// Relative standard deviation of the gains as they were given.
+    gains_within: f64,
+    repeated: Repeated,
 }
 
 impl FreeRun {
@@ -133,8 +110,10 @@ impl FreeRun {
             from: 0,
             speed: 0.0,
             fit: found,
+            gains_within: knowledge.gains_within,
+            repeated: Repeated::default(),
         };
-        Ok(run.with_trend(open()?)?)
+        Ok(run.with_trend(open()?, edges)?)
     }
 
     /// Takes speed and trend from the whole recording.
@@ -142,6 +121,7 @@ impl FreeRun {
     fn with_trend(
         mut self,
         rows: impl Iterator<Item = Result<Row, ReadError>>,
+        edges: u32,
     ) -> Result<Self, FreeRunError> {
         if let Push::Loop(model) = &mut self.push {
             // Only a loop at its limit makes a difference of it; its gains are best those found.
@@ -150,6 +130,7 @@ impl FreeRun {
         let mut decoder = self.decoder.clone();
         let mut fit = TrendFit::new(self.push.viscous());
         let mut pace = TrendFit::new(0.0);
+        let mut turns = TurnSums::new(edges);
         let mut pushed: Option<Pushed> = None;
         let (mut last, mut steps) = (0, 0_i64);
         for row in rows {
@@ -163,12 +144,14 @@ impl FreeRun {
             };
             let made = pushed.reach(crossing.ticks);
             pushed.edge(&crossing);
-            steps += i64::from(crossing.direction.sign()) * i64::from(crossing.steps);
+            steps += crossing.way();
             last = crossing.ticks;
             let shown = steps as f64 * self.step_rad;
             let time = self.seconds(last);
             fit.add(time, &[made[0], made[1], made[2], shown]);
             pace.add(time, &[shown]);
+            let free = Response::after(time, self.push.viscous());
+            turns.push(&crossing, [made[0], made[1], free.to_speed, free.to_push]);
         }
         self.speed = steps as f64 * self.step_rad / self.seconds(last);
         if !self.speed.is_normal() {
@@ -176,6 +159,7 @@ impl FreeRun {
         }
         self.trend = fit.trend();
         self.pace = pace.trend();
+        self.repeated = turns.repeated(&self.trend);
         Ok(self)
     }
 
@@ -200,7 +184,11 @@ impl FreeRun {
         for _ in 0..INVERSIONS {
             let [pace] = self.pace.speed_at(time + later);
             // A shaft that nearly stands comes to no angle at any sure time.
-            let pace = if pace / self.speed < 0.1 { self.speed } else { pace };
+            let pace = if pace / self.speed < 0.1 {
+                self.speed
+            } else {
+                pace
+            };
             later += (gone - self.pace.at(time + later)[0]) / pace;
         }
         later
@@ -223,6 +211,20 @@ impl FreeRun {
     #[must_use]
     pub fn fit(&self) -> Option<&Fit> {
         self.fit.as_ref()
+    }
+
+    /// Standard error, RMS over a turn, rad, of what wrong gains leave in the encoder's errors turn after turn: from how well they were
+    /// measured, or else from how well they were said to be known.
+    #[must_use]
+    pub fn repeating_error_rad(&self) -> f64 {
+        if let Some(fit) = &self.fit {
+            return self.repeated.rms(fit.standard_error, fit.correlation);
+        }
+        let error = Gains {
+            kp: self.gains_within * self.given.kp,
+            ki: self.gains_within * self.given.ki,
+        };
+        self.repeated.rms(error, 0.0)
     }
 
     /// What pushed, with the sample times as given or found.

@@ -35,6 +35,18 @@ impl<const CHANNELS: usize> Trend<CHANNELS> {
         self.sum([0.0, response.decay, response.to_speed])
     }
 
+    /// The speed at the start of one of the displacements.
+    #[must_use]
+    pub fn speed(&self, channel: usize) -> f64 {
+        self.coefficients[(1, channel)]
+    }
+
+    /// The constant acceleration of one of them.
+    #[must_use]
+    pub fn push(&self, channel: usize) -> f64 {
+        self.coefficients[(2, channel)]
+    }
+
     fn sum(&self, basis: [f64; 3]) -> [f64; CHANNELS] {
         std::array::from_fn(|channel| {
             (0..3)
