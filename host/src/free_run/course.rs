@@ -19,6 +19,7 @@ impl Course {
     #[allow(clippy::cast_precision_loss)]
     pub fn of(data: Data<'_>, push: &Push, step_rad: f64) -> Self {
         let first = data.crossings.first().map_or(0, |c| c.ticks);
+        let mark = data.crossings.iter().find(|c| c.sure).map(|c| c.edge);
         let seconds = |ticks: u64| (ticks - first) as f64 / data.clock_hz as f64;
         let mut pushed = push.start(data.clock_hz, step_rad, first);
         let mut fit = TrendFit::new(push.viscous());
@@ -28,8 +29,11 @@ impl Course {
             let [kp, ki, neither] = pushed.reach(crossing.ticks);
             pushed.edge(crossing);
             steps += crossing.way();
-            let shown = steps as f64 * step_rad;
-            fit.add(seconds(crossing.ticks), &[kp, ki, neither, shown]);
+            // Always at one edge of the disc: the encoder's errors are the same there.
+            if crossing.sure && Some(crossing.edge) == mark {
+                let shown = steps as f64 * step_rad;
+                fit.add(seconds(crossing.ticks), &[kp, ki, neither, shown]);
+            }
             made.push([kp, ki, neither]);
         }
         let trend = fit.trend();

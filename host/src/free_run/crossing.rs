@@ -1,6 +1,7 @@
 //! The edges of a recording as the loop saw them, and where each stands on the disc.
 
 use quadcal::edge::Direction;
+use quadcal::estimate::Anchor;
 use quadcal::step::{Flags, Outcome};
 
 /// A captured edge.
@@ -25,9 +26,9 @@ impl Crossing {
         i64::from(self.direction.sign()) * i64::from(self.steps)
     }
 
-    /// The edge in what a decoder made of a row, if there is one.
+    /// The edge in what a decoder made of a row, if there is one. Where an index is the anchor, numbers before it are not yet sure.
     #[must_use]
-    pub fn of(outcome: &Outcome) -> Option<Self> {
+    pub fn of(outcome: &Outcome, anchor: Anchor) -> Option<Self> {
         let Outcome::Step(step) = outcome else {
             return None;
         };
@@ -35,6 +36,7 @@ impl Crossing {
             .with(Flags::REVERSED)
             .with(Flags::TURN_SUSPECT)
             .with(Flags::ILLEGAL);
+        let anchored = anchor == Anchor::FirstEdge || step.flags.contains(Flags::REFERENCED);
         let illegal = step.flags.contains(Flags::ILLEGAL);
         Some(Self {
             ticks: step.ticks,
@@ -42,7 +44,7 @@ impl Crossing {
             // A capture that missed an edge has no way to know.
             steps: if illegal { 1 } else { step.advance },
             direction: step.direction,
-            sure: !step.flags.intersects(doubtful),
+            sure: anchored && !step.flags.intersects(doubtful),
         })
     }
 }

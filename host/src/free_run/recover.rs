@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use quadcal::estimate::Anchor;
+
 use super::command::Shares;
 use super::crossing::Crossing;
 use super::error::FreeRunError;
@@ -46,6 +48,7 @@ pub struct FreeRun {
     pace: Trend<1>,
     /// As it is before the first row.
     pub(super) decoder: Decoder,
+    pub(super) anchor: Anchor,
     pub(super) clock_hz: u64,
     pub(super) step_rad: f64,
     pub(super) from: u64,
@@ -105,6 +108,7 @@ impl FreeRun {
             trend: Trend::none(),
             pace: Trend::none(),
             decoder: plan.decoder().map_err(FreeRunError::from)?,
+            anchor: plan.anchor(),
             clock_hz,
             step_rad: TAU / f64::from(edges),
             from: 0,
@@ -132,6 +136,7 @@ impl FreeRun {
         let mut pace = TrendFit::new(0.0);
         let mut turns = TurnSums::new(edges);
         let mut pushed: Option<Pushed> = None;
+        let mut mark = None;
         let (mut last, mut steps) = (0, 0_i64);
         for row in rows {
             let row = row?;
@@ -139,7 +144,7 @@ impl FreeRun {
                 self.from = row.ticks;
                 self.push.start(self.clock_hz, self.step_rad, row.ticks)
             });
-            let Some(crossing) = Crossing::of(&decoder.push(row)) else {
+            let Some(crossing) = Crossing::of(&decoder.push(row), self.anchor) else {
                 continue;
             };
             let made = pushed.reach(crossing.ticks);
@@ -148,8 +153,11 @@ impl FreeRun {
             last = crossing.ticks;
             let shown = steps as f64 * self.step_rad;
             let time = self.seconds(last);
-            fit.add(time, &[made[0], made[1], made[2], shown]);
-            pace.add(time, &[shown]);
+            // Always at one edge of the disc: the encoder's errors are the same there.
+            if crossing.sure && crossing.edge == *mark.get_or_insert(crossing.edge) {
+                fit.add(time, &[made[0], made[1], made[2], shown]);
+                pace.add(time, &[shown]);
+            }
             let free = Response::after(time, self.push.viscous());
             turns.push(&crossing, [made[0], made[1], free.to_speed, free.to_push]);
         }
@@ -287,7 +295,7 @@ fn first_turns(
     let mut decoder = plan.decoder()?;
     let mut crossings = Vec::new();
     for row in rows {
-        if let Some(crossing) = Crossing::of(&decoder.push(row?)) {
+        if let Some(crossing) = Crossing::of(&decoder.push(row?), plan.anchor()) {
             crossings.push(crossing);
             if crossings.len() > most {
                 break;

@@ -39,7 +39,7 @@ impl<I> FreeRows<I> {
     fn free(&mut self, row: Row) -> Row {
         let made = self.pushed.reach(row.ticks);
         let later = self.run.later(row.ticks, &made);
-        if let Some(crossing) = Crossing::of(&self.decoder.push(row)) {
+        if let Some(crossing) = Crossing::of(&self.decoder.push(row), self.run.anchor) {
             self.pushed.edge(&crossing);
         }
         let clock = self.run.clock_hz;

@@ -72,7 +72,7 @@ impl Recorded {
         FreeRun::of(open, &self.survey.header, self.plan, push, knowledge).unwrap()
     }
 
-    /// RMS, rad, of what no free shaft could have done in the true angles over the free run's times.
+    /// RMS, rad, of what a constant acceleration leaves of the true angles over the free run's times.
     fn unexplained(&self, run: &FreeRun) -> f64 {
         let clock = run.header(&self.survey.header).clock_hz as f64;
         let rows = run.rows(self.rows()).map(|row| row.unwrap());
@@ -81,7 +81,7 @@ impl Recorded {
             .map(|(row, event)| (row.ticks as f64 / clock - 1.0, event))
             .map(|(time, event)| (time, event.truth.angle_rad - run.speed_rad_s() * time))
             .collect();
-        let mut fit = TrendFit::new(run.push().viscous());
+        let mut fit = TrendFit::new(0.0);
         for &(time, angle) in &points {
             fit.add(time, &[angle]);
         }
