@@ -125,6 +125,18 @@ impl Calibration {
         self
     }
 
+    /// The last of the orders, from 1, that the table leaves alone as a speed loop may hide them; 0 for none. Less than what was declared
+    /// where that is among the orders which are weighed together.
+    #[must_use]
+    pub fn left_alone_for_loop(&self) -> u16 {
+        let weight = |order: &u16| self.solution.order_weight(usize::from(*order));
+        let declared = 1..=self.drive.hidden_up_to;
+        declared
+            .take_while(|order| weight(order) == 0)
+            .last()
+            .unwrap_or(0)
+    }
+
     /// Whether the turns' speeds differ enough to tell torque from geometry: one took half as long again as another.
     #[must_use]
     pub fn two_speeds(&self) -> bool {

@@ -57,7 +57,7 @@ pub struct FreeRun {
     fit: Option<Fit>,
     /// Relative standard deviation of the gains as they were given.
     gains_within: f64,
-    repeated: Repeated,
+    pub(super) repeated: Repeated,
 }
 
 impl FreeRun {
