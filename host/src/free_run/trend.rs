@@ -36,14 +36,12 @@ impl<const CHANNELS: usize> Trend<CHANNELS> {
     }
 
     /// The speed at the start of one of the displacements.
-    #[must_use]
-    pub fn speed(&self, channel: usize) -> f64 {
+    pub(super) fn speed(&self, channel: usize) -> f64 {
         self.coefficients[(1, channel)]
     }
 
     /// The constant acceleration of one of them.
-    #[must_use]
-    pub fn push(&self, channel: usize) -> f64 {
+    pub(super) fn push(&self, channel: usize) -> f64 {
         self.coefficients[(2, channel)]
     }
 
