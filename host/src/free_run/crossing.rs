@@ -4,6 +4,10 @@ use quadcal::edge::Direction;
 use quadcal::estimate::Anchor;
 use quadcal::step::{Flags, Outcome};
 
+use super::error::FreeRunError;
+use crate::recording::{ReadError, Row};
+use crate::sensor::SensorPlan;
+
 /// A captured edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
@@ -47,4 +51,23 @@ impl Crossing {
             sure: anchored && !step.flags.intersects(doubtful),
         })
     }
+}
+
+/// The first `most` edges of a recording.
+pub(super) fn first_turns(
+    rows: impl Iterator<Item = Result<Row, ReadError>>,
+    plan: SensorPlan,
+    most: usize,
+) -> Result<Vec<Crossing>, FreeRunError> {
+    let mut decoder = plan.decoder()?;
+    let mut crossings = Vec::new();
+    for row in rows {
+        if let Some(crossing) = Crossing::of(&decoder.push(row?), plan.anchor()) {
+            crossings.push(crossing);
+            if crossings.len() > most {
+                break;
+            }
+        }
+    }
+    Ok(crossings)
 }

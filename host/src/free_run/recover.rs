@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use quadcal::estimate::Anchor;
 
 use super::command::Shares;
-use super::crossing::Crossing;
+use super::crossing::{Crossing, first_turns};
 use super::error::FreeRunError;
 use super::fit::{self, Fit};
 use super::model::Gains;
@@ -284,23 +284,4 @@ impl FreeRun {
 /// shaft back.
 pub(super) fn steady(ticks: u64, clock_hz: u64) -> u64 {
     ticks.saturating_add(clock_hz).saturating_mul(FINER)
-}
-
-/// The first `most` edges of a recording.
-fn first_turns(
-    rows: impl Iterator<Item = Result<Row, ReadError>>,
-    plan: SensorPlan,
-    most: usize,
-) -> Result<Vec<Crossing>, FreeRunError> {
-    let mut decoder = plan.decoder()?;
-    let mut crossings = Vec::new();
-    for row in rows {
-        if let Some(crossing) = Crossing::of(&decoder.push(row?), plan.anchor()) {
-            crossings.push(crossing);
-            if crossings.len() > most {
-                break;
-            }
-        }
-    }
-    Ok(crossings)
 }
