@@ -1,6 +1,7 @@
 //! A live speed loop: what it hides, and what is left once it is undone, for gains known exactly, badly, and corrected on the recording.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use quadcal::step::{Flags, Outcome};
 use quadcal_host::calibrate::{self, CalibrateOptions};
@@ -11,9 +12,12 @@ use quadcal_host::sensor::SensorPlan;
 use quadcal_host::sim::Simulation;
 use quadcal_host::survey::Survey;
 use quadcal_host::twin::{Drive, Duration, Errors, Harmonic, Noise, Shaft, Twin};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use realfft::RealFftPlanner;
 
 use crate::accuracy::rms;
+use crate::anywhere::{GivenGains, Judged, Rig, Scenario};
 
 /// Turns that an estimate rests on.
 const TURNS: usize = 11;
@@ -73,6 +77,35 @@ pub fn twin(seed: u64, r_min: f64) -> Twin {
         hold_s: None,
     });
     twin
+}
+
+/// Gains said to be known within 10 %: kp and ki off by a factor of their own, drawn from 0.9 to 1.1.
+#[must_use]
+pub fn drawn(seed: u64) -> GivenGains {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    GivenGains {
+        kp: random.random_range(0.9..1.1),
+        ki: random.random_range(0.9..1.1),
+        within: 0.1,
+    }
+}
+
+/// Calibrates both speeds of [`Scenario::SpeedLoop`] together with drawn gains, once a seed.
+///
+/// # Panics
+/// When a recording can't be used: a fault of the test.
+#[must_use]
+pub fn sweep(seeds: RangeInclusive<u64>) -> Vec<Judged> {
+    let rig = Rig {
+        scenario: Scenario::SpeedLoop,
+        lines: 2500,
+    };
+    let judge = |seed| {
+        let run = rig.run(seed).expect("the twin is valid");
+        let calibration = rig.calibrate(&run, seed, drawn(seed));
+        Judged::of(&calibration.expect("the run is long enough"), &run)
+    };
+    seeds.map(judge).collect()
 }
 
 /// A recording under a loop, and the truth apart from it.

@@ -10,6 +10,7 @@ mod turns;
 use quadcal::estimate::{Anchor, DriveKnowledge, Solution, Totals};
 use quadcal::slot::{Delays, SlotHeader};
 use quadcal::step::Faults;
+use quadcal::units::RAD_PER_TURN32;
 
 pub use agree::{Disagreement, agree};
 pub use error::CalibrateError;
@@ -18,6 +19,7 @@ pub use plan::plan;
 pub use rejected::{RejectedTurn, RejectedTurns};
 
 use crate::buffers::HeapBuffers;
+use crate::free_run::FreeRun;
 use crate::recording::{ReadError, Recording, Row};
 use crate::sensor::SensorPlan;
 use crate::survey::Survey;
@@ -66,6 +68,13 @@ impl RecordingUse {
             turn.duration.map(seconds),
         )
     }
+
+    /// Speed of the slowest turn learned from, turns a second.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn slowest_turns_per_s(&self) -> f64 {
+        self.survey.header.clock_hz as f64 / self.totals.longest.max(1) as f64
+    }
 }
 
 /// A solved calibration and how it came about.
@@ -78,6 +87,9 @@ pub struct Calibration {
     pub drive: DriveKnowledge,
     /// The table.
     pub solution: Solution<HeapBuffers>,
+    /// Standard error, rad, that undoing a speed loop puts on every line besides: it repeats each turn, so that the scatter of turns,
+    /// which the solution goes by, does not show it.
+    pub loop_error_rad: f64,
     /// Turns taken and rejected, of all recordings.
     pub totals: Totals,
     /// Faults seen by the decoder in the parts that were used, of all recordings.
@@ -96,13 +108,50 @@ impl Calibration {
             shift: self.solution.shift(),
             turns: self.solution.turns(),
             indexed: self.plan.anchor() == Anchor::Index,
-            standard_error: self.solution.standard_error(),
+            standard_error: rad_to_turn32(self.standard_error_rad()),
             class_standard_error: self.solution.class_standard_error(),
             source,
             learned_until: self.recordings.first().map_or(0, |used| used.learned_until),
             class_offsets: *self.solution.class_offsets(),
             delays: Delays::found(self.solution.class_delays(), self.clock_hz),
         }
+    }
+
+    /// Standard error of one edge's line position error, rad: that of the solution and that of undoing a speed loop together.
+    #[must_use]
+    pub fn standard_error_rad(&self) -> f64 {
+        let solution = f64::from(self.solution.standard_error()) * RAD_PER_TURN32;
+        solution.hypot(self.loop_error_rad)
+    }
+
+    /// Counts what was left of the loops that were undone in the recordings, in the order learned from.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn with_loops_undone(mut self, runs: &[Option<&FreeRun>]) -> Self {
+        // Turns are averaged by the square of their speed; each recording's gains have an error of their own.
+        let weight = |used: &RecordingUse| {
+            let duration = 0.5 * (used.totals.shortest as f64 + used.totals.longest as f64);
+            f64::from(used.totals.turns) / (duration * duration)
+        };
+        let all: f64 = self.recordings.iter().map(weight).sum();
+        let parts = self.recordings.iter().zip(runs).filter_map(|(used, run)| {
+            let error = (*run)?.repeating_error_rad();
+            Some(error * weight(used) / all)
+        });
+        self.loop_error_rad = parts.fold(0.0, f64::hypot);
+        self
+    }
+
+    /// The last of the orders, from 1, that the table leaves alone as a speed loop may hide them; 0 for none. Less than what was declared
+    /// where that is among the orders which are weighed together.
+    #[must_use]
+    pub fn left_alone_for_loop(&self) -> u16 {
+        let weight = |order: &u16| self.solution.order_weight(usize::from(*order));
+        let declared = 1..=self.drive.hidden_up_to;
+        declared
+            .take_while(|order| weight(order) == 0)
+            .last()
+            .unwrap_or(0)
     }
 
     /// Whether the turns' speeds differ enough to tell torque from geometry: one took half as long again as another.
@@ -113,6 +162,12 @@ impl Calibration {
         } = self.totals;
         longest >= shortest + shortest / 2
     }
+}
+
+/// An angle in 2^-32 turn, to the nearest, capped.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn rad_to_turn32(rad: f64) -> u32 {
+    (rad / RAD_PER_TURN32).round() as u32
 }
 
 /// Learns from one recording that was surveyed before.

@@ -89,7 +89,7 @@ impl Findings {
         } else {
             f64::from(solution.class_standard_error()) * RAD_PER_TURN32
         };
-        let after_rad = f64::from(solution.standard_error()) * RAD_PER_TURN32;
+        let after_rad = calibration.standard_error_rad();
         let table_rad = f64::from(solution.table_rms()) * RAD_PER_TURN32;
         let orders = (eps_rad.len() / 2).min(ORDERS_MAX + 1);
         Self {

@@ -29,14 +29,6 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Mean speed over the recording of a sensor with so many edges a turn, turns a second.
-    #[must_use]
-    #[allow(clippy::cast_precision_loss)]
-    pub fn turns_per_s(&self, edges: u32) -> f64 {
-        let seconds = (self.last - self.first).max(1) as f64 / self.header.clock_hz as f64;
-        self.rows as f64 / f64::from(edges) / seconds
-    }
-
     /// Reads all of `rows`.
     ///
     /// # Errors

@@ -133,18 +133,26 @@ impl LowOrders {
     /// ends, which is `linear` too long (2^-32 turn) and has the bend of [`Motion`](super::fold::Motion).
     ///
     /// With x = 0..1 of the turn such a motion is passed at `(1 + linear) (x + bend x (1 - x) + bend^2 x (1 - x) (1 - 2 x))`.
-    /// Sampled at the ends of P parts, `x` has the orders i / (2 pi n) + 1 / (2 P), `x (1 - x)` has -1 / (2 pi^2 n^2), and
-    /// `x (1 - x) (1 - 2 x)` has -3 i / (2 pi^3 n^3).
+    /// Sampled at the ends of P parts, `x` has the orders i / (2 pi n) - i pi n / (6 P^2) + 1 / (2 P), `x (1 - x)` has
+    /// -1 / (2 pi^2 n^2) - 1 / (6 P^2), and `x (1 - x) (1 - 2 x)` has -3 i / (2 pi^3 n^3).
     pub(super) fn finish(&self, linear: i64, bend_q32: i32) -> [LowOrder; LOW_ORDERS] {
         let bend = i64::from(bend_q32);
         let stretched = bend + ((bend * (linear >> 4)) >> 28);
         let square = (bend * bend) >> 32;
+        // 1 / (4 P^2) of both, of which 2 pi / 3 and 2 / 3 count.
+        let square_q32 = (self.half_block_q32 * self.half_block_q32) >> 32;
+        let sampled = |size: i64, share_q16: i64| {
+            ((((size >> 4) * square_q32) >> (28 - LOW_BITS)) * share_q16) >> 16
+        };
+        let (linear_sampled, bend_sampled) = (sampled(linear, 137_258), sampled(stretched, 43_691));
         core::array::from_fn(|index| {
             let mean = |sum: i64| ((sum >> PHASOR_BITS) * self.scale) >> (28 - LOW_BITS);
             let part = |size: i64, share_q16: i64| (size * share_q16) >> (16 - LOW_BITS);
             let offset = (linear * self.half_block_q32) >> (32 - LOW_BITS);
-            let re = mean(self.re[index]) - offset + part(stretched, BEND_Q16[index]);
+            let re =
+                mean(self.re[index]) - offset + part(stretched, BEND_Q16[index]) + bend_sampled;
             let im = mean(self.im[index]) - part(linear, LINEAR_Q16[index])
+                + linear_sampled * (index as i64 + 1)
                 + part(square, SQUARE_Q16[index]);
             LowOrder {
                 re: saturated(re),
@@ -188,7 +196,7 @@ mod tests {
             };
             for (got, want) in [order.re, order.im].into_iter().zip(expected) {
                 let off = f64::from(got) / unit - want * swing / 2.0;
-                assert!(off.abs() < 2e-6, "{index}: {off:e}");
+                assert!(off.abs() < 1e-6, "{index}: {off:e}");
             }
         }
     }

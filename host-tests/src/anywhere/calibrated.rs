@@ -1,7 +1,6 @@
 //! A rig's recordings through the calibration that users run, and what it came to.
 
 use quadcal::estimate::DriveKnowledge;
-use quadcal::units::RAD_PER_TURN32;
 use quadcal_host::calibrate::{self, CalibrateError, CalibrateOptions, Calibration, Learner};
 use quadcal_host::free_run::{self, FreeRun, FreeRunError, Gains, Knowledge, LoopModel, Push};
 use quadcal_host::survey::Survey;
@@ -67,6 +66,7 @@ impl Rig {
             .map(LoopModel::of)
             .collect::<Vec<_>>();
         let mut learner: Option<Learner> = None;
+        let mut runs = Vec::new();
         for (recorded, model) in run.recordings.iter().zip(models) {
             let rows = || recorded.rows.iter().copied().map(Ok);
             let mut survey = Survey::of(recorded.header.clone(), rows())?;
@@ -81,8 +81,11 @@ impl Rig {
                 none => none.insert(Learner::new(plan, clock_hz, options.drive)?),
             };
             learner.add(survey, free_run::rows(free.as_ref(), rows()), &options)?;
+            runs.push(free);
         }
-        learner.expect("a rig has recordings").solve()
+        let solved = learner.expect("a rig has recordings").solve()?;
+        let runs: Vec<Option<&FreeRun>> = runs.iter().map(Option::as_ref).collect();
+        Ok(solved.with_loops_undone(&runs))
     }
 }
 
@@ -115,7 +118,7 @@ pub struct Judged {
     pub raw: f64,
     /// RMS of what the table leaves of it.
     pub left: f64,
-    /// What the core says of that itself.
+    /// What the calibration says of that itself.
     pub standard_error: f64,
     /// Share of edges whose error is within 1.96 standard errors of the table.
     pub covered: f64,
@@ -127,7 +130,7 @@ impl Judged {
     pub fn of(calibration: &Calibration, run: &Run) -> Self {
         let table = table_rad(&calibration.solution);
         let rest: Vec<f64> = run.truth.iter().zip(&table).map(|(e, c)| e - c).collect();
-        let standard_error = f64::from(calibration.solution.standard_error()) * RAD_PER_TURN32;
+        let standard_error = calibration.standard_error_rad();
         let within = rest
             .iter()
             .filter(|off| off.abs() <= 1.96 * standard_error)

@@ -1,10 +1,9 @@
 //! Prints what a live speed loop hides and what is left once it is undone: `speed-loop [SEEDS]`.
 
-use quadcal_host::free_run::{Gains, Knowledge};
+use quadcal_host::free_run::Knowledge;
 use quadcal_host_tests::accuracy::median;
-use quadcal_host_tests::speed_loop::{FAST, Run, SLOW, record};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use quadcal_host_tests::anywhere::Judged;
+use quadcal_host_tests::speed_loop::{FAST, Run, SLOW, drawn, record, sweep};
 
 const AS_GIVEN: Knowledge = Knowledge {
     gains_within: 0.0,
@@ -14,6 +13,9 @@ const MEASURED: Knowledge = Knowledge {
     gains_within: 0.1,
     phase: true,
 };
+
+/// Seeds of the sweep over gains.
+const SWEPT: u64 = 50;
 
 fn main() {
     let seeds = std::env::args().nth(1).and_then(|text| text.parse().ok());
@@ -32,10 +34,28 @@ fn main() {
             }
         }
         for (name, left) in table {
-            let worst = left.iter().copied().fold(0.0, f64::max);
-            println!("  {name:<44} {:9.5} {worst:9.5}", median(left));
+            print(&name, left);
         }
     }
+    println!(
+        "both together as quadcal calibrates, kp and ki each drawn within 10 %, {SWEPT} seeds"
+    );
+    let judged = sweep(1..=SWEPT);
+    let over = |value: fn(&Judged) -> f64| judged.iter().map(value).collect();
+    print("error left", over(|run| run.left / run.raw));
+    print(
+        "error left over its stated standard error",
+        over(|run| run.left / run.standard_error),
+    );
+    let covered: f64 = judged.iter().map(|run| run.covered).sum();
+    let share = 100.0 * covered / judged.len() as f64;
+    println!("  within 1.96 standard errors: {share:.1} % of edges");
+}
+
+/// A row: median and worst.
+fn print(name: &str, values: Vec<f64>) {
+    let worst = values.iter().copied().fold(0.0, f64::max);
+    println!("  {name:<44} {:9.5} {worst:9.5}", median(values));
 }
 
 fn cases(seed: u64, r_min: f64) -> Vec<(String, f64)> {
@@ -47,11 +67,7 @@ fn cases(seed: u64, r_min: f64) -> Vec<(String, f64)> {
             run.left_undone(run.off_by(1.0, 1.0), AS_GIVEN),
         ),
     ];
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let drawn = Gains {
-        kp: random.random_range(0.9..1.1),
-        ki: random.random_range(0.9..1.1),
-    };
+    let drawn = drawn(seed);
     let corners = [(1.1, 1.1), (1.1, 0.9), (0.9, 1.1), (0.9, 0.9)];
     let named = corners.map(|(kp, ki)| (format!("kp x {kp}, ki x {ki}"), kp, ki));
     let drawn = ("drawn within 10 %".to_owned(), drawn.kp, drawn.ki);

@@ -105,6 +105,17 @@ impl Learner {
         Ok(())
     }
 
+    /// What each recording gave so far.
+    #[must_use]
+    pub fn recordings(&self) -> &[RecordingUse] {
+        &self.recordings
+    }
+
+    /// Leaves orders up to `last` alone, as a speed loop may hide them.
+    pub fn leave_alone_up_to(&mut self, last: u16) {
+        self.drive.hidden_up_to = last;
+    }
+
     /// Solves for the table.
     ///
     /// # Errors
@@ -113,6 +124,7 @@ impl Learner {
         let totals = *self.estimator.totals();
         let solution = self
             .estimator
+            .with_knowledge(self.drive)
             .solve()
             .map_err(|_| CalibrateError::TooFewTurns(totals))?;
         let faults = self
@@ -124,6 +136,7 @@ impl Learner {
             clock_hz: self.clock_hz,
             drive: self.drive,
             solution,
+            loop_error_rad: 0.0,
             totals,
             faults,
             recordings: self.recordings,

@@ -6,7 +6,7 @@ use clap::{Args, value_parser};
 use quadcal::estimate::{DriveKnowledge, Totals};
 
 use crate::calibrate::{
-    self, CalibrateError, CalibrateOptions, Calibration, Disagreement, Learner,
+    self, CalibrateError, CalibrateOptions, Calibration, Disagreement, Learner, RecordingUse,
 };
 use crate::findings::Findings;
 use crate::free_run::{self, FreeRun};
@@ -229,8 +229,12 @@ impl Calibrate {
             return Err(self.failed(&all, none));
         };
         let clock_hz = first.survey.header.clock_hz;
-        let mut learner = Learner::new(first.plan, clock_hz, self.drive(surveyed))
-            .map_err(|error| self.failed(&all, error))?;
+        let drive = DriveKnowledge {
+            torque_base: self.pole_pairs.unwrap_or(0),
+            hidden_up_to: 0,
+        };
+        let mut learner =
+            Learner::new(first.plan, clock_hz, drive).map_err(|error| self.failed(&all, error))?;
         let mut pass = self.pass("Learning", globals);
         for one in surveyed {
             let rows = free_run::rows(one.free.as_ref(), pass.watch(one.input.open()?));
@@ -238,24 +242,23 @@ impl Calibrate {
                 .add(one.survey.clone(), rows, &one.options)
                 .map_err(|error| self.failed(&one.input.recording, error))?;
         }
-        learner.solve().map_err(|error| self.failed(&all, error))
+        learner.leave_alone_up_to(self.hidden_up_to(surveyed, &learner));
+        let runs: Vec<Option<&FreeRun>> = surveyed.iter().map(|one| one.free.as_ref()).collect();
+        let solved = learner.solve().map_err(|error| self.failed(&all, error))?;
+        Ok(solved.with_loops_undone(&runs))
     }
 
-    /// What is known of the drive: a loop that is not undone hides orders at the slowest recording's speed.
-    fn drive(&self, surveyed: &[Surveyed]) -> DriveKnowledge {
-        let hidden = surveyed.iter().filter(|one| one.free.is_none());
-        let hidden = hidden.filter_map(|one| {
-            let shape = one.plan.shape().ok()?;
-            self.speed_loop
-                .hidden(one.survey.turns_per_s(shape.edges()), shape.edges())
-        });
-        let last = hidden.map(|orders| orders.last).max().unwrap_or(0);
-        DriveKnowledge {
-            torque_base: self.pole_pairs.unwrap_or(0),
-            hidden_up_to: self
-                .hidden_up_to
-                .unwrap_or(u16::try_from(last).unwrap_or(u16::MAX)),
-        }
+    /// The orders that a loop may hide, as said, or at the slowest turn learned from where it is not undone.
+    fn hidden_up_to(&self, surveyed: &[Surveyed], learner: &Learner) -> u16 {
+        let hidden = |(one, used): (&Surveyed, &RecordingUse)| {
+            let shape = one.plan.shape().ok().filter(|_| one.free.is_none())?;
+            let slowest = used.slowest_turns_per_s();
+            Some(self.speed_loop.hidden(slowest, shape.edges())?.last)
+        };
+        let recordings = surveyed.iter().zip(learner.recordings());
+        let last = recordings.filter_map(hidden).max().unwrap_or(0);
+        let found = u16::try_from(last).unwrap_or(u16::MAX);
+        self.hidden_up_to.unwrap_or(found)
     }
 
     fn names(&self) -> Vec<String> {

@@ -76,7 +76,7 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     if let Some(advice) = separation::advice(findings, calibration.drive) {
         facts.push("", advice);
     }
-    if let Some(hidden) = separation::hidden(calibration.drive) {
+    if let Some(hidden) = separation::hidden(calibration) {
         facts.push("Hidden orders", hidden);
     }
     let outlook = words::outlook(findings.before_rad, findings.after_rad);

@@ -31,7 +31,12 @@ pub(super) struct Summary {
     torque_ripple: Vec<Torque>,
     delays: Vec<Delay>,
     orders_left_alone: Vec<Order>,
+    /// A speed loop may hide orders 1 up to this.
     orders_hidden_up_to: u16,
+    /// Orders 1 up to this are left alone for it.
+    orders_left_alone_for_loop_up_to: u16,
+    /// The part of the line's standard error that undoing a speed loop made.
+    loop_standard_error_rad: f64,
 }
 
 /// What one recording gave.
@@ -245,6 +250,8 @@ impl Summary {
                 })
                 .collect(),
             orders_hidden_up_to: calibration.drive.hidden_up_to,
+            orders_left_alone_for_loop_up_to: calibration.left_alone_for_loop(),
+            loop_standard_error_rad: calibration.loop_error_rad,
         }
     }
 }

@@ -93,7 +93,7 @@ impl LoopArgs {
             .map_err(failed)
     }
 
-    /// The orders that a loop which was not undone may hide at a mean speed; none where no loop is declared.
+    /// The orders that a loop which was not undone may hide at a speed; none where no loop is declared.
     #[must_use]
     pub fn hidden(&self, turns_per_s: f64, edges: u32) -> Option<HiddenOrders> {
         self.loop_hz

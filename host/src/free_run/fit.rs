@@ -8,12 +8,11 @@
 
 use std::f64::consts::TAU;
 
-use super::command::Shares;
+use super::course::Course;
 use super::crossing::Crossing;
 use super::model::{Gains, LoopModel};
 use super::motion::Response;
 use super::push::Push;
-use super::trend::TrendFit;
 use super::whiten::{self, Fitted, Interval, UNKNOWNS};
 
 /// Rounds of filter and gains.
@@ -37,6 +36,8 @@ pub struct Fit {
     pub gains: Gains,
     /// Their standard errors.
     pub standard_error: Gains,
+    /// Correlation of the two errors.
+    pub correlation: f64,
     /// Variance of what is left of an interval, made white, rad^2.
     pub left: f64,
 }
@@ -48,23 +49,6 @@ impl Fit {
     pub fn is_plausible(&self, given: Gains, known_within: f64) -> bool {
         let near = |found: f64, given: f64| (found - given).abs() <= 3.0 * known_within * given;
         near(self.gains.kp, given.kp) && near(self.gains.ki, given.ki)
-    }
-
-    /// Fits of several runs of one drive as one, each weighed by its standard errors. None without any.
-    #[must_use]
-    pub fn together(fits: &[Self]) -> Option<Self> {
-        let mean = |value: fn(&Gains) -> f64| {
-            let weight = |fit: &Self| value(&fit.standard_error).powi(-2);
-            let sum: f64 = fits.iter().map(weight).sum();
-            let gain: f64 = fits.iter().map(|fit| weight(fit) * value(&fit.gains)).sum();
-            (gain / sum, sum.powf(-0.5))
-        };
-        let (kp, ki) = (mean(|gains| gains.kp), mean(|gains| gains.ki));
-        Some(Self {
-            gains: Gains { kp: kp.0, ki: ki.0 },
-            standard_error: Gains { kp: kp.1, ki: ki.1 },
-            left: fits.first()?.left,
-        })
     }
 }
 
@@ -94,6 +78,7 @@ pub fn fit(data: Data<'_>, push: &Push, known_within: f64) -> Option<Fit> {
     found.map(|fitted: Fitted| Fit {
         gains: fitted.gains(),
         standard_error: fitted.standard_error(),
+        correlation: fitted.correlation(),
         left: fitted.left,
     })
 }
@@ -112,7 +97,7 @@ pub fn scatter(data: Data<'_>, push: &Push, known_within: f64, reach: usize) -> 
 fn local_intervals(data: Data<'_>, push: &Push, reach: usize) -> Vec<Interval> {
     let crossings = data.crossings;
     let step = TAU / f64::from(data.edges);
-    let made = displacements(data, push, step);
+    let made = Course::of(data, push, step).made;
     let seconds = |from: usize, to: usize| {
         (crossings[to].ticks - crossings[from].ticks) as f64 / data.clock_hz as f64
     };
@@ -145,15 +130,13 @@ fn intervals(data: Data<'_>, push: &Push) -> Option<Vec<Interval>> {
     let crossings = data.crossings;
     let (first, last) = (crossings.first()?, crossings.last()?);
     let step = TAU / f64::from(data.edges);
-    let way = |crossing: &Crossing| {
-        f64::from(crossing.direction.sign()) * f64::from(crossing.steps) * step
-    };
+    let way = |crossing: &Crossing| crossing.way() as f64 * step;
     let seconds = |ticks: u64| (ticks - first.ticks) as f64 / data.clock_hz as f64;
     let speed = crossings[1..].iter().map(way).sum::<f64>() / seconds(last.ticks);
     if !speed.is_normal() {
         return None;
     }
-    let made = displacements(data, push, step);
+    let Course { made, free: steady } = Course::of(data, push, step);
     let mut list: Vec<Interval> = Vec::with_capacity(crossings.len());
     let mut follows = false;
     let mut travelled = 0.0;
@@ -164,7 +147,6 @@ fn intervals(data: Data<'_>, push: &Push) -> Option<Vec<Interval>> {
         // By the way gone: the edge's own time would bring its error in.
         let free = Response::after(travelled / speed.abs(), push.viscous());
         if crossing.sure {
-            let time = seconds(crossing.ticks) - seconds(pair[0].ticks);
             let share = |n: usize| made[at + 1][n] - made[at][n];
             let shares: [f64; UNKNOWNS] = [
                 share(0),
@@ -175,7 +157,7 @@ fn intervals(data: Data<'_>, push: &Push) -> Option<Vec<Interval>> {
             list.push(Interval {
                 edge: crossing.edge,
                 follows,
-                angle: way(crossing) - speed * time - share(2),
+                angle: way(crossing) - (steady[at + 1] - steady[at]) - share(2),
                 shares,
             });
         }
@@ -183,29 +165,4 @@ fn intervals(data: Data<'_>, push: &Push) -> Option<Vec<Interval>> {
         before = free;
     }
     (list.len() >= 3 * data.edges as usize - 1).then_some(list)
-}
-
-/// The displacement at each edge, without what a free shaft could have done: what is left is slow against the run, so that errors
-/// of an edge's time don't matter.
-#[allow(clippy::cast_precision_loss)]
-fn displacements(data: Data<'_>, push: &Push, step: f64) -> Vec<Shares> {
-    let first = data.crossings.first().map_or(0, |c| c.ticks);
-    let seconds = |ticks: u64| (ticks - first) as f64 / data.clock_hz as f64;
-    let mut pushed = push.start(data.clock_hz, step, first);
-    let mut fit = TrendFit::new(push.viscous());
-    let take = |crossing: &Crossing| {
-        let made = pushed.reach(crossing.ticks);
-        pushed.edge(crossing);
-        fit.add(seconds(crossing.ticks), &made);
-        made
-    };
-    let mut made: Vec<Shares> = data.crossings.iter().map(take).collect();
-    let trend = fit.trend();
-    for (made, crossing) in made.iter_mut().zip(data.crossings) {
-        let free = trend.at(seconds(crossing.ticks));
-        made.iter_mut()
-            .zip(free)
-            .for_each(|(made, free)| *made -= free);
-    }
-    made
 }

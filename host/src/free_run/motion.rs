@@ -16,7 +16,7 @@ impl Response {
     #[must_use]
     pub fn after(time_s: f64, viscous: f64) -> Self {
         let damped = viscous * time_s;
-        if damped < 1e-3 {
+        if damped.abs() < 1e-3 {
             // The closed form loses digits here; what the series drops is below 1e-13 of the whole.
             let speed = 1.0 - damped / 2.0 * (1.0 - damped / 3.0 * (1.0 - damped / 4.0));
             let push = 1.0 - damped / 3.0 * (1.0 - damped / 4.0 * (1.0 - damped / 5.0));

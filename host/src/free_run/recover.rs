@@ -2,24 +2,29 @@
 
 use std::f64::consts::TAU;
 
-use thiserror::Error;
+use quadcal::estimate::Anchor;
 
 use super::command::Shares;
-use super::crossing::Crossing;
+use super::crossing::{Crossing, first_turns};
+use super::error::FreeRunError;
 use super::fit::{self, Fit};
 use super::model::Gains;
+use super::motion::Response;
 use super::phase;
 use super::push::{Push, Pushed};
+use super::repeat::{Repeated, TurnSums};
 use super::rows::FreeRows;
 use super::trend::{Trend, TrendFit};
 use crate::recording::{Header, ReadError, Row};
-use crate::sensor::{Decoder, PlanError, SensorPlan};
+use crate::sensor::{Decoder, SensorPlan};
 use crate::survey::Survey;
 
 /// Ticks of a free run in one of the recording: rounding is far below what the capture itself rounds.
 pub const FINER: u64 = 16;
 /// Turns that the gains are measured on, at most.
 const FIT_TURNS: usize = 16;
+/// Steps of Newton's method from the mean speed to the time of an angle.
+const INVERSIONS: usize = 4;
 
 /// How well the drive is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,48 +36,28 @@ pub struct Knowledge {
     pub phase: bool,
 }
 
-/// Why a free run can't be found.
-#[derive(Debug, Error)]
-pub enum FreeRunError {
-    /// The recording can't be read.
-    #[error(transparent)]
-    Read(Box<ReadError>),
-    /// The core can't take such an encoder.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// The shaft does not get on.
-    #[error(
-        "the loop can't be undone: the recording holds no run in one direction; record three turns or more at one speed"
-    )]
-    NoRun,
-    /// Too little to measure gains on.
-    #[error(
-        "the loop's gains can't be measured on less than three turns; record more, or take the gains as exact"
-    )]
-    TooShort,
-}
-
-impl From<ReadError> for FreeRunError {
-    fn from(error: ReadError) -> Self {
-        Self::Read(Box::new(error))
-    }
-}
-
 /// How the times of a recording become those of a free run.
 #[derive(Clone)]
 pub struct FreeRun {
     pub(super) push: Push,
     given: Gains,
     pub(super) gains: Gains,
-    pub(super) trend: Trend,
+    /// Of the loop's displacement by share, and of the angle that the grid shows.
+    trend: Trend<4>,
+    /// How the free run goes on: the motion of constant acceleration nearest to that of the recording.
+    pace: Trend<1>,
     /// As it is before the first row.
     pub(super) decoder: Decoder,
+    pub(super) anchor: Anchor,
     pub(super) clock_hz: u64,
     pub(super) step_rad: f64,
     pub(super) from: u64,
     /// Mean speed, rad/s, negative in reverse.
     pub(super) speed: f64,
     fit: Option<Fit>,
+    /// Relative standard deviation of the gains as they were given.
+    gains_within: f64,
+    pub(super) repeated: Repeated,
 }
 
 impl FreeRun {
@@ -120,15 +105,19 @@ impl FreeRun {
             given: push.gains(),
             push,
             gains,
-            trend: Trend::default(),
+            trend: Trend::none(),
+            pace: Trend::none(),
             decoder: plan.decoder().map_err(FreeRunError::from)?,
+            anchor: plan.anchor(),
             clock_hz,
             step_rad: TAU / f64::from(edges),
             from: 0,
             speed: 0.0,
             fit: found,
+            gains_within: knowledge.gains_within,
+            repeated: Repeated::default(),
         };
-        Ok(run.with_trend(open()?)?)
+        Ok(run.with_trend(open()?, edges)?)
     }
 
     /// Takes speed and trend from the whole recording.
@@ -136,6 +125,7 @@ impl FreeRun {
     fn with_trend(
         mut self,
         rows: impl Iterator<Item = Result<Row, ReadError>>,
+        edges: u32,
     ) -> Result<Self, FreeRunError> {
         if let Push::Loop(model) = &mut self.push {
             // Only a loop at its limit makes a difference of it; its gains are best those found.
@@ -143,7 +133,10 @@ impl FreeRun {
         }
         let mut decoder = self.decoder.clone();
         let mut fit = TrendFit::new(self.push.viscous());
+        let mut pace = TrendFit::new(0.0);
+        let mut turns = TurnSums::new(edges);
         let mut pushed: Option<Pushed> = None;
+        let mut mark = None;
         let (mut last, mut steps) = (0, 0_i64);
         for row in rows {
             let row = row?;
@@ -151,20 +144,30 @@ impl FreeRun {
                 self.from = row.ticks;
                 self.push.start(self.clock_hz, self.step_rad, row.ticks)
             });
-            let Some(crossing) = Crossing::of(&decoder.push(row)) else {
+            let Some(crossing) = Crossing::of(&decoder.push(row), self.anchor) else {
                 continue;
             };
             let made = pushed.reach(crossing.ticks);
             pushed.edge(&crossing);
-            fit.add(self.seconds(crossing.ticks), &made);
-            steps += i64::from(crossing.direction.sign()) * i64::from(crossing.steps);
+            steps += crossing.way();
             last = crossing.ticks;
+            let shown = steps as f64 * self.step_rad;
+            let time = self.seconds(last);
+            // Always at one edge of the disc: the encoder's errors are the same there.
+            if crossing.sure && crossing.edge == *mark.get_or_insert(crossing.edge) {
+                fit.add(time, &[made[0], made[1], made[2], shown]);
+                pace.add(time, &[shown]);
+            }
+            let free = Response::after(time, self.push.viscous());
+            turns.push(&crossing, [made[0], made[1], free.to_speed, free.to_push]);
         }
         self.speed = steps as f64 * self.step_rad / self.seconds(last);
         if !self.speed.is_normal() {
             return Err(FreeRunError::NoRun);
         }
         self.trend = fit.trend();
+        self.pace = pace.trend();
+        self.repeated = turns.repeated(&self.trend);
         Ok(self)
     }
 
@@ -173,12 +176,30 @@ impl FreeRun {
         ticks.saturating_sub(self.from) as f64 / self.clock_hz as f64
     }
 
-    /// The loop's displacement without what a free shaft could have done, rad.
-    pub(super) fn displacement(&self, ticks: u64, made: &Shares) -> f64 {
-        let free = self.trend.at(self.seconds(ticks));
-        self.gains.kp * (made[0] - free[0])
-            + self.gains.ki * (made[1] - free[1])
-            + (made[2] - free[2])
+    /// How much later the free run is where the shaft was at a tick, s.
+    ///
+    /// What a free shaft could have done is taken out of the loop's displacement. The same of the angle that the grid shows is put in
+    /// its place, so that displacement and smooth motion are the whole motion. A start that had yet to settle, which is in both,
+    /// then leaves nothing: the free run has come as far when its pace says so.
+    pub(super) fn later(&self, ticks: u64, made: &Shares) -> f64 {
+        let time = self.seconds(ticks);
+        let [kp, ki, neither, shown] = self.trend.at(time);
+        let gone = self.gains.kp * (made[0] - kp)
+            + self.gains.ki * (made[1] - ki)
+            + (made[2] - neither)
+            + shown;
+        let mut later = 0.0;
+        for _ in 0..INVERSIONS {
+            let [pace] = self.pace.speed_at(time + later);
+            // A shaft that nearly stands comes to no angle at any sure time.
+            let pace = if pace / self.speed < 0.1 {
+                self.speed
+            } else {
+                pace
+            };
+            later += (gone - self.pace.at(time + later)[0]) / pace;
+        }
+        later
     }
 
     /// The gains used, over inertia; with a recorded torque, `kp` is what its accelerations were multiplied by.
@@ -198,6 +219,20 @@ impl FreeRun {
     #[must_use]
     pub fn fit(&self) -> Option<&Fit> {
         self.fit.as_ref()
+    }
+
+    /// Standard error, RMS over a turn, rad, of what wrong gains leave in the encoder's errors turn after turn: from how well they were
+    /// measured, or else from how well they were said to be known.
+    #[must_use]
+    pub fn repeating_error_rad(&self) -> f64 {
+        if let Some(fit) = &self.fit {
+            return self.repeated.rms(fit.standard_error, fit.correlation);
+        }
+        let error = Gains {
+            kp: self.gains_within * self.given.kp,
+            ki: self.gains_within * self.given.ki,
+        };
+        self.repeated.rms(error, 0.0)
     }
 
     /// What pushed, with the sample times as given or found.
@@ -249,23 +284,4 @@ impl FreeRun {
 /// shaft back.
 pub(super) fn steady(ticks: u64, clock_hz: u64) -> u64 {
     ticks.saturating_add(clock_hz).saturating_mul(FINER)
-}
-
-/// The first `most` edges of a recording.
-fn first_turns(
-    rows: impl Iterator<Item = Result<Row, ReadError>>,
-    plan: SensorPlan,
-    most: usize,
-) -> Result<Vec<Crossing>, FreeRunError> {
-    let mut decoder = plan.decoder()?;
-    let mut crossings = Vec::new();
-    for row in rows {
-        if let Some(crossing) = Crossing::of(&decoder.push(row?)) {
-            crossings.push(crossing);
-            if crossings.len() > most {
-                break;
-            }
-        }
-    }
-    Ok(crossings)
 }

@@ -38,12 +38,12 @@ impl<I> FreeRows<I> {
     )]
     fn free(&mut self, row: Row) -> Row {
         let made = self.pushed.reach(row.ticks);
-        let displacement = self.run.displacement(row.ticks, &made);
-        if let Some(crossing) = Crossing::of(&self.decoder.push(row)) {
+        let later = self.run.later(row.ticks, &made);
+        if let Some(crossing) = Crossing::of(&self.decoder.push(row), self.run.anchor) {
             self.pushed.edge(&crossing);
         }
         let clock = self.run.clock_hz;
-        let later = (displacement / self.run.speed * clock as f64 * FINER as f64).round() as i64;
+        let later = (later * clock as f64 * FINER as f64).round() as i64;
         let free = steady(row.ticks, clock).saturating_add_signed(later);
         // Times of a recording never fall, whatever the torque.
         self.last = free.max(self.last);

@@ -1,13 +1,22 @@
 //! The loop's doing worked out from edges, against the simulator's shaft.
 
+use quadcal::estimate::DriveKnowledge;
+
 use super::trend::TrendFit;
 use super::*;
 use crate::calibrate::{self, CalibrateOptions};
+use crate::findings::{self, Findings};
 use crate::recording::{ReadError, Row};
 use crate::sensor::SensorPlan;
 use crate::sim::{Event, Simulation};
 use crate::survey::Survey;
 use crate::twin::{Drive, Duration, Encoder, Harmonic, Noise, Twin};
+
+/// A motor of seven pole pairs, so that order 1 is known to be geometry at one speed.
+const MOTOR_ONLY: DriveKnowledge = DriveKnowledge {
+    torque_base: 7,
+    hidden_up_to: 0,
+};
 
 const EXACT: Knowledge = Knowledge {
     gains_within: 0.0,
@@ -72,7 +81,7 @@ impl Recorded {
         FreeRun::of(open, &self.survey.header, self.plan, push, knowledge).unwrap()
     }
 
-    /// RMS, rad, of what no free shaft could have done in the true angles over the free run's times.
+    /// RMS, rad, of what a constant acceleration leaves of the true angles over the free run's times.
     fn unexplained(&self, run: &FreeRun) -> f64 {
         let clock = run.header(&self.survey.header).clock_hz as f64;
         let rows = run.rows(self.rows()).map(|row| row.unwrap());
@@ -81,9 +90,9 @@ impl Recorded {
             .map(|(row, event)| (row.ticks as f64 / clock - 1.0, event))
             .map(|(time, event)| (time, event.truth.angle_rad - run.speed_rad_s() * time))
             .collect();
-        let mut fit = TrendFit::new(run.push().viscous());
+        let mut fit = TrendFit::new(0.0);
         for &(time, angle) in &points {
-            fit.add(time, &[angle, 0.0, 0.0]);
+            fit.add(time, &[angle]);
         }
         let trend = fit.trend();
         let rest = |&(time, angle): &(f64, f64)| (angle - trend.at(time)[0]).powi(2);
@@ -114,6 +123,41 @@ fn a_drive_at_its_limit_is_followed() {
     });
     let left = recorded.unexplained(&recorded.free(unlimited, EXACT));
     assert!(left > 1e-4, "the limit was never reached: {left:e}");
+}
+
+#[test]
+fn what_wrong_gains_leave_in_the_table_is_foretold() {
+    let recorded = Recorded::of(&twin(None));
+    let Push::Loop(model) = &recorded.push else {
+        panic!("the twin's drive is a loop");
+    };
+    let learned = |gains| {
+        let run = recorded.free(Push::Loop(LoopModel { gains, ..*model }), EXACT);
+        let survey = run.survey(recorded.survey.clone());
+        let rows = run.rows(recorded.rows());
+        let options = CalibrateOptions {
+            drive: MOTOR_ONLY,
+            ..CalibrateOptions::default()
+        };
+        let learned = calibrate::learn(survey, recorded.plan, rows, &options).unwrap();
+        (Findings::of(&learned).error_rad, run)
+    };
+    let Gains { kp, ki } = model.gains;
+    let (right, run) = learned(model.gains);
+    assert_eq!(run.repeating_error_rad(), 0.0);
+    for (off_kp, off_ki) in [(0.01, 0.0), (0.0, 0.01), (0.01, 0.01)] {
+        let off = Gains {
+            kp: off_kp * kp,
+            ki: off_ki * ki,
+        };
+        let (wrong, _) = learned(Gains {
+            kp: kp + off.kp,
+            ki: ki + off.ki,
+        });
+        let left = findings::distance(&wrong, &right);
+        let foretold = run.repeated.rms(off, 1.0);
+        assert!((left / foretold - 1.0).abs() < 0.1, "{left:e} {foretold:e}");
+    }
 }
 
 #[test]

@@ -2,25 +2,53 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use super::command::Shares;
 use super::motion::Response;
 
-/// A free shaft's motions from any start under a constant push, as coefficients for each share of a displacement: angle, speed,
+/// A free shaft's motions from any start under a constant push, as coefficients for each of so many displacements: angle, speed,
 /// acceleration.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Trend {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trend<const CHANNELS: usize> {
     viscous: f64,
-    coefficients: SMatrix<f64, 3, 3>,
+    coefficients: SMatrix<f64, 3, CHANNELS>,
 }
 
-impl Trend {
-    /// The trend of all shares after `time_s`.
+impl<const CHANNELS: usize> Trend<CHANNELS> {
+    /// Standstill.
     #[must_use]
-    pub fn at(&self, time_s: f64) -> Shares {
-        let basis = basis(time_s, self.viscous);
-        std::array::from_fn(|share| {
+    pub fn none() -> Self {
+        Self {
+            viscous: 0.0,
+            coefficients: SMatrix::zeros(),
+        }
+    }
+
+    /// All displacements after `time_s`.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> [f64; CHANNELS] {
+        self.sum(basis(time_s, self.viscous))
+    }
+
+    /// Their speeds.
+    #[must_use]
+    pub fn speed_at(&self, time_s: f64) -> [f64; CHANNELS] {
+        let response = Response::after(time_s, self.viscous);
+        self.sum([0.0, response.decay, response.to_speed])
+    }
+
+    /// The speed at the start of one of the displacements.
+    pub(super) fn speed(&self, channel: usize) -> f64 {
+        self.coefficients[(1, channel)]
+    }
+
+    /// The constant acceleration of one of them.
+    pub(super) fn push(&self, channel: usize) -> f64 {
+        self.coefficients[(2, channel)]
+    }
+
+    fn sum(&self, basis: [f64; 3]) -> [f64; CHANNELS] {
+        std::array::from_fn(|channel| {
             (0..3)
-                .map(|i| basis[i] * self.coefficients[(i, share)])
+                .map(|i| basis[i] * self.coefficients[(i, channel)])
                 .sum()
         })
     }
@@ -33,13 +61,13 @@ fn basis(time_s: f64, viscous: f64) -> [f64; 3] {
 
 /// Least squares of displacements on the motions of a free shaft, in one pass.
 #[derive(Clone, Debug)]
-pub struct TrendFit {
+pub struct TrendFit<const CHANNELS: usize> {
     viscous: f64,
     gram: Matrix3<f64>,
-    right: SMatrix<f64, 3, 3>,
+    right: SMatrix<f64, 3, CHANNELS>,
 }
 
-impl TrendFit {
+impl<const CHANNELS: usize> TrendFit<CHANNELS> {
     /// Of a shaft with this viscous friction over inertia, 1/s.
     #[must_use]
     pub fn new(viscous: f64) -> Self {
@@ -50,22 +78,22 @@ impl TrendFit {
         }
     }
 
-    /// Takes the displacement at a time from the start, s.
-    pub fn add(&mut self, time_s: f64, made: &Shares) {
+    /// Takes the displacements at a time from the start, s.
+    pub fn add(&mut self, time_s: f64, made: &[f64; CHANNELS]) {
         let basis = basis(time_s, self.viscous);
         for (i, x) in basis.iter().enumerate() {
             for (j, y) in basis.iter().enumerate() {
                 self.gram[(i, j)] += x * y;
             }
-            for (share, made) in made.iter().enumerate() {
-                self.right[(i, share)] += x * made;
+            for (channel, made) in made.iter().enumerate() {
+                self.right[(i, channel)] += x * made;
             }
         }
     }
 
     /// The trend.
     #[must_use]
-    pub fn trend(&self) -> Trend {
+    pub fn trend(&self) -> Trend<CHANNELS> {
         // Columns in one size, so that what is too small to tell from rounding is the same for all of them.
         let scale = self.gram.diagonal().map(|square| {
             if square > 0.0 {

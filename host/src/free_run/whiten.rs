@@ -6,8 +6,11 @@ use super::model::Gains;
 
 /// Unknowns: two gains, speed at the start, constant push.
 pub(super) const UNKNOWNS: usize = 4;
-/// Coefficients of the filter that makes residuals white.
-const TAPS: usize = 6;
+/// Coefficients of the filter that makes residuals white. The differences of time stamps' rounding forget slowly: with a few
+/// coefficients they pass for slow motion, which shows least of the gains.
+const TAPS: usize = 40;
+/// Equations in a row whose residuals may still go together.
+const BLOCK: usize = 8 * TAPS;
 
 type Vector = SVector<f64, UNKNOWNS>;
 type Matrix = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
@@ -49,6 +52,12 @@ impl Fitted {
             kp: self.covariance[(0, 0)].sqrt(),
             ki: self.covariance[(1, 1)].sqrt(),
         }
+    }
+
+    pub fn correlation(&self) -> f64 {
+        let Gains { kp, ki } = self.standard_error();
+        let both = self.covariance[(0, 1)] / (kp * ki);
+        if both.is_finite() { both } else { 0.0 }
     }
 }
 
@@ -101,7 +110,9 @@ pub(super) fn fit(
         let solution = (inverse * wanted).component_mul(&size);
         let rest = square - 2.0 * solution.dot(&right) + solution.dot(&(gram * solution));
         left = (rest / freedom).max(f64::MIN_POSITIVE);
-        let covariance = sizes * inverse * sizes * left;
+        let bread = sizes * inverse * sizes;
+        let prior_part = Matrix::from_diagonal(&(weight * left));
+        let covariance = bread * (meat(&equations, &solution) + prior_part) * bread;
         fitted = Some(Fitted {
             solution,
             covariance,
@@ -109,6 +120,20 @@ pub(super) fn fit(
         });
     }
     fitted
+}
+
+/// How much the residuals say by chance, measured in blocks, for what is left is neither quite white nor of one size.
+fn meat(equations: &[Equation], solution: &Vector) -> Matrix {
+    let score = |block: &[Equation]| {
+        block.iter().fold(Vector::zeros(), |sum, equation| {
+            let shares = Vector::from_column_slice(&equation[..UNKNOWNS]);
+            sum + shares * (equation[UNKNOWNS] - shares.dot(solution))
+        })
+    };
+    equations.chunks(BLOCK).fold(Matrix::zeros(), |sum, block| {
+        let score = score(block);
+        sum + score * score.transpose()
+    })
 }
 
 /// The filter that makes what `fitted` leaves white, by Levinson's recursion on its autocorrelation.

@@ -82,16 +82,30 @@ pub fn advice(findings: &Findings, drive: DriveKnowledge) -> Option<String> {
     ))
 }
 
-/// The orders that a speed loop may hide, as declared.
+/// The orders left alone as a speed loop may hide them, and those that it may hide besides.
 #[must_use]
-pub fn hidden(drive: DriveKnowledge) -> Option<String> {
-    match drive.hidden_up_to {
-        0 => None,
-        1 => Some("order 1 left alone, as a speed loop may hide it (--hidden-up-to)".to_owned()),
-        last => Some(format!(
-            "orders 1 to {last} left alone, as a speed loop may hide them (--hidden-up-to)"
-        )),
+pub fn hidden(calibration: &Calibration) -> Option<String> {
+    hidden_words(
+        calibration.left_alone_for_loop(),
+        calibration.drive.hidden_up_to,
+    )
+}
+
+fn hidden_words(left: u16, last: u16) -> Option<String> {
+    const WHY: &str = "(--loop-hz at the slowest turn, or --hidden-up-to)";
+    let words = match left {
+        0 => return None,
+        1 => format!("order 1 left alone, as a speed loop may hide it {WHY}"),
+        _ => format!("orders 1 to {left} left alone, as a speed loop may hide them {WHY}"),
+    };
+    if left == last {
+        return Some(words);
     }
+    Some(format!(
+        "{words}; it may hide orders {} to {last} too, which can't be left alone: record at a higher speed, or say what the loop \
+         did (--twin, --torque)",
+        left + 1
+    ))
 }
 
 /// The report's sections on torque, delays and orders left alone.
@@ -105,7 +119,7 @@ pub(super) fn sections(
         torque_section(body, calibration, findings, inertia_kg_m2);
     }
     delay_section(body, &findings.delays);
-    let hidden = hidden(calibration.drive);
+    let hidden = hidden(calibration);
     if let Some(hidden) = &hidden {
         body.section("Orders hidden by a speed loop", &[&sentence(hidden)]);
     }
@@ -258,16 +272,13 @@ mod tests {
 
     #[test]
     fn what_a_speed_loop_may_hide_is_said_in_words() {
-        let drive = |hidden_up_to| DriveKnowledge {
-            hidden_up_to,
-            ..DriveKnowledge::default()
-        };
-        assert_eq!(hidden(drive(0)), None);
-        assert!(hidden(drive(1)).unwrap().starts_with("order 1 left alone"));
-        assert!(
-            hidden(drive(9))
-                .unwrap()
-                .starts_with("orders 1 to 9 left alone")
-        );
+        assert_eq!(hidden_words(0, 0), None);
+        let one = hidden_words(1, 1).unwrap();
+        assert!(one.starts_with("order 1 left alone"));
+        let all = hidden_words(9, 9).unwrap();
+        assert!(all.starts_with("orders 1 to 9 left alone") && !all.contains("too"));
+        let part = hidden_words(240, 800).unwrap();
+        assert!(part.starts_with("orders 1 to 240 left alone"));
+        assert!(part.contains("may hide orders 241 to 800 too"), "{part}");
     }
 }
