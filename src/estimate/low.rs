@@ -61,7 +61,7 @@ pub(super) struct LowOrders {
 }
 
 /// Samples of a turn at the least: six orders need few, and every one costs.
-const SAMPLES_MIN: usize = 120;
+const SAMPLES_MIN: usize = 240;
 
 impl LowOrders {
     /// For turns of `edges` edges in `blocks`.

@@ -4,6 +4,8 @@
 //! speaks: noise of a shaft falls with the fourth power of the order, so its level is averaged over neighbours after that
 //! slope is taken out. High orders know no torque; there, time stamps' jitter is all.
 
+use core::ops::RangeInclusive;
+
 use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::{Shares, torque_power_q24};
 use super::order::{ORDERS_MAX, OrderPlan};
@@ -86,6 +88,11 @@ pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u
     let prior = 4_u64.saturating_sub(pairs);
     // Few pairs are no exact measure of noise: intervals must be as much wider as Student's are.
     let seen = seen.saturating_add(seen / pairs * 2);
+    // What neighbours share cancels in a sum but at its ends, and every gap adds two.
+    let gaps = bin.runs().saturating_sub(1);
+    let ends_q16 = (pair_q16 - (1 << 16)) * u128::from(gaps) / u128::from(bin.count().max(1));
+    let ends = (u128::from(seen) * ends_q16) >> 16;
+    let seen = seen.saturating_add(u64::try_from(ends).unwrap_or(u64::MAX));
     (seen / (pairs + prior)).saturating_mul(pairs)
         + (expected / (pairs + prior)).saturating_mul(prior)
 }
@@ -151,13 +158,8 @@ fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
 /// that slope) just the noise; in between, `1 + 0.95 x^2` with x = order 1 over slope is within 5 %, by simulation. The sum itself has 5 % more
 /// than the long-run noise in the first case, which leaves 0.9.
 fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
-    let sum = |terms: &[(usize, u64)]| {
-        terms.iter().fold(0_u64, |sum, &(order, factor)| {
-            sum.saturating_add(scatter[order - 1].saturating_mul(factor))
-        })
-    };
     // Where the speed changes, so does what torque of one order makes of its neighbours: the lesser of two slopes is noise alone.
-    let slope = (sum(&[(2, 16), (3, 81)]) / 2).min(sum(&[(4, 256), (5, 625), (6, 1296)]) / 3);
+    let slope = slope_of(scatter, 2..=3).min(slope_of(scatter, 4..=6));
     let ratio_q16 = (u128::from(scatter[0]) << 16) / u128::from(slope.max(1));
     let ratio_q16 = u64::try_from(ratio_q16).unwrap_or(u64::MAX).min(5 << 14);
     const EXCESS_Q16: u64 = 58_982;
@@ -169,6 +171,30 @@ fn log2_q8(power: u64) -> i16 {
     #[allow(clippy::cast_possible_truncation)]
     let short = (log2(power.into()) >> (LOG2_BITS - 8)) as i16;
     short
+}
+
+/// Mean over orders of the scatter times the order's fourth power: the same at all of them where speed is a random walk.
+fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
+    let (mut sum, mut count) = (0_u64, 0);
+    for order in orders {
+        sum = sum.saturating_add(scatter[order - 1].saturating_mul((order as u64).pow(4)));
+        count += 1;
+    }
+    sum / count
+}
+
+/// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
+/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2.
+pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
+    let slowest = speeds.bins.iter().rfind(|bin| bin.pairs >= 3);
+    slowest.map_or(0, |bin| {
+        let ratio_q16 =
+            (u128::from(slope_of(&bin.scatter, 4..=6)) << 16) / u128::from(bin.scatter[0].max(1));
+        u64::try_from(ratio_q16)
+            .unwrap_or(u64::MAX)
+            .clamp(1 << 16, 17 << 16)
+            - (1 << 16)
+    })
 }
 
 /// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
@@ -227,7 +253,7 @@ fn smooth_noise(
 }
 
 /// Orders that tell the size of the slope: above the lowest, which may be flatter, and below those where jitter rules.
-const SLOPE_ORDERS: core::ops::RangeInclusive<usize> = 7..=18;
+const SLOPE_ORDERS: RangeInclusive<usize> = 7..=18;
 
 /// Orders that the noise at an order is judged from at the least.
 const ORDERS_ABOVE: usize = 24;

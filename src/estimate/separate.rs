@@ -15,20 +15,29 @@ pub(super) struct Torques {
     pub count: u16,
 }
 
+/// What makes torque's size uncertain.
+#[derive(Clone, Copy)]
+pub(super) struct Doubt<'a> {
+    /// Noise of the difference of both means.
+    pub noise: &'a [u64; ORDERS_MAX],
+    /// Square of the shaft's damping over its slowest speed, Q16: a damped shaft does not go with 1 / speed^2.
+    pub damping_square_q16: u64,
+}
+
 /// Torque is taken for certain at so many times the noise, and for none at half of it: noise alone is six times its mean
 /// once in 400 orders.
 const CERTAIN: u64 = 12;
 
 /// Takes torque, where there is evidence of it, out of the `coefficients` of the weighed mean, whose `noise` grows by what it
 /// costs. `difference` holds the plain mean less the weighed one, and in the end what was added to the coefficients;
-/// `doubt` is its noise.
+/// `doubt` is about that.
 pub(super) fn separate(
     plan: OrderPlan,
     moments: &Moments,
     coefficients: &mut [Coefficient; ORDERS_MAX],
     noise: &mut [u64; ORDERS_MAX],
     difference: &mut [Coefficient; ORDERS_MAX],
-    doubt: &[u64; ORDERS_MAX],
+    doubt: Doubt<'_>,
     fine: Fine,
 ) -> Torques {
     let mut torques = Torques::default();
@@ -39,14 +48,14 @@ pub(super) fn separate(
     let scale_q30 = moments.torque_scale_q30();
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
         let index = order - 1;
-        let doubt = doubt[index];
-        let evidence = difference[index].power() / (doubt / 16).max(1);
+        let noise_here = doubt.noise[index];
+        let evidence = difference[index].power() / (noise_here / 16).max(1);
         let half = CERTAIN * 16 / 2;
         let belief = evidence.saturating_sub(half).min(half);
         if belief == half {
             let amplitude = difference[index].scaled(scale_q30);
             let error = Coefficient {
-                re: i32::try_from(doubt.isqrt()).unwrap_or(i32::MAX),
+                re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
                 im: 0,
             };
             torques.count += 1;
@@ -64,9 +73,11 @@ pub(super) fn separate(
         difference[index] = difference[index].scaled(-taken_q30);
         coefficients[index] = coefficients[index].plus(difference[index]);
         // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
-        let more = (u128::from(doubt) * u128::from(taken_q30.unsigned_abs())) >> 30;
+        let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
         let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
-        let more = u64::try_from(more).unwrap_or(u64::MAX);
+        let damped = u128::from(difference[index].power()) * u128::from(doubt.damping_square_q16)
+            / (order * order) as u128;
+        let more = u64::try_from(more + (damped >> 16)).unwrap_or(u64::MAX);
         noise[index] = noise[index].saturating_add(more);
     }
     torques

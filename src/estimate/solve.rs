@@ -4,11 +4,11 @@ use super::close::{SumScale, close_sum, largest_error, saturated, take_class_mea
 use super::draw::draw;
 use super::fold::thirds;
 use super::moments::{Mean, Moments};
-use super::noise::{common_noise, settle_noise};
+use super::noise::{common_noise, damping_square_q16, settle_noise};
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
 use super::power::{single_sizes, split_orders};
 use super::scale::Fine;
-use super::separate::separate;
+use super::separate::{Doubt, separate};
 use super::solution::{Found, Solution, SolveError};
 use super::spectrum::{Coefficient, Sample};
 use super::speeds::Speeds;
@@ -76,7 +76,10 @@ impl<B: EdgeBuffers> Estimator<B> {
             &mut coefficients,
             &mut noise,
             &mut difference,
-            &doubt,
+            Doubt {
+                noise: &doubt,
+                damping_square_q16: damping_square_q16(&self.speeds),
+            },
             fine,
         );
         let estimate = Estimate {

@@ -31,6 +31,11 @@ impl Bin {
         u32::from(self.turns[0]) + u32::from(self.turns[1])
     }
 
+    /// Rows of turns one right after the other.
+    pub(super) fn runs(&self) -> u32 {
+        self.count().saturating_sub(self.jitter_turns.into())
+    }
+
     pub(super) fn square(&self) -> u64 {
         self.squares[0].saturating_add(self.squares[1])
     }

@@ -16,7 +16,7 @@ mod tests;
 use std::f64::consts::TAU;
 
 use moments::{Moments, dot, minus};
-use noise::{Noise, common_noise};
+use noise::{Noise, common_noise, damping_square};
 use plan::{Plan, coefficient, common_power};
 use realfft::num_complex::Complex64;
 use turns::combine;
@@ -72,6 +72,7 @@ pub fn estimate(
     let mut torques = Vec::new();
     if let Some(share) = moments.separation {
         let doubt = Noise::of(plan, &turns, &more, &signed_more);
+        let damping = damping_square(&turns);
         let samples = combine(&turns, &more, plan.block);
         for order in plan.orders() {
             let difference = coefficient(&samples, order);
@@ -82,7 +83,8 @@ pub fn estimate(
                 torques.push(order);
             }
             found[order] -= share * belief * difference;
-            noise.level[order] += doubt.level[order] * (share * belief).powi(2);
+            let damped = difference.norm_sqr() * damping / (order * order) as f64;
+            noise.level[order] += (doubt.level[order] + damped) * (share * belief).powi(2);
         }
     }
     let weights = Estimate {

@@ -71,26 +71,51 @@ fn smooth(plan: Plan, shown: &[f64], floor: f64) -> Vec<f64> {
 
 /// Power of a low order in one turn of a bin, by the pairs of turns compared; where these are few, also by what is expected.
 fn low_power(turns: &[Turn], bin: i32, order: usize, expected: f64) -> f64 {
+    let (scatter, count) = scatter(turns, bin);
+    if count == 0.0 {
+        return expected;
+    }
+    // As much wider as Student's intervals are.
+    let excess = pair_excess(&scatter);
+    let seen = scatter[order - 1] / (2.0 * count * excess) * (1.0 + 2.0 / count);
+    let of_bin = || turns.iter().filter(|turn| turn.bin == bin);
+    let gaps = of_bin().filter(|turn| turn.jitter.is_none()).count();
+    let ends = (excess - 1.0) * gaps.saturating_sub(1) as f64 / of_bin().count() as f64;
+    let seen = seen * (1.0 + ends);
+    let prior = (4.0 - count).max(0.0);
+    (seen * count + expected * prior) / (count + prior)
+}
+
+/// Summed squared differences of the pairs of a bin, and how many there are.
+fn scatter(turns: &[Turn], bin: i32) -> ([f64; LOW_ORDERS], f64) {
     let mut scatter = [0.0; LOW_ORDERS];
     for pair in pairs(turns, bin) {
         for (sum, square) in scatter.iter_mut().zip(pair) {
             *sum += square;
         }
     }
-    let count = pairs(turns, bin).count() as f64;
-    if count == 0.0 {
-        return expected;
-    }
-    // As much wider as Student's intervals are.
-    let seen = scatter[order - 1] / (2.0 * count * pair_excess(&scatter)) * (1.0 + 2.0 / count);
-    let prior = (4.0 - count).max(0.0);
-    (seen * count + expected * prior) / (count + prior)
+    (scatter, pairs(turns, bin).count() as f64)
+}
+
+fn upper_slope(scatter: &[f64; LOW_ORDERS]) -> f64 {
+    (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0
+}
+
+/// Square of the shaft's damping over its speed where it is slowest, by what order 1 has less than the orders above promise.
+pub(super) fn damping_square(turns: &[Turn]) -> f64 {
+    let slowest = turns
+        .iter()
+        .map(|turn| turn.bin)
+        .filter(|&bin| scatter(turns, bin).1 >= 3.0);
+    slowest.max().map_or(0.0, |bin| {
+        let (scatter, _) = scatter(turns, bin);
+        (upper_slope(&scatter) / scatter[0]).clamp(1.0, 17.0) - 1.0
+    })
 }
 
 /// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.
 fn pair_excess(scatter: &[f64; LOW_ORDERS]) -> f64 {
-    let upper = (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0;
-    let slope = upper.min((scatter[1] * 16.0 + scatter[2] * 81.0) / 2.0);
+    let slope = upper_slope(scatter).min((scatter[1] * 16.0 + scatter[2] * 81.0) / 2.0);
     1.0 + 0.9 * (scatter[0] / slope).min(1.25).powi(2)
 }
 

@@ -13,6 +13,8 @@ pub(super) struct Plan {
     pub classes: usize,
     /// Edges of a block; contrasts are looked at where blocks begin.
     pub block: usize,
+    /// Edges between the samples that the lowest orders of a turn are taken from.
+    pub sample: usize,
     /// Orders weighed one by one: 1..=`single`.
     pub single: usize,
 }
@@ -25,6 +27,11 @@ impl Plan {
             .find(|&size| edges.is_multiple_of(size) && edges / size <= 1024)
             .filter(|&size| edges / size >= 128)
             .unwrap_or(1);
+        // Half as many as long as 240 are left.
+        let mut sample = block;
+        while (edges / sample).is_multiple_of(2) && edges / sample >= 2 * 240 {
+            sample *= 2;
+        }
         let single = match edges {
             ..64 => (edges - 1) / 2,
             64..=2048 => edges / 4,
@@ -34,6 +41,7 @@ impl Plan {
             edges,
             classes,
             block,
+            sample,
             single: single.min(240).min(if block > 1 {
                 edges / block / 4 + 6
             } else {

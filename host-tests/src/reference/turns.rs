@@ -120,7 +120,7 @@ fn low_orders(time: &[f64], bend: f64, plan: Plan) -> [Complex64; LOW_ORDERS] {
         2.0 * x / (half + (half * half + 4.0 * bend * x).sqrt())
     };
     let off_motion: Vec<f64> = (0..plan.edges)
-        .step_by(plan.block)
+        .step_by(plan.sample)
         .map(|k| time[k] - time[plan.edges] * tau_at(k as f64 / plan.edges as f64))
         .collect();
     std::array::from_fn(|index| coefficient(&off_motion, index + 1))
