@@ -4,10 +4,11 @@ mod agree;
 mod error;
 mod learner;
 mod plan;
+mod progress;
 mod rejected;
 mod turns;
 
-use quadcal::estimate::{Anchor, DriveKnowledge, Solution, Totals};
+use quadcal::estimate::{Anchor, DriveKnowledge, Goal, Solution, Totals};
 use quadcal::slot::{Delays, SlotHeader};
 use quadcal::step::Faults;
 use quadcal::units::RAD_PER_TURN32;
@@ -16,6 +17,7 @@ pub use agree::{Disagreement, agree};
 pub use error::CalibrateError;
 pub use learner::Learner;
 pub use plan::plan;
+pub use progress::{AfterTurn, LearningProgress, goal_of};
 pub use rejected::{RejectedTurn, RejectedTurns};
 
 use crate::buffers::HeapBuffers;
@@ -37,6 +39,8 @@ pub struct CalibrateOptions {
     pub missing: u16,
     /// Calibrate a quadrature recording without an index, relative to its first edge.
     pub without_index: bool,
+    /// Stop learning from a recording where this is met, or more turns don't help.
+    pub goal: Option<Goal>,
     /// What is known of the drive.
     pub drive: DriveKnowledge,
 }
@@ -94,6 +98,10 @@ pub struct Calibration {
     pub totals: Totals,
     /// Faults seen by the decoder in the parts that were used, of all recordings.
     pub faults: Faults,
+    /// How good the table was after each turn.
+    pub progress: LearningProgress,
+    /// The goal that there was.
+    pub goal: Option<Goal>,
     /// What each recording gave, in the order learned from.
     pub recordings: Vec<RecordingUse>,
 }

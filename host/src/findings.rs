@@ -49,7 +49,7 @@ pub struct Findings {
     pub error_rad: Vec<f64>,
     /// Line position error eps of every edge, rad.
     pub eps_rad: Vec<f64>,
-    /// RMS error to expect without the table: what it holds and what it leaves, rad.
+    /// RMS error to expect without the table, rad.
     pub before_rad: f64,
     /// RMS error to expect with the table, which is also the standard error of one edge's error, rad.
     pub after_rad: f64,
@@ -90,7 +90,6 @@ impl Findings {
             f64::from(solution.class_standard_error()) * RAD_PER_TURN32
         };
         let after_rad = calibration.standard_error_rad();
-        let table_rad = f64::from(solution.table_rms()) * RAD_PER_TURN32;
         let orders = (eps_rad.len() / 2).min(ORDERS_MAX + 1);
         Self {
             class_names: class_names(kind),
@@ -99,7 +98,7 @@ impl Findings {
             class_standard_error_rad,
             error_rad,
             eps_rad,
-            before_rad: table_rad.hypot(after_rad),
+            before_rad: f64::from(solution.uncorrected_rms()) * RAD_PER_TURN32,
             after_rad,
             weights: (1..=orders)
                 .map(|order| f64::from(solution.order_weight(order)) / 32_768.0)

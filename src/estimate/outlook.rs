@@ -41,6 +41,9 @@ pub enum Advice {
     NoFurtherGain,
 }
 
+/// Pairs of turns that say how good a mean is: with fewer it looks better by chance too often.
+const PAIRS_MIN: u16 = 5;
+
 /// Units of the powers here.
 const FINE: Fine = Fine { bits: LOW_BITS };
 
@@ -63,7 +66,7 @@ impl Outlook {
 }
 
 impl<B: EdgeBuffers> Estimator<B> {
-    /// What the turns taken so far let expect; none before three turns of like speed came in a row. Some tens of thousands of
+    /// What the turns taken so far let expect; none before six turns of like speed came in a row. Some tens of thousands of
     /// instructions: after [`Progress::TurnTaken`](super::Progress), not on the edge path.
     #[must_use]
     #[inline(never)]
@@ -98,7 +101,7 @@ impl<B: EdgeBuffers> Estimator<B> {
 /// Power of one of the lowest orders in a mean. A speed at which no turns were compared is taken to have the same torque noise as
 /// the others.
 fn order_power(speeds: &Speeds, shares: &Shares, index: usize) -> Option<u64> {
-    let compared = |bin: &&Bin| bin.pairs > 1;
+    let compared = |bin: &&Bin| bin.pairs >= PAIRS_MIN;
     speeds.bins.iter().find(compared)?;
     let (mut seen, mut torque) = (0_u128, 0_u128);
     for (b, bin) in speeds.bins.iter().enumerate() {

@@ -41,6 +41,7 @@ pub(super) struct Found {
     pub shift: u32,
     pub residual: u32,
     pub table_rms: u32,
+    pub uncorrected: u32,
     pub single: [u16; ORDERS_MAX],
     pub single_count: usize,
     pub common: u16,
@@ -105,6 +106,13 @@ impl<B: EdgeBuffers> Solution<B> {
     #[must_use]
     pub fn standard_error(&self) -> u32 {
         self.found.residual
+    }
+
+    /// Error RMS to expect without the table, class offsets included, 2^-32 turn. Less than [`Solution::table_rms`] where noise is much of
+    /// the table.
+    #[must_use]
+    pub fn uncorrected_rms(&self) -> u32 {
+        self.found.uncorrected
     }
 
     /// RMS of the error that the table holds, class offsets included, 2^-32 turn.

@@ -148,6 +148,10 @@ impl<B: EdgeBuffers> Estimator<B> {
             shift,
             residual,
             table_rms,
+            uncorrected: with_offsets(
+                fine.root_mean_square(weights.uncorrected),
+                &class_offsets[..classes],
+            ),
             single: weights.single,
             single_count: plan.single,
             common: weights.common.min(WEIGHT_ONE - 1) as u16,
@@ -275,6 +279,16 @@ fn redraw(
 fn draw_orders<S: Sample>(grid: &mut [S], plan: OrderPlan, more: &[Coefficient; ORDERS_MAX]) {
     grid.fill(S::of(0));
     add_orders(grid, &more[..plan.single]);
+}
+
+/// RMS of what varies within the classes and of their means together.
+fn with_offsets(rms: u32, class_offsets: &[TurnDelta32]) -> u32 {
+    let square = |x: u32| u128::from(x) * u128::from(x);
+    let offsets = class_offsets
+        .iter()
+        .map(|offset| square(offset.0.unsigned_abs()));
+    let mean = offsets.sum::<u128>() / class_offsets.len().max(1) as u128;
+    u32::try_from((square(rms) + mean).isqrt()).unwrap_or(u32::MAX)
 }
 
 /// Scales the errors to 2^-32 turn and packs them as 16-bit entries in the cells; returns their shift, and the RMS of the

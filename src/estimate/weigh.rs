@@ -24,6 +24,8 @@ pub(super) struct Weights {
     pub common: u32,
     /// Expected squared error of an edge after correction, 2^-8 of the squared unit, class offsets not counted.
     pub residual: u64,
+    /// The same without correction.
+    pub uncorrected: u64,
     /// Orders left alone because torque might make them.
     pub standing: StandingOrders,
 }
@@ -69,6 +71,7 @@ pub(super) fn weigh(
         single: [0; ORDERS_MAX],
         common: common_weight,
         residual: 0,
+        uncorrected: 0,
         standing: StandingOrders::new(),
     };
     for order in single_orders(plan).filter(|&n| estimate.suspect(plan, n)) {
@@ -94,6 +97,8 @@ pub(super) fn weigh(
         estimate.common_noise,
     );
     let mut residual = u128::from(left_common) * plan.common_count() as u128;
+    let believed = left_over(common_weight, 0, estimate.common);
+    let mut uncorrected = residual + u128::from(believed) * plan.common_count() as u128;
     for order in single_orders(plan) {
         let index = order - 1;
         let size = sizes[index];
@@ -117,18 +122,24 @@ pub(super) fn weigh(
         if order <= usize::from(estimate.knowledge.hidden_up_to) {
             weight = 0;
         }
-        residual += 2 * u128::from(if mounting {
-            // Nothing is known of its size beforehand: the noise stays, and so does what is not believed of all that shows.
-            doubt.saturating_add(left_over(weight, shown, 0))
+        let (rest, before) = if mounting {
+            (
+                left_of_mounting(weight, shown, doubt),
+                shown.saturating_sub(doubt),
+            )
         } else {
-            left_over(weight, size, doubt)
-        });
+            let rest = left_over(weight, size, doubt);
+            (rest, rest.saturating_add(left_over(weight, 0, shown)))
+        };
+        residual += 2 * u128::from(rest);
+        uncorrected += 2 * u128::from(before);
         #[allow(clippy::cast_possible_truncation)]
         {
             weights.single[index] = weight as u16;
         }
     }
     weights.residual = u64::try_from(residual).unwrap_or(u64::MAX);
+    weights.uncorrected = u64::try_from(uncorrected).unwrap_or(u64::MAX);
     weights
 }
 
@@ -197,15 +208,24 @@ const COMMON_MARGIN_Q8: u64 = 282;
 /// mean once in 160,000.
 const OWN_MARGIN_Q8: u64 = 12 << 8;
 
-/// Weight of orders 1 and 2 at the least, which a disc's mounting makes large (eccentricity, tilt): 1 - N / 2P, so that what
-/// shows up no larger than half the noise is not believed, and what is twice as large mostly is. Whatever their true size, the
-/// expected error is at most 4 % more than that of the estimate itself, and less than half of it where there is nothing.
+/// Weight of orders 1 and 2 at the least, which a disc's mounting makes large (eccentricity, tilt): 1 - N / P, so that what shows
+/// up no larger than noise is not believed, and what is ten times as large nearly is. Whatever their true size, the expected
+/// error's power is at most 1.2 times that of the estimate itself, and a fifth of it where there is nothing.
 fn mounting_weight(power: u64, noise: u64) -> u32 {
-    let half_noise = u128::from(noise) << 14;
-    let drawn = half_noise / u128::from(power.max(1));
+    let drawn = (u128::from(noise) << 15) / u128::from(power.max(1));
     #[allow(clippy::cast_possible_truncation)]
     let weight = WEIGHT_ONE - drawn.min(WEIGHT_ONE.into()) as u32;
     weight
+}
+
+/// Expected power left of orders 1 and 2. Nothing is known of their size beforehand: as far as the estimate is believed its noise
+/// stays, and as far as it is not, what shows; within a tenth of the mean over the noise for any true size.
+fn left_of_mounting(weight: u32, power: u64, noise: u64) -> u64 {
+    let rest = WEIGHT_ONE - weight.min(WEIGHT_ONE);
+    let not_believed = u128::from(rest * rest);
+    let believed = (1 << 30) - not_believed;
+    u64::try_from((believed * u128::from(noise) + not_believed * u128::from(power)) >> 30)
+        .unwrap_or(u64::MAX)
 }
 
 /// An order without neighbours must stand four times above the noise.

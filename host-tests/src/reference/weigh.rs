@@ -103,14 +103,15 @@ impl Estimate<'_> {
                 };
                 let mounting = order <= 2 && !suspect && plan.has_neighbours();
                 let least = if mounting {
-                    (1.0 - doubt / (2.0 * self.power(order))).max(0.0)
+                    (1.0 - doubt / self.power(order)).max(0.0)
                 } else {
                     0.0
                 };
                 single[order] = wiener(sizes[order], doubt).max(least) * gate;
                 residual += 2.0
                     * if mounting {
-                        doubt + left_over(single[order], self.power(order), 0.0)
+                        let rest = (1.0 - single[order]).powi(2);
+                        (1.0 - rest) * doubt + rest * self.power(order)
                     } else {
                         left_over(single[order], sizes[order], doubt)
                     };

@@ -58,6 +58,12 @@ pub enum CalibrateError {
         disagrees = .0.disagrees
     )]
     TooFewTurns(Totals),
+    /// The recordings show different patterns.
+    #[error(
+        "the recordings differ at {0} % of all orders, which torque never does: they are not of one disc, or its coupling moved \
+         between them; calibrate each by itself, or check with `quadcal locate`"
+    )]
+    OtherDisc(u32),
     /// The core can't take such an encoder.
     #[error(transparent)]
     Plan(#[from] PlanError),

@@ -1,14 +1,24 @@
 //! Learns from any number of recordings of one encoder, one after the other.
 
-use quadcal::estimate::{Anchor, DriveKnowledge, Estimator, Progress, Totals};
+use quadcal::estimate::{Anchor, DriveKnowledge, Estimator, Goal, Progress, Totals};
 use quadcal::step::Faults;
 
 use super::turns::TurnClock;
-use super::{CalibrateError, CalibrateOptions, Calibration, RecordingUse};
+use super::{CalibrateError, CalibrateOptions, Calibration, LearningProgress, RecordingUse};
 use crate::buffers::HeapBuffers;
 use crate::recording::{ReadError, Row};
 use crate::sensor::{PlanError, SensorPlan};
 use crate::survey::Survey;
+
+/// Turns of a recording that are learned from at the least, whatever the goal: a speed must be known to be told from another.
+const TURNS_MIN: u32 = 3;
+
+/// Share of orders at which fast and slow turns may differ, per cent: torque is at a few, and strong ripple at the sums and differences
+/// of its orders too.
+const TORQUE_MAX_PERCENT: u32 = 50;
+
+/// Edges from which on there are so many orders; torque may well be at most of a Hall motor's.
+const EDGES_MIN: u32 = 1000;
 
 /// An estimator that recordings are added to. Rows are taken as they come; nothing keeps a recording.
 pub struct Learner {
@@ -16,6 +26,8 @@ pub struct Learner {
     clock_hz: u64,
     drive: DriveKnowledge,
     estimator: Estimator<HeapBuffers>,
+    progress: LearningProgress,
+    goal: Option<Goal>,
     recordings: Vec<RecordingUse>,
 }
 
@@ -39,11 +51,13 @@ impl Learner {
             clock_hz,
             drive,
             estimator,
+            progress: LearningProgress::default(),
+            goal: None,
             recordings: Vec::new(),
         })
     }
 
-    /// Learns from the `rows` of a recording, as far as the options' `turns` and `until` go. It must agree with those before,
+    /// Learns from the `rows` of a recording, as far as the options' `turns`, `until` and `goal` go. It must agree with those before,
     /// see [`agree`](super::agree).
     ///
     /// # Errors
@@ -56,6 +70,7 @@ impl Learner {
         options: &CalibrateOptions,
     ) -> Result<(), CalibrateError> {
         let before = *self.estimator.totals();
+        self.goal = options.goal;
         let most = options.turns.unwrap_or(u32::MAX);
         let mut decoder = self.plan.decoder()?;
         let edges = self.estimator.shape().edges();
@@ -74,7 +89,10 @@ impl Learner {
                 Progress::TurnTaken(turns) => {
                     learned_until = row.ticks;
                     clock.take();
-                    if turns - before.turns >= most {
+                    let here = turns - before.turns;
+                    let outlook = self.estimator.outlook();
+                    let enough = self.progress.push(turns, outlook, options.goal);
+                    if here >= most || (enough && here >= TURNS_MIN) {
                         break;
                     }
                 }
@@ -119,7 +137,7 @@ impl Learner {
     /// Solves for the table.
     ///
     /// # Errors
-    /// [`CalibrateError::TooFewTurns`].
+    /// [`CalibrateError::TooFewTurns`], [`CalibrateError::OtherDisc`].
     pub fn solve(self) -> Result<Calibration, CalibrateError> {
         let totals = *self.estimator.totals();
         let solution = self
@@ -127,6 +145,11 @@ impl Learner {
             .with_knowledge(self.drive)
             .solve()
             .map_err(|_| CalibrateError::TooFewTurns(totals))?;
+        let differ = solution.torque_share_percent();
+        let many_orders = solution.shape().edges() >= EDGES_MIN;
+        if self.recordings.len() > 1 && many_orders && differ > TORQUE_MAX_PERCENT {
+            return Err(CalibrateError::OtherDisc(differ));
+        }
         let faults = self
             .recordings
             .iter()
@@ -137,6 +160,8 @@ impl Learner {
             drive: self.drive,
             solution,
             loop_error_rad: 0.0,
+            progress: self.progress,
+            goal: self.goal,
             totals,
             faults,
             recordings: self.recordings,

@@ -34,6 +34,7 @@ Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal calibrate slow.csv fast.csv -o spindle.qct      tells torque ripple and delays apart
   quadcal calibrate slow.csv fast.csv --inertia 1.2e-4 -o spindle.qct    gives the ripple in N m
+  quadcal calibrate long.csv --goal 5e-6 -o rig.qct       no more turns than it takes
   quadcal calibrate rig.csv --pole-pairs 5 -o rig.qct     one speed; only the motor makes torque
   quadcal calibrate rig.csv --turns 11 -o rig.qct         leaves later turns to verify on
   quadcal calibrate hall.csv --fraction 0.5 -o hall.qct   learns from the first half
@@ -68,6 +69,9 @@ pub struct Calibrate {
     /// Learn from this first part of each recording, 0 to 1
     #[arg(long, value_name = "F", value_parser = fraction, help_heading = "Learning")]
     fraction: Option<f64>,
+    /// Stop learning from a recording once the error to expect is this small, rad RMS, or more turns don't help
+    #[arg(long, value_name = "RAD", value_parser = goal, help_heading = "Learning")]
+    goal: Option<f64>,
     /// Pole pairs of the motor, where nothing else makes torque: ripple is at multiples of N only
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..), help_heading = "Drive")]
     pole_pairs: Option<u16>,
@@ -95,6 +99,13 @@ fn fraction(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value <= 1.0 => Ok(value),
         _ => Err("give a number above 0 and up to 1".to_owned()),
+    }
+}
+
+fn goal(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("give a number above 0 and below 1, in rad: 2e-6".to_owned()),
     }
 }
 
@@ -196,6 +207,7 @@ impl Calibrate {
         let source = input.source()?;
         let mut options = self.sensor.options(header.channels)?;
         options.turns = self.turns;
+        options.goal = self.goal.map(calibrate::goal_of);
         options.without_index |= self.no_index;
         let mut survey = Survey::of(header, rows)?;
         let plan = calibrate::plan(&survey, &options)

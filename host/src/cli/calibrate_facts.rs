@@ -45,6 +45,9 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
                 si(findings.after_rad, "rad")
             ),
         );
+    if let Some(progress) = words::progress(calibration, findings.after_rad) {
+        facts.push("", progress);
+    }
     let [slowest, _] = words::speeds_r_min(&calibration.totals, calibration.clock_hz);
     let (strong, weaker) = separation::strong(&findings.torques);
     for torque in strong {

@@ -26,6 +26,10 @@ pub(super) struct Summary {
     expected_error_after_rad: f64,
     /// Of one edge's line position error.
     line_standard_error_rad: f64,
+    /// What was to be expected after each turn.
+    progress: Vec<AfterTurn>,
+    /// Why learning ended, where a goal was given: `goal_met`, `no_further_gain`, or `go_on` at the end of the recordings.
+    goal: Option<&'static str>,
     /// Whether the speeds differ enough to tell torque from geometry.
     two_speeds: bool,
     torque_ripple: Vec<Torque>,
@@ -37,6 +41,16 @@ pub(super) struct Summary {
     orders_left_alone_for_loop_up_to: u16,
     /// The part of the line's standard error that undoing a speed loop made.
     loop_standard_error_rad: f64,
+}
+
+/// What the core let expect after a turn.
+#[derive(Debug, Serialize)]
+struct AfterTurn {
+    /// Turns taken so far, of all recordings.
+    turns: u32,
+    expected_error_rad: f64,
+    /// After as many turns again.
+    expected_after_twice_rad: f64,
 }
 
 /// What one recording gave.
@@ -212,6 +226,20 @@ impl Summary {
             expected_error_before_rad: findings.before_rad,
             expected_error_after_rad: findings.after_rad,
             line_standard_error_rad: findings.after_rad,
+            progress: calibration
+                .progress
+                .turns()
+                .iter()
+                .map(|after| AfterTurn {
+                    turns: after.turns,
+                    expected_error_rad: after.error_rad(),
+                    expected_after_twice_rad: after.after_twice_rad(),
+                })
+                .collect(),
+            goal: calibration
+                .goal
+                .and_then(|goal| calibration.progress.advice(goal))
+                .map(words::advice_id),
             two_speeds: calibration.two_speeds(),
             torque_ripple: findings
                 .torques

@@ -55,7 +55,7 @@ pub fn report(calibrated: &Calibrated<'_>, footer: Footer) -> Report {
     }
     errors(body, calibration, findings);
     separation::sections(body, calibration, findings, inertia_kg_m2);
-    turns::section(body, calibration, names);
+    turns::section(body, calibration, names, findings.after_rad);
     report.details("Details", details(calibration, findings, names));
     report.footer(footer);
     report

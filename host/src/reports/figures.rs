@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::calibrate::Calibration;
+use quadcal::units::RAD_PER_TURN32;
+
+use crate::calibrate::{AfterTurn, Calibration};
 use crate::findings::{Findings, order_amplitudes};
 use crate::report::plot::{Axis, Bars, Series, Spectrum, Xy};
 use crate::report::{Body, Cell, Colour};
@@ -155,6 +157,29 @@ pub(super) fn weights(findings: &Findings) -> Xy {
         Axis::new("Weight", "").range(0.0, 1.05),
     )
     .series(Series::step("weight", &orders, &findings.weights).colour(Colour::AFTER))
+}
+
+/// Error to expect after every turn, and the goal.
+pub(super) fn progress(calibration: &Calibration) -> Option<Xy> {
+    let turns = calibration.progress.turns();
+    if turns.len() < 2 {
+        return None;
+    }
+    let column = |value: fn(&AfterTurn) -> f64| turns.iter().map(value).collect::<Vec<f64>>();
+    let taken = column(|after| f64::from(after.turns));
+    let error = column(AfterTurn::error_rad);
+    let plot = Xy::new(
+        Axis::new("Turns taken", ""),
+        Axis::new("Error to expect, RMS", "rad").log(),
+    )
+    .series(Series::line("after this many turns", &taken, &error).colour(Colour::AFTER));
+    Some(match calibration.goal {
+        None => plot,
+        Some(goal) => {
+            let goal = vec![f64::from(goal.error.max(1)) * RAD_PER_TURN32; taken.len()];
+            plot.series(Series::dashed("goal", &taken, &goal))
+        }
+    })
 }
 
 /// Turns used and rejected, of all recordings.

@@ -9,7 +9,12 @@ use super::{figures, words};
 const LISTED: usize = 12;
 
 /// The section on turns.
-pub(super) fn section(body: &mut Body, calibration: &Calibration, names: &[String]) {
+pub(super) fn section(
+    body: &mut Body,
+    calibration: &Calibration,
+    names: &[String],
+    after_rad: f64,
+) {
     let first = "The first whole turn of a recording only sets the speed. Turns with faults are left out, not mended.";
     let weight = "A turn counts by the square of its speed, as torque moves a fast shaft less.";
     if calibration.two_speeds() {
@@ -18,6 +23,13 @@ pub(super) fn section(body: &mut Body, calibration: &Calibration, names: &[Strin
         body.section("Turns", &[first]);
     }
     figures::turn_table(body, calibration);
+    if let Some(plot) = figures::progress(calibration) {
+        let more = words::progress(calibration, after_rad).unwrap_or_default();
+        body.figure(
+            plot,
+            format!("How good the table was expected to be after each turn; at the end, {more}."),
+        );
+    }
     let recordings = || names.iter().zip(&calibration.recordings);
     if names.len() > 1 {
         let rows = recordings().map(|(name, used)| {

@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use quadcal::estimate::{Anchor, Rejection, Totals};
+use quadcal::estimate::{Advice, Anchor, Rejection, Totals};
+use quadcal::units::RAD_PER_TURN32;
 
+use crate::calibrate::Calibration;
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::showcase::Showcase;
@@ -172,6 +174,46 @@ pub fn reduction_percent(before: f64, after: f64) -> f64 {
         100.0 * (1.0 - after / before)
     } else {
         0.0
+    }
+}
+
+/// What more turns would do to an expected error, and what came of the goal; nothing where no turns were compared.
+#[must_use]
+pub fn progress(calibration: &Calibration, after_rad: f64) -> Option<String> {
+    let last = calibration.progress.last()?;
+    // The solved table knows more than its outlook: of that only the ratio counts.
+    let share = last.after_twice_rad() / last.error_rad();
+    let twice = si_digits(after_rad * share.min(1.0), "rad", 2);
+    let twice = format!("{} {}", twice.0, twice.1);
+    Some(match calibration.goal {
+        None => format!("as many turns again would leave about {twice}"),
+        Some(goal) => {
+            let aim = si_digits(f64::from(goal.error) * RAD_PER_TURN32, "rad", 2);
+            let aim = format!("{} {}", aim.0, aim.1);
+            match last.outlook.advice(goal) {
+                Advice::GoalMet if after_rad > f64::from(goal.error) * RAD_PER_TURN32 => format!(
+                    "learning ended after {} turns, as the goal of {aim} was to be expected; solved, the table falls a little short of it",
+                    last.turns
+                ),
+                Advice::GoalMet => format!("the goal of {aim} is met after {} turns", last.turns),
+                Advice::NoFurtherGain => format!(
+                    "more turns hardly help: as many again would leave about {twice}, and the clock or a drift limits the rest"
+                ),
+                Advice::GoOn => format!(
+                    "the goal of {aim} is not met; as many turns again would leave about {twice}: record longer"
+                ),
+            }
+        }
+    })
+}
+
+/// The core's advice as in the JSON.
+#[must_use]
+pub fn advice_id(advice: Advice) -> &'static str {
+    match advice {
+        Advice::GoOn => "go_on",
+        Advice::GoalMet => "goal_met",
+        Advice::NoFurtherGain => "no_further_gain",
     }
 }
 
