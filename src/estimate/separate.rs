@@ -11,7 +11,7 @@ use super::spectrum::Coefficient;
 pub(super) struct Torques {
     /// The strongest orders.
     pub strongest: heapless::Vec<TorqueOrder, TORQUES_MAX>,
-    /// Orders at which it is certain.
+    /// Orders at which it is certain, and no less than a quarter of what the fast turns show.
     pub count: u16,
 }
 
@@ -58,7 +58,8 @@ pub(super) fn separate(
                 re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
                 im: 0,
             };
-            torques.count += 1;
+            let small = difference[index].power().saturating_mul(16) < coefficients[index].power();
+            torques.count += u16::from(!small);
             keep_strongest(
                 &mut torques.strongest,
                 TorqueOrder {

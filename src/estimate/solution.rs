@@ -143,7 +143,7 @@ impl<B: EdgeBuffers> Solution<B> {
         &self.found.torques.strongest
     }
 
-    /// Share of the orders looked at one by one at which fast and slow turns differ for certain, per cent. Torque is at a few of
+    /// Share of the orders looked at one by one at which fast and slow turns differ for certain and by much, per cent. Torque is at a few of
     /// them; where most differ, the turns are not of one disc.
     #[must_use]
     pub fn torque_share_percent(&self) -> u32 {
