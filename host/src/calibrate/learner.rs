@@ -13,13 +13,6 @@ use crate::survey::Survey;
 /// Turns of a recording that are learned from at the least, whatever the goal: a speed must be known to be told from another.
 const TURNS_MIN: u32 = 3;
 
-/// Share of orders at which fast and slow turns may differ, per cent: torque is at a few, and strong ripple at the sums and differences
-/// of its orders too.
-const TORQUE_MAX_PERCENT: u32 = 50;
-
-/// Edges from which on there are so many orders; torque may well be at most of a Hall motor's.
-const EDGES_MIN: u32 = 1000;
-
 /// An estimator that recordings are added to. Rows are taken as they come; nothing keeps a recording.
 pub struct Learner {
     plan: SensorPlan,
@@ -137,7 +130,7 @@ impl Learner {
     /// Solves for the table.
     ///
     /// # Errors
-    /// [`CalibrateError::TooFewTurns`], [`CalibrateError::OtherDisc`].
+    /// [`CalibrateError::TooFewTurns`].
     pub fn solve(self) -> Result<Calibration, CalibrateError> {
         let totals = *self.estimator.totals();
         let solution = self
@@ -145,11 +138,6 @@ impl Learner {
             .with_knowledge(self.drive)
             .solve()
             .map_err(|_| CalibrateError::TooFewTurns(totals))?;
-        let differ = solution.torque_share_percent();
-        let many_orders = solution.shape().edges() >= EDGES_MIN;
-        if self.recordings.len() > 1 && many_orders && differ > TORQUE_MAX_PERCENT {
-            return Err(CalibrateError::OtherDisc(differ));
-        }
         let faults = self
             .recordings
             .iter()

@@ -257,6 +257,11 @@ impl Calibrate {
         learner.leave_alone_up_to(self.hidden_up_to(surveyed, &learner));
         let runs: Vec<Option<&FreeRun>> = surveyed.iter().map(|one| one.free.as_ref()).collect();
         let solved = learner.solve().map_err(|error| self.failed(&all, error))?;
+        if runs.iter().all(Option::is_none) {
+            solved
+                .check_one_disc()
+                .map_err(|error| self.failed(&all, error))?;
+        }
         Ok(solved.with_loops_undone(&runs))
     }
 
