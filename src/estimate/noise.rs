@@ -10,9 +10,10 @@ use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::{Shares, torque_power_q24};
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::scale::Fine;
+use super::sizes::neighbours;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
-use super::weigh::{neighbours, single_orders};
+use super::weigh::single_orders;
 use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::units::STEP_FRACTION_BITS;
 
