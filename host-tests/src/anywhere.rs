@@ -5,6 +5,7 @@
 
 mod calibrated;
 mod disturbed;
+mod orders;
 mod scenario;
 
 use std::f64::consts::TAU;
@@ -21,6 +22,7 @@ pub use calibrated::{GivenGains, Judged};
 pub use disturbed::{
     Disturbance, Disturbed, LOADS, RAMP_LOADS, STRONG_RIPPLE, STRONG_WANDER, Share, Verdicts,
 };
+pub use orders::{ByOrder, WorstOrder};
 pub use scenario::Scenario;
 
 /// Turns that are learned from a recording of one speed; it holds one more, for the speed before.

@@ -3,7 +3,8 @@
 use super::close::saturated;
 use super::order::OrderPlan;
 use super::scale::Fine;
-use super::spectrum::Sample;
+use super::spectrum::{COEFFICIENT_BITS, Coefficient, Sample};
+use super::transform::{phasor, turned};
 use super::weigh::WEIGHT_ONE;
 use crate::shape::CLASSES_MAX;
 
@@ -68,17 +69,53 @@ impl<'a, S: Sample> Curve<'a, S> {
     }
 }
 
-/// Adds the curve drawn in `grid` to every error, after weighing it with `common`, and puts right what
+/// What is believed of the errors, beside the curve.
+pub(super) struct Believed<'a> {
+    /// Weight of all orders, Q15; the curve holds what single orders differ from that.
+    pub common: u32,
+    /// Geometry at orders 1 and 2.
+    pub mounting: [Coefficient; 2],
+    /// Means of the classes.
+    pub offsets: &'a [i32; CLASSES_MAX],
+}
+
+/// Orders 1 and 2 from edge to edge.
+struct Mounting {
+    now: [[i32; 2]; 2],
+    step: [[i32; 2]; 2],
+}
+
+impl Mounting {
+    fn new(sizes: [Coefficient; 2], edges: usize) -> Self {
+        Self {
+            now: sizes.map(|size| [size.re, size.im]),
+            step: [1, 2].map(|order| phasor(order, edges)),
+        }
+    }
+
+    /// At the next edge, the first time at edge 0.
+    fn next(&mut self) -> i64 {
+        let mut sum = 0;
+        for (now, step) in self.now.iter_mut().zip(self.step) {
+            sum += i64::from(now[0]);
+            *now = turned(*now, step);
+        }
+        // Twice the real part.
+        sum >> (COEFFICIENT_BITS - 1)
+    }
+}
+
+/// Adds the curve drawn in `grid` to every error, after weighing it, and puts right what
 /// the motion found did to it.
 ///
 /// The curve F is what is taken out of the errors as motion, with its sign turned. Where the shaft ran fast by a share v, an
 /// edge's error came out short by v of it, from the time at which it was passed: it is put back with v = -dF/dtheta
-/// (amplitude modulation, eq. (5)).
+/// (amplitude modulation, eq. (5)). What that makes of orders 1 and 2 lies at low orders that noise
+/// drowns; those are left as they were weighed.
 pub(super) fn draw<S: Sample>(
     errors: &mut [i32],
     grid: &[S],
-    common: u32,
-    offsets: &[i32; CLASSES_MAX],
+    believed: &Believed<'_>,
     plan: OrderPlan,
     fine: Fine,
 ) {
@@ -90,6 +127,7 @@ pub(super) fn draw<S: Sample>(
         curve.value(0, 0),
     );
     let (mut sample, mut part, mut class) = (0, 0, 0);
+    let mut mounting = Mounting::new(believed.mounting, edges);
     let half = 1_i64 << (WEIGHT_ONE.trailing_zeros() - 1);
     // With few edges every order is single, and what is drawn is geometry.
     let scale = if plan.has_neighbours() {
@@ -103,13 +141,14 @@ pub(super) fn draw<S: Sample>(
             (sample, part) = (sample + 1, 0);
         }
         let next = curve.value(sample, part);
-        let kept = (i64::from(*error) * i64::from(common) + half) >> WEIGHT_ONE.trailing_zeros();
-        let believed = kept + here;
-        let whole = believed + i64::from(offsets[class]);
+        let kept =
+            (i64::from(*error) * i64::from(believed.common) + half) >> WEIGHT_ONE.trailing_zeros();
+        let error_here = kept + here;
+        let whole = error_here + i64::from(believed.offsets[class]);
         // Steps to either side, as a share of the grid's.
         let slope_q30 = ((next - before) * scale) >> (3 + fine.bits);
-        let put_back = (whole * slope_q30) >> 30;
-        *error = saturated(believed - put_back);
+        let put_back = ((whole - mounting.next()) * slope_q30) >> 30;
+        *error = saturated(error_here - put_back);
         (before, here) = (here, next);
         class = if class + 1 == classes { 0 } else { class + 1 };
     }
@@ -121,7 +160,11 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    const NO_OFFSETS: [i32; CLASSES_MAX] = [0; CLASSES_MAX];
+    const ALL: Believed<'static> = Believed {
+        common: WEIGHT_ONE,
+        mounting: [Coefficient { re: 0, im: 0 }; 2],
+        offsets: &[0; CLASSES_MAX],
+    };
 
     #[test]
     fn a_wave_on_a_coarse_grid_is_drawn_at_every_edge() {
@@ -133,7 +176,7 @@ mod tests {
         let mut errors = std::vec![0; edges];
         let fine = Fine { bits: 10 };
         let plan = OrderPlan::new(edges, edges, 625);
-        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, plan, fine);
+        draw(&mut errors, &grid, &ALL, plan, fine);
         for (k, &error) in errors.iter().enumerate() {
             let want = wave(k as f64 / edges as f64);
             assert!((f64::from(error) - want).abs() < 3.0, "{k}: {error} {want}");
@@ -155,7 +198,7 @@ mod tests {
         let observed = |k: usize| swing(k) + truth(k) * (1.0 - fast(k));
         let mut errors: Vec<i32> = (0..edges).map(|k| observed(k) as i32).collect();
         let grid: Vec<i32> = (0..edges).map(|k| -swing(k) as i32).collect();
-        draw(&mut errors, &grid, WEIGHT_ONE, &NO_OFFSETS, plan, fine);
+        draw(&mut errors, &grid, &ALL, plan, fine);
         for (k, &error) in errors.iter().enumerate() {
             let off = f64::from(error) - truth(k);
             assert!(off.abs() < 0.012 * turn / 2000.0, "{k}: {off}");

@@ -1,8 +1,9 @@
 //! Orders that stand out and may be torque, and what two of them make together.
 //!
 //! Angle is measured by time, and time at a place goes with 1 / speed: two speed swings u_m, u_n make a third of about
-//! u_m u_n at the orders m + n and |m - n|, as exactly repeated as geometry and often no larger. So it is counted as noise
-//! there.
+//! u_m u_n at the orders m + n and |m - n|, as exactly repeated as geometry and often no larger. And the swing is seen at edges
+//! that the disc's mounting moved: a swing of the angle at order m makes one at m + 1 and m - 1 with an eccentricity, at m + 2
+//! and m - 2 with a tilt. So both are counted as noise there.
 
 use super::order::LOCKED_MAX;
 
@@ -26,14 +27,23 @@ pub(super) fn keep_strongest(list: &mut StandingOrders, standing: Standing) {
     }
 }
 
-/// Largest size at an order, in 2^-4 of the unit, of what pairs of standing orders make together. `turn` is the length of a
-/// turn in the sequence's unit.
-pub(super) fn product(list: &StandingOrders, turn: u64, order: usize) -> u32 {
+/// Largest size at an order, in 2^-4 of the unit, of what pairs of standing orders make together, and each with the powers of orders 1
+/// and 2 in `mounting`. `turn` is the length of a turn in the sequence's unit.
+pub(super) fn product(list: &StandingOrders, mounting: [u64; 2], turn: u64, order: usize) -> u32 {
     let order = order as u64;
     let mut size = 0_u32;
     for (index, one) in list.iter().enumerate() {
+        let m = u64::from(one.order);
+        for (power, away) in mounting.into_iter().zip(1..) {
+            if order.abs_diff(m) == away {
+                // The edges' displacement times the swing's slope, half of that on either side: in |c| 2 pi m |c_m c_1| / turn.
+                let pair = u128::from(one.power.isqrt()) * u128::from(power.isqrt());
+                let both = pair * u128::from(m) * (FOUR_PI_Q8 / 2) / (u128::from(turn.max(1)) << 8);
+                size = size.saturating_add(u32::try_from(both >> 4).unwrap_or(u32::MAX));
+            }
+        }
         for other in &list[index..] {
-            let (m, n) = (u64::from(one.order), u64::from(other.order));
+            let n = u64::from(other.order);
             if order != m + n && order != m.abs_diff(n) {
                 continue;
             }
@@ -74,7 +84,7 @@ mod tests {
         keep_strongest(&mut list, standing(10, 0.01));
         keep_strongest(&mut list, standing(15, 0.005));
         let sizes: [u32; ORDERS_MAX] =
-            core::array::from_fn(|index| product(&list, turn, index + 1));
+            core::array::from_fn(|index| product(&list, [0; 2], turn, index + 1));
         for (order, product) in [
             (25, 0.01 * 0.005),
             (5, 0.01 * 0.005),
@@ -89,6 +99,33 @@ mod tests {
             );
         }
         assert_eq!(sizes.iter().filter(|&&size| size > 0).count(), 4);
+    }
+
+    #[test]
+    fn a_swing_seen_on_an_eccentric_disc_has_neighbours() {
+        let turn = 1_u64 << 31;
+        let c = |amplitude: f64| amplitude * turn as f64 / core::f64::consts::TAU / 2.0;
+        let power = |amplitude: f64| (c(amplitude) * c(amplitude) * 256.0) as u64;
+        let mut list = StandingOrders::new();
+        let (swing, eccentricity) = (6.7e-4, 5e-4);
+        keep_strongest(
+            &mut list,
+            Standing {
+                order: 15,
+                power: power(swing),
+            },
+        );
+        for (order, expected) in [
+            (14, c(15.0 * swing * eccentricity / 2.0)),
+            (13, 0.0),
+            (15, 0.0),
+        ] {
+            let found = product(&list, [power(eccentricity), 0], turn, order);
+            assert!(
+                (f64::from(found) / 16.0 - expected).abs() <= 0.01 * expected,
+                "{order}"
+            );
+        }
     }
 
     #[test]

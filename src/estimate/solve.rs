@@ -1,7 +1,7 @@
 //! From the sums of all turns to a table: close the turn, tell torque from geometry, weigh every order, draw the result.
 
 use super::close::{SumScale, close_sum, largest_error, saturated, take_class_means};
-use super::draw::draw;
+use super::draw::{Believed, draw};
 use super::fold::thirds;
 use super::moments::{Mean, Moments};
 use super::noise::{common_noise, damping_square_q16, settle_noise};
@@ -104,9 +104,10 @@ impl<B: EdgeBuffers> Estimator<B> {
         let locked = locked.collect();
 
         // What is to be added to the weighed mean: w_n g_n - w_common c_n, of which the difference holds g_n - c_n.
+        let weight = |w: u32| i64::from(w) << 15;
+        let geometry = |n: usize| coefficients[n].scaled(weight(weights.single[n].into()));
         for (n, more) in difference.iter_mut().enumerate().take(plan.single) {
-            let weight = |w: u32| i64::from(w) << 15;
-            let single = coefficients[n].scaled(weight(weights.single[n].into()));
+            let single = geometry(n);
             let mean = coefficients[n].minus(*more).scaled(weight(weights.common));
             *more = single.minus(mean);
         }
@@ -118,8 +119,11 @@ impl<B: EdgeBuffers> Estimator<B> {
             &mut parts,
             plan,
             &difference,
-            weights.common,
-            &offsets,
+            &Believed {
+                common: weights.common,
+                mounting: [geometry(0), geometry(1)],
+                offsets: &offsets,
+            },
             fine,
         );
 
@@ -255,25 +259,24 @@ fn close(
     fine
 }
 
-/// Draws the orders in `more` over the weighed mean, which is weighed with `common`.
+/// Draws the orders in `more` over the weighed mean.
 #[inline(never)]
 fn redraw(
     parts: &mut Parts<'_>,
     plan: OrderPlan,
     more: &[Coefficient; ORDERS_MAX],
-    common: u32,
-    offsets: &[i32; CLASSES_MAX],
+    believed: &Believed<'_>,
     fine: Fine,
 ) {
     let samples = plan.edges / plan.decimation;
     if plan.decimation == 1 {
         let grid = &mut parts.coarse[..samples];
         draw_orders(grid, plan, more);
-        draw(parts.sum, grid, common, offsets, plan, fine);
+        draw(parts.sum, grid, believed, plan, fine);
     } else {
         let grid = &mut parts.cells.as_chunks_mut().0[..samples];
         draw_orders(grid, plan, more);
-        draw(parts.sum, grid, common, offsets, plan, fine);
+        draw(parts.sum, grid, believed, plan, fine);
     }
 }
 

@@ -226,7 +226,7 @@ impl Split {
 }
 
 /// At `part / whole` of a turn.
-fn phasor(part: usize, whole: usize) -> Phasor {
+pub(super) fn phasor(part: usize, whole: usize) -> Phasor {
     #[allow(clippy::cast_possible_truncation)]
     let angle = (((part as u64) << 32) / whole as u64) as u32;
     let (sin, cos) = sin_cos(Turn32(angle));
@@ -241,7 +241,7 @@ fn shortened(phasor: Phasor) -> Phasor {
 
 /// A phasor turned by another.
 #[inline]
-fn turned([c, s]: Phasor, [c1, s1]: Phasor) -> Phasor {
+pub(super) fn turned([c, s]: Phasor, [c1, s1]: Phasor) -> Phasor {
     const HALF: i64 = 1 << (SINE_BITS - 1);
     let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
     #[allow(clippy::cast_possible_truncation)]

@@ -89,6 +89,7 @@ pub(super) fn weigh(
         }
     }
     let turn = estimate.one_speed_turn.unwrap_or(0);
+    let mounting = core::array::from_fn(|index| estimate.coefficients[index].power());
 
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(estimate.common_noise, COMMON_MARGIN_Q8 - 256);
@@ -108,12 +109,12 @@ pub(super) fn weigh(
         let own = log2(noise.into())
             .saturating_add(i32::from(estimate.own[index]) << (LOG2_BITS - 8))
             - Q;
-        let product = u64::from(product(&weights.standing, turn, order));
+        let product = u64::from(product(&weights.standing, mounting, turn, order));
         let doubt = noise.max(exp2(own)).saturating_add(product.pow(2));
-        let mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
+        let of_mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
         let shown = estimate.coefficients[index].power();
         let mut weight = wiener(size, doubt);
-        if mounting {
+        if of_mounting {
             weight = weight.max(mounting_weight(shown, doubt));
         }
         if estimate.suspect(plan, order) {
@@ -123,7 +124,7 @@ pub(super) fn weigh(
         if order <= usize::from(estimate.knowledge.hidden_up_to) {
             weight = 0;
         }
-        let (rest, before) = if mounting {
+        let (rest, before) = if of_mounting {
             (
                 left_of_mounting(weight, shown, doubt),
                 shown.saturating_sub(doubt),

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use quadcal_host_tests::accuracy::rms;
 use quadcal_host_tests::anywhere::{
-    Disturbance, Disturbed, GivenGains, Judged, Rig, Scenario, Share, Verdicts,
+    ByOrder, Disturbance, Disturbed, GivenGains, Judged, Rig, Scenario, Share, Verdicts,
 };
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 
@@ -116,9 +116,10 @@ const fn row(
 fn main() -> Result<()> {
     let options = Options::parse();
     println!(
-        "| scenario | raw | quadcal | removed (target) | bound | over bound (target) | own standard error | within 95 % |"
+        "| scenario | raw | quadcal | removed (target) | bound | over bound (target) | own standard error | within 95 % | \
+         worst order, after over before |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for row in &ROWS {
         // The loop needs edges more often than coarse discs give them.
         let coarse = options.lines < 2500 && row.scenario == Scenario::SpeedLoop;
@@ -212,21 +213,24 @@ fn print(row: &Row, options: &Options) -> Result<()> {
     let ideal = bound(rig, torque, usual_points(row.scenario));
     let mut judged = Vec::new();
     let mut bounds = Vec::new();
+    let mut by_order = ByOrder::default();
     for seed in options.first..options.first + options.seeds {
         let run = rig.run(seed)?;
         let calibration = rig
             .calibrate(&run, seed, (row.gains)(seed))
             .with_context(|| format!("seed {seed}"))?;
         bounds.push(ideal.rms_left_alone(&run.truth));
+        by_order.add(&calibration, &run);
         judged.push(Judged::of(&calibration, &run));
     }
+    let worst = by_order.worst().context("no seeds")?;
     let over = |pick: fn(&Judged) -> f64| rms(&judged.iter().map(pick).collect::<Vec<_>>());
     let (raw, left, bound) = (over(|run| run.raw), over(|run| run.left), rms(&bounds));
     let removed = 1.0 - left / raw;
     let covered = judged.iter().map(|run| run.covered).sum::<f64>() / judged.len() as f64;
     let target = |target: Option<f64>, text: fn(f64) -> String| target.map_or("-".into(), text);
     println!(
-        "| {} | {raw:.2e} | **{left:.2e}** | {:.2} % ({}) | {bound:.2e} | {:.2} ({}) | {:.2e} | {:.1} % |",
+        "| {} | {raw:.2e} | **{left:.2e}** | {:.2} % ({}) | {bound:.2e} | {:.2} ({}) | {:.2e} | {:.1} % | {:.2} (order {}) |",
         row.name,
         100.0 * removed,
         target(row.removed, |share| format!("{:.0} %", 100.0 * share)),
@@ -234,6 +238,8 @@ fn print(row: &Row, options: &Options) -> Result<()> {
         target(row.over_bound, |times| format!("{times}")),
         over(|run| run.standard_error),
         100.0 * covered,
+        worst.ratio,
+        worst.order,
     );
     if options.check {
         ensure!(

@@ -127,13 +127,18 @@ fn draw(
     };
     let at = |k: usize| {
         let (mut believed, mut slope) = (weights.common * mean[k] + offsets[k % plan.classes], 0.0);
+        // Orders 1 and 2 are not put back: what the motion made of them lies at orders that noise drowns.
+        let mut mounting = 0.0;
         for n in plan.orders() {
             let geometry = weights.single[n] * found[n];
             believed += wave(geometry - weights.common * of_mean[n], n, k).re;
+            if n <= 2 {
+                mounting += wave(geometry, n, k).re;
+            }
             // With the angle in turns.
             slope -= wave(of_mean[n] - geometry, n, k).im * n as f64 * TAU;
         }
-        believed * (1.0 + slope)
+        believed + (believed - mounting) * slope
     };
     let mut error: Vec<f64> = (0..edges).map(|k| at(k) * TAU).collect();
     take_class_means(&mut error, 1);

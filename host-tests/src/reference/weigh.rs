@@ -133,6 +133,11 @@ impl Estimate<'_> {
         let swing = |m: usize| m as f64 * 2.0 * self.power(m).sqrt() * TAU;
         let mut size = 0.0;
         for (i, &a) in locked.iter().enumerate() {
+            let away = order.abs_diff(a);
+            if (1..=2).contains(&away) {
+                // Seen at edges that eccentricity and tilt moved.
+                size += TAU * a as f64 * (self.power(a) * self.power(away)).sqrt();
+            }
             for &b in locked[i..]
                 .iter()
                 .filter(|&&b| order == a + b || order == a.abs_diff(b))
