@@ -1,6 +1,6 @@
 //! What the core says of a table before it is solved for, against what the table then comes to.
 
-use quadcal::estimate::{Advice, Estimator, Goal, Outlook, Progress};
+use quadcal::estimate::{Advice, DriveKnowledge, Estimator, Goal, Outlook, Progress};
 use quadcal::units::RAD_PER_TURN32;
 use quadcal_host::buffers::HeapBuffers;
 use quadcal_host::calibrate::{self, CalibrateOptions};
@@ -13,13 +13,14 @@ use quadcal_host_tests::anywhere::{self, Recorded, Rig, Scenario};
 /// Learns from recordings until `stop`, given turns taken and outlook, says so; returns both, with the table's error.
 fn learn(
     rig: Rig,
+    drive: DriveKnowledge,
     recordings: &[Recorded],
     truth: &[f64],
     mut stop: impl FnMut(u32, Option<Outlook>) -> bool,
 ) -> (u32, Option<Outlook>, f64) {
     let options = CalibrateOptions {
         lines: Some(rig.lines),
-        drive: rig.knowledge(),
+        drive,
         ..CalibrateOptions::default()
     };
     let mut estimator = None;
@@ -31,7 +32,7 @@ fn learn(
             let shape = plan.shape().unwrap();
             let buffers = HeapBuffers::new(shape.edges() as usize);
             let estimator = Estimator::new(shape, plan.anchor(), buffers).unwrap();
-            estimator.with_knowledge(rig.knowledge())
+            estimator.with_knowledge(drive)
         });
         let mut decoder = plan.decoder().unwrap();
         for row in rows() {
@@ -43,7 +44,7 @@ fn learn(
         }
         estimator.interrupt();
     }
-    let estimator = estimator.unwrap();
+    let mut estimator = estimator.unwrap();
     let (turns, outlook) = (estimator.totals().turns, estimator.outlook());
     let table = table_rad(&estimator.solve().unwrap());
     (turns, outlook, distance(&table, truth))
@@ -62,8 +63,13 @@ fn outlook_and_error(scenario: Scenario, turns: u32, seeds: std::ops::Range<u64>
     let (outlooks, errors): (Vec<f64>, Vec<f64>) = seeds
         .map(|seed| {
             let run = rig.run(seed).unwrap();
-            let (taken, outlook, error) =
-                learn(rig, &run.recordings, &run.truth, |taken, _| taken == turns);
+            let (taken, outlook, error) = learn(
+                rig,
+                rig.knowledge(),
+                &run.recordings,
+                &run.truth,
+                |taken, _| taken == turns,
+            );
             assert_eq!(taken, turns);
             (rad(outlook.unwrap().error), error)
         })
@@ -100,6 +106,32 @@ fn the_error_to_expect_is_what_the_table_comes_to() {
 }
 
 #[test]
+fn where_noise_drowns_the_low_orders_no_more_is_left_than_there_is() {
+    // Any order may be torque, and there is no eccentricity: the low orders are left alone.
+    let rig = Rig {
+        scenario: Scenario::OneSpeed,
+        lines: 2500,
+    };
+    let ratios: Vec<f64> = (500..506)
+        .map(|seed| {
+            let mut twin = rig.twins(seed).swap_remove(0);
+            (twin.errors.eccentricity, twin.errors.tilt) = (None, None);
+            let simulation = Simulation::new(&twin).unwrap();
+            let truth = simulation.true_errors();
+            let recorded = anywhere::record(simulation);
+            let any_torque = DriveKnowledge::default();
+            let (_, outlook, error) = learn(rig, any_torque, &[recorded], &truth, |_, _| false);
+            rad(outlook.unwrap().error) / error
+        })
+        .collect();
+    println!("{ratios:.2?}");
+    assert!(
+        ratios.iter().all(|ratio| (0.7..1.6).contains(ratio)),
+        "{ratios:?}"
+    );
+}
+
+#[test]
 fn learning_ends_when_the_goal_is_met_and_then_it_is() {
     let rig = Rig {
         scenario: Scenario::OneSpeed,
@@ -112,9 +144,13 @@ fn learning_ends_when_the_goal_is_met_and_then_it_is() {
     let (mut errors, mut ends) = (Vec::new(), Vec::new());
     for seed in 400..440 {
         let run = rig.run(seed).unwrap();
-        let (turns, outlook, error) = learn(rig, &run.recordings, &run.truth, |_, outlook| {
-            outlook.is_some_and(|outlook| outlook.advice(aim) == Advice::GoalMet)
-        });
+        let (turns, outlook, error) = learn(
+            rig,
+            rig.knowledge(),
+            &run.recordings,
+            &run.truth,
+            |_, outlook| outlook.is_some_and(|outlook| outlook.advice(aim) == Advice::GoalMet),
+        );
         assert!(outlook.unwrap().error <= aim.error, "seed {seed}");
         ends.push(turns);
         errors.push(error);
@@ -142,14 +178,20 @@ fn a_coarse_timer_leaves_nothing_to_gain_and_a_fine_one_does() {
         let truth = simulation.true_errors();
         let recorded = anywhere::record(simulation);
         let mut end = None;
-        learn(rig, &[recorded], &truth, |turns, outlook| {
-            let advice = outlook.map(|outlook| outlook.advice(Goal::default()));
-            let ended = advice.is_some_and(|advice| advice != Advice::GoOn);
-            if ended {
-                end = Some((turns, advice.unwrap()));
-            }
-            ended
-        });
+        learn(
+            rig,
+            rig.knowledge(),
+            &[recorded],
+            &truth,
+            |turns, outlook| {
+                let advice = outlook.map(|outlook| outlook.advice(Goal::default()));
+                let ended = advice.is_some_and(|advice| advice != Advice::GoOn);
+                if ended {
+                    end = Some((turns, advice.unwrap()));
+                }
+                ended
+            },
+        );
         end
     };
     let (turns, why) = advice(10_000).unwrap();

@@ -145,6 +145,11 @@ impl Fold {
         };
     }
 
+    /// How far the sum is shifted down while this turn goes in.
+    pub(super) fn sum_down(&self) -> u32 {
+        self.scale.sum.sum_down
+    }
+
     pub(super) fn is_idle(&self) -> bool {
         self.remaining == 0
     }
