@@ -11,38 +11,15 @@
 //! as lost pulses (up to three, booked as lost), and one below the glitch gate as a spurious pulse; the slots are suspect
 //! for one turn. Lost pulses in unsteady motion can't be seen.
 
+mod config;
+
 use crate::counter::Counter;
 use crate::edge::{Direction, Sample};
 use crate::motion::Motion;
-use crate::step::{Faults, Flags, Glitch, MAX_SLOTS, Outcome, SensorError, Step, count};
+use crate::step::{Faults, Flags, Glitch, Outcome, SensorError, Step, count};
 use crate::units::Ticks;
 
-/// What the wheel is; fixed for a decoder's life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct WheelConfig {
-    /// Tooth pitches in a turn, missing ones included (60 for a 60-2 wheel).
-    pub teeth: u32,
-    /// Missing teeth, 0 for none; one gap.
-    pub missing: u16,
-    /// Whether both edges of a tooth count; otherwise every sample whose level A is high is a pulse.
-    pub both_edges: bool,
-    /// A pitch shorter than the one before times 2^-gate is a glitch; 2 to 31.
-    pub glitch_gate: u32,
-}
-
-impl WheelConfig {
-    /// A wheel seen as pulses, all teeth there.
-    #[must_use]
-    pub const fn new(teeth: u32) -> Self {
-        Self {
-            teeth,
-            missing: 0,
-            both_edges: false,
-            glitch_gate: 3,
-        }
-    }
-}
+pub use config::WheelConfig;
 
 /// Decoder state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,22 +47,7 @@ impl WheelDecoder {
     /// # Errors
     /// [`SensorError`] for a wheel that can't be.
     pub const fn new(config: WheelConfig) -> Result<Self, SensorError> {
-        if config.glitch_gate < 2 || config.glitch_gate > 31 {
-            return Err(SensorError::Gate);
-        }
-        if config.teeth > MAX_SLOTS / 2 {
-            return Err(SensorError::Slots);
-        }
-        let missing = config.missing as u32;
-        if missing > 0 && (config.teeth < missing * 2 || config.teeth < missing + 4) {
-            return Err(SensorError::Missing);
-        }
-        let slots = if config.both_edges {
-            config.teeth * 2
-        } else {
-            config.teeth
-        };
-        let counter = match Counter::new(slots) {
+        let counter = match config.counter() {
             Ok(counter) => counter,
             Err(error) => return Err(error),
         };

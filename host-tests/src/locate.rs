@@ -6,6 +6,7 @@ mod case;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::edge::{Levels, Sample};
 use quadcal::fingerprint::{Fingerprint, FingerprintConfig, Trail, Verdict};
+use quadcal::step::Outcome;
 use quadcal::table::ErrorTable;
 use quadcal_host::sim::{Event, Simulation};
 
@@ -97,32 +98,22 @@ impl Disc {
     /// When the table has no use: a fault of the test.
     #[must_use]
     pub fn start(&self, table: &Table, fraction: f64, bits: u8) -> Start {
+        let mut drive = Drive::with(table, bits);
         let slots = table.shape.edges();
-        let config = FingerprintConfig {
-            standard_error: table.standard_error,
-            bits,
-        };
-        let mut fingerprint: Fingerprint<'_, BLOCKS> =
-            Fingerprint::new(table.view(), config).expect("the table is of a quadrature encoder");
-        let mut trail = Trail::<128>::new();
-        let mut decoder = QuadratureDecoder::new(DecoderConfig::new(slots / 4)).expect("lines fit");
-        // The table is at hand before the shaft moves.
-        while fingerprint.search(&trail, SLICE) == Verdict::Searching {}
         let from = (fraction * f64::from(slots)) as usize;
         let mut edges = 0;
         let mut last = Verdict::Gathering;
         for event in &self.events[from..] {
             let levels = Levels(event.row.levels.0 & (Levels::A | Levels::B));
-            let outcome = decoder.push(Sample {
+            let outcome = drive.push(Sample {
                 ticks: event.row.ticks,
                 levels,
             });
-            trail.push(&outcome);
             let (Some(step), Some(truth)) = (outcome.step(), event.truth.edge) else {
                 continue;
             };
             edges += 1;
-            last = fingerprint.search(&trail, SLICE);
+            last = drive.search();
             match last {
                 Verdict::Found(place) => {
                     let right = (step.edge + place.offset) % slots == truth;
@@ -160,28 +151,56 @@ impl Disc {
     /// When the table has no use: a fault of the test.
     #[must_use]
     pub fn watch(&self, table: &Table, bits: u8) -> Option<u32> {
-        let slots = table.shape.edges();
-        let config = FingerprintConfig {
-            standard_error: table.standard_error,
-            bits,
-        };
-        let mut fingerprint: Fingerprint<'_, BLOCKS> =
-            Fingerprint::new(table.view(), config).expect("the table is of a quadrature encoder");
-        let mut trail = Trail::<128>::new();
-        let mut decoder = QuadratureDecoder::new(DecoderConfig::new(slots / 4)).expect("lines fit");
-        while fingerprint.search(&trail, SLICE) == Verdict::Searching {}
+        let mut drive = Drive::with(table, bits);
         let mut edges = 0;
         for event in &self.events {
-            let outcome = decoder.push(event.row);
-            trail.push(&outcome);
-            edges += u32::from(outcome.step().is_some() && trail.is_referenced());
-            let verdict = fingerprint.search(&trail, SLICE);
-            let refused = matches!(verdict, Verdict::Misfit(_) | Verdict::OtherDisc(_));
-            if trail.is_referenced() && refused {
+            let outcome = drive.push(event.row);
+            let referenced = drive.trail.is_referenced();
+            edges += u32::from(outcome.step().is_some() && referenced);
+            let refused = matches!(drive.search(), Verdict::Misfit(_) | Verdict::OtherDisc(_));
+            if referenced && refused {
                 return Some(edges);
             }
         }
         None
+    }
+}
+
+/// A drive that looks for its place in a table.
+struct Drive<'a> {
+    decoder: QuadratureDecoder,
+    trail: Trail<128>,
+    fingerprint: Fingerprint<'a, BLOCKS>,
+}
+
+impl<'a> Drive<'a> {
+    /// A drive that stands still and has weighed the table.
+    fn with(table: &'a Table, bits: u8) -> Self {
+        let config = FingerprintConfig {
+            standard_error: table.standard_error,
+            bits,
+        };
+        let lines = table.shape.edges() / 4;
+        let mut drive = Self {
+            decoder: QuadratureDecoder::new(DecoderConfig::new(lines)).expect("lines fit"),
+            trail: Trail::new(),
+            fingerprint: Fingerprint::new(table.view(), config)
+                .expect("the table is of a quadrature encoder"),
+        };
+        while drive.search() == Verdict::Searching {}
+        drive
+    }
+
+    /// Takes a change of levels.
+    fn push(&mut self, sample: Sample) -> Outcome {
+        let outcome = self.decoder.push(sample);
+        self.trail.push(&outcome);
+        outcome
+    }
+
+    /// Searches for a slice.
+    fn search(&mut self) -> Verdict {
+        self.fingerprint.search(&self.trail, SLICE)
     }
 }
 

@@ -9,7 +9,7 @@ mod rejected;
 mod turns;
 
 use quadcal::estimate::{Anchor, DriveKnowledge, Goal, Solution, Totals};
-use quadcal::slot::{Delays, SlotHeader};
+use quadcal::slot::SlotHeader;
 use quadcal::step::Faults;
 use quadcal::units::RAD_PER_TURN32;
 
@@ -118,17 +118,12 @@ impl Calibration {
     /// for one recording's mark, so it is the first of which a check knows which turns were learned from.
     #[must_use]
     pub fn slot_header(&self, source: u32) -> SlotHeader {
+        let learned_until = self.recordings.first().map_or(0, |used| used.learned_until);
         SlotHeader {
-            shape: self.solution.shape(),
-            shift: self.solution.shift(),
-            turns: self.solution.turns(),
             indexed: self.plan.anchor() == Anchor::Index,
             standard_error: rad_to_turn32(self.standard_error_rad()),
-            class_standard_error: self.solution.class_standard_error(),
             source,
-            learned_until: self.recordings.first().map_or(0, |used| used.learned_until),
-            class_offsets: *self.solution.class_offsets(),
-            delays: Delays::found(self.solution.class_delays(), self.clock_hz),
+            ..SlotHeader::of(&self.solution, learned_until, self.clock_hz)
         }
     }
 

@@ -145,15 +145,12 @@ pub fn parameters(kind: SensorKind, offsets: &[f64], standard_error: f64) -> Vec
     let classes = f64::from(kind.classes());
     let free = standard_error * (classes / (classes - 1.0).max(1.0)).sqrt();
     let difference = |id, name, plus: &[usize], minus: &[usize]| {
-        let mean = |which: &[usize]| -> f64 {
-            which.iter().map(|&class| offsets[class]).sum::<f64>() / which.len() as f64
-        };
-        let variance = 1.0 / plus.len() as f64 + 1.0 / minus.len() as f64;
+        let (rad, errors) = contrast(offsets, plus, minus);
         Parameter {
             id,
             name,
-            rad: mean(plus) - mean(minus),
-            standard_error_rad: free * variance.sqrt(),
+            rad,
+            standard_error_rad: free * errors,
         }
     };
     match kind {
@@ -174,6 +171,16 @@ pub fn parameters(kind: SensorKind, offsets: &[f64], standard_error: f64) -> Vec
         } => vec![difference("width", "Tooth width error", &[1], &[0])],
         SensorKind::Wheel { .. } => Vec::new(),
     }
+}
+
+/// Mean of the classes in `plus` less that of those in `minus`, and its standard error in those of one class.
+#[allow(clippy::cast_precision_loss)]
+fn contrast(of_class: &[f64], plus: &[usize], minus: &[usize]) -> (f64, f64) {
+    let mean = |which: &[usize]| -> f64 {
+        which.iter().map(|&class| of_class[class]).sum::<f64>() / which.len() as f64
+    };
+    let variance = 1.0 / plus.len() as f64 + 1.0 / minus.len() as f64;
+    (mean(plus) - mean(minus), variance.sqrt())
 }
 
 /// Class means of a list of edge errors, less their own mean: the unique form in which estimate and truth can be compared.

@@ -1,11 +1,13 @@
 //! The `quadcal` command as a user meets it: what it prints, how it ends, and what it leaves behind.
 
+mod workshop;
+
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use tempfile::TempDir;
+use workshop::names;
 
 /// Recordings that cannot be read.
 const BAD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cmd/bad-input.in");
@@ -22,15 +24,6 @@ fn quadcal(folder: &Path, arguments: &[&str]) -> Output {
 
 fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn names(folder: &TempDir) -> Vec<String> {
-    let mut names: Vec<_> = fs::read_dir(folder.path())
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
 }
 
 #[test]

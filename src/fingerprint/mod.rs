@@ -41,6 +41,7 @@
 mod block;
 mod hunt;
 mod odds;
+mod stage;
 mod trail;
 mod verdict;
 mod watch;
@@ -55,6 +56,7 @@ pub use verdict::{FingerprintConfig, FingerprintError, Place, Verdict};
 use block::{Block, CONTRASTS};
 use hunt::{Hunt, NoWindow, Scale, Window};
 use odds::{BIT, Bits, count_bits, likelier};
+use stage::Stage;
 use trail::wrap;
 use watch::Watch;
 
@@ -62,23 +64,6 @@ use crate::table::{Entry, ErrorTable};
 
 /// Windows that may end undecided before the verdict is [`Verdict::Undecidable`]; the search goes on.
 const PATIENCE: u32 = 16;
-
-/// Where the search stands.
-#[derive(Clone, Copy, Debug)]
-enum Stage {
-    /// Adding up the table's energy, up to `line`.
-    Weigh {
-        line: u32,
-        sum: u64,
-    },
-    /// The table's pattern is weaker than its error.
-    Weak,
-    Gather,
-    Hunt(Hunt),
-    /// With a place that the decoder was not told yet.
-    Watch(Watch, Option<Place>),
-    Refused(Doubt),
-}
 
 /// The background part; a window is `BLOCKS` x 16 edges. For quadrature encoders. See the module's head.
 pub struct Fingerprint<'a, const BLOCKS: usize, E: Entry = i16> {

@@ -205,27 +205,17 @@ pub fn emit_faults(faults: &Faults) -> [u8; FAULTS_LEN] {
 }
 
 fn parse_faults(bytes: &[u8; FAULTS_LEN]) -> Faults {
-    let mut counts = [0; FAULTS_LEN / 4];
-    for (count, cell) in counts.iter_mut().zip(bytes.as_chunks::<4>().0) {
-        *count = u32::from_le_bytes(*cell);
-    }
-    let [
-        illegal,
-        lost,
-        extra,
-        glitch,
-        abrupt_reversal,
-        interval_spike,
-        repeated,
-    ] = counts;
+    let mut cells = bytes.as_chunks::<4>().0.iter();
+    let mut next = || cells.next().map_or(0, |cell| u32::from_le_bytes(*cell));
+    // The fields are read in the order in which they stand here.
     Faults {
-        illegal,
-        lost,
-        extra,
-        glitch,
-        abrupt_reversal,
-        interval_spike,
-        repeated,
+        illegal: next(),
+        lost: next(),
+        extra: next(),
+        glitch: next(),
+        abrupt_reversal: next(),
+        interval_spike: next(),
+        repeated: next(),
     }
 }
 

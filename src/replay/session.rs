@@ -200,7 +200,7 @@ where
     };
     let (solution, learned, learned_until) = learn(&mut front, shape, buffers, turns)?;
     slot::write(
-        &slot_header(&solution, learned_until, header.clock_hz.into()),
+        &SlotHeader::of(&solution, learned_until, header.clock_hz.into()),
         solution.entries(),
         |bytes| sink(Part::Slot, bytes),
     )
@@ -265,25 +265,6 @@ where
         }
     }
     Err(SessionError::TooFewTurns(*estimator.totals()))
-}
-
-fn slot_header<B: EdgeBuffers>(
-    solution: &Solution<B>,
-    learned_until: Ticks,
-    clock_hz: u64,
-) -> SlotHeader {
-    SlotHeader {
-        shape: solution.shape(),
-        shift: solution.shift(),
-        turns: solution.turns(),
-        indexed: true,
-        standard_error: solution.standard_error(),
-        class_standard_error: solution.class_standard_error(),
-        source: 0,
-        learned_until,
-        class_offsets: *solution.class_offsets(),
-        delays: Delays::found(solution.class_delays(), clock_hz),
-    }
 }
 
 #[cfg(test)]

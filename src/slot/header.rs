@@ -1,7 +1,7 @@
 //! The bytes before a slot's entries, of every version.
 
 use super::{MAGIC, SlotError, VERSION};
-use crate::estimate::ClassDelays;
+use crate::estimate::{ClassDelays, EdgeBuffers, Solution};
 use crate::shape::{CLASSES_MAX, EncoderShape};
 use crate::units::{TickDelta8, TurnDelta32};
 
@@ -167,6 +167,23 @@ impl Fields {
 }
 
 impl SlotHeader {
+    /// What a drive says of a table that it learned at the index, up to tick `learned_until` of a clock of `clock_hz`.
+    #[must_use]
+    pub fn of<B: EdgeBuffers>(solution: &Solution<B>, learned_until: u64, clock_hz: u64) -> Self {
+        Self {
+            shape: solution.shape(),
+            shift: solution.shift(),
+            turns: solution.turns(),
+            indexed: true,
+            standard_error: solution.standard_error(),
+            class_standard_error: solution.class_standard_error(),
+            source: 0,
+            learned_until,
+            class_offsets: *solution.class_offsets(),
+            delays: Delays::found(solution.class_delays(), clock_hz),
+        }
+    }
+
     /// The bytes before the entries, in the version that is written.
     pub(super) fn emit(&self) -> Head {
         let mut head = [0; HEADER_BYTES];

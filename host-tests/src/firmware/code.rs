@@ -11,6 +11,7 @@ use capstone::prelude::*;
 use object::{Object, ObjectSection, ObjectSymbol};
 
 use super::FirmwareError;
+use super::elf::with_elf;
 
 /// One function with all its instructions.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,26 +77,22 @@ pub fn offences(functions: &[Function]) -> Vec<Offence> {
 /// # Errors
 /// The file can't be read or is not an ELF, there is no such function, or its code can't be decoded.
 pub fn reachable(path: &Path, root: &str) -> Result<Vec<Function>, FirmwareError> {
-    let bytes =
-        std::fs::read(path).map_err(FirmwareError::io(format!("reading {}", path.display())))?;
-    let file = object::File::parse(bytes.as_slice()).map_err(|source| FirmwareError::Elf {
-        path: path.to_owned(),
-        source,
-    })?;
-    let code = Code::of(path, &file)?;
-    let mut found: BTreeMap<u64, Function> = BTreeMap::new();
-    let mut open = code.named(root);
-    if open.is_empty() {
-        return Err(code.fault(format!("no function {root}")));
-    }
-    while let Some(start) = open.pop() {
-        if let Entry::Vacant(place) = found.entry(start) {
-            let (function, targets) = code.function(start)?;
-            place.insert(function);
-            open.extend(targets);
+    with_elf(path, |file| {
+        let code = Code::of(path, file)?;
+        let mut found: BTreeMap<u64, Function> = BTreeMap::new();
+        let mut open = code.named(root);
+        if open.is_empty() {
+            return Err(code.fault(format!("no function {root}")));
         }
-    }
-    Ok(found.into_values().collect())
+        while let Some(start) = open.pop() {
+            if let Entry::Vacant(place) = found.entry(start) {
+                let (function, targets) = code.function(start)?;
+                place.insert(function);
+                open.extend(targets);
+            }
+        }
+        Ok(found.into_values().collect())
+    })?
 }
 
 /// A function's place.

@@ -76,7 +76,11 @@ pub fn symbols(path: &Path) -> Result<Vec<Symbol>, FirmwareError> {
     })
 }
 
-fn with_elf<T>(path: &Path, read: impl FnOnce(&object::File<'_>) -> T) -> Result<T, FirmwareError> {
+/// Reads an image and hands it to `read`.
+pub(super) fn with_elf<T>(
+    path: &Path,
+    read: impl FnOnce(&object::File<'_>) -> T,
+) -> Result<T, FirmwareError> {
     let bytes =
         std::fs::read(path).map_err(FirmwareError::io(format!("reading {}", path.display())))?;
     let file = object::File::parse(bytes.as_slice()).map_err(|source| FirmwareError::Elf {

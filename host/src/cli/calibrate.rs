@@ -1,21 +1,19 @@
 //! `quadcal calibrate`: from recordings of one encoder to its error table.
 
+mod surveyed;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
 use quadcal::estimate::{DriveKnowledge, Totals};
 
-use crate::calibrate::{
-    self, CalibrateError, CalibrateOptions, Calibration, Disagreement, Learner, RecordingUse,
-};
+use crate::calibrate::{CalibrateError, Calibration, Learner, RecordingUse};
 use crate::findings::Findings;
 use crate::free_run::{self, FreeRun};
 use crate::report::Report;
 use crate::reports;
 use crate::reports::calibrate::Calibrated;
-use crate::sensor::SensorPlan;
 use crate::showcase::showcase;
-use crate::survey::Survey;
 use crate::table_file;
 
 use super::calibrate_facts::facts;
@@ -28,6 +26,7 @@ use super::output::{JsonArg, ReportArg, Target};
 use super::progress::Pass;
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
+use surveyed::Surveyed;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -116,17 +115,6 @@ fn inertia(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A recording that was looked through once.
-struct Surveyed {
-    input: InputArgs,
-    survey: Survey,
-    plan: SensorPlan,
-    options: CalibrateOptions,
-    source: u32,
-    /// The recording that a free shaft would have made, where a loop is undone.
-    free: Option<FreeRun>,
-}
-
 impl Calibrate {
     /// Learns and writes everything that was asked for; nothing is written before all of it is known.
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
@@ -176,61 +164,6 @@ impl Calibrate {
         }
         let text = facts(&calibrated, &self.output);
         self.json.write(&Summary::new(&calibrated), &text)
-    }
-
-    /// Looks through all recordings: what they are, and whether they go together.
-    fn survey(&self, globals: Globals) -> Result<Vec<Surveyed>, Failure> {
-        let inputs: Vec<InputArgs> = self
-            .recordings
-            .iter()
-            .map(|path| self.reading.of(path))
-            .collect();
-        for input in &inputs {
-            self.spare(input)?;
-            input.check_regular()?;
-        }
-        let mut pass = self.pass("Reading", globals);
-        let mut surveyed: Vec<Surveyed> = Vec::new();
-        for input in inputs {
-            let one = self.survey_one(input, &mut pass)?;
-            for other in &surveyed {
-                together(&one, other)?;
-            }
-            surveyed.push(one);
-        }
-        Ok(surveyed)
-    }
-
-    fn survey_one(&self, input: InputArgs, pass: &mut Pass) -> Result<Surveyed, Failure> {
-        let rows = pass.watch(input.open()?);
-        let header = rows.recording().header.clone();
-        let source = input.source()?;
-        let mut options = self.sensor.options(header.channels)?;
-        options.turns = self.turns;
-        options.goal = self.goal.map(calibrate::goal_of);
-        options.without_index |= self.no_index;
-        let mut survey = Survey::of(header, rows)?;
-        let plan = calibrate::plan(&survey, &options)
-            .map_err(|error| self.failed(&input.recording, error))?;
-        let twin = self.sensor.twin()?;
-        let header = &survey.header;
-        let free = self
-            .speed_loop
-            .free_run(&input, twin.as_ref(), header, plan, self.inertia)?;
-        if let Some(free) = &free {
-            survey = free.survey(survey);
-        }
-        options.until = self
-            .fraction
-            .map(|fraction| part_of(survey.first, survey.last, fraction));
-        Ok(Surveyed {
-            input,
-            survey,
-            plan,
-            options,
-            source,
-            free,
-        })
     }
 
     fn learn(&self, surveyed: &[Surveyed], globals: Globals) -> Result<Calibration, Failure> {
@@ -314,29 +247,4 @@ impl Calibrate {
         let paths: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         Ok(reports::calibrate::report(calibrated, footer(&paths)?))
     }
-}
-
-/// Refuses two recordings that are not of one encoder, or are one recording.
-fn together(this: &Surveyed, other: &Surveyed) -> Result<(), Failure> {
-    let sensor = |one: &Surveyed| (one.plan, one.survey.header.clock_hz);
-    let agreed = if this.source == other.source {
-        Err(Disagreement::Same)
-    } else {
-        calibrate::agree(sensor(this), sensor(other))
-    };
-    agreed.map_err(|source| Failure::Together {
-        this: this.input.recording.clone(),
-        other: other.input.recording.clone(),
-        source,
-    })
-}
-
-/// The tick at a fraction 0..=1 of the way from `first` to `last`.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss
-)]
-pub(super) fn part_of(first: u64, last: u64, fraction: f64) -> u64 {
-    first + ((last - first) as f64 * fraction).round() as u64
 }

@@ -1,9 +1,9 @@
 //! How a command ends when it cannot do what was asked: one line on stderr and an exit code.
 
+mod exit;
+
 use std::io;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use quadcal::slot::SlotError;
 use thiserror::Error;
@@ -266,52 +266,6 @@ impl Failure {
             table: table.to_owned(),
             source,
         }
-    }
-
-    /// Prints the failure and gives the exit code. A reader of stdout that has seen enough is no failure and prints nothing.
-    #[must_use]
-    pub fn report(&self) -> ExitCode {
-        if self.is_closed_pipe() {
-            return ExitCode::SUCCESS;
-        }
-        // Where stderr is closed there is nobody left to tell.
-        let _ = writeln!(io::stderr(), "quadcal: {self}");
-        ExitCode::from(self.exit_code())
-    }
-
-    /// 2 where the input or the command line is to blame, else 1.
-    #[must_use]
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Write { .. }
-            | Self::Worse { .. }
-            | Self::OtherDisc { .. }
-            | Self::IndexMoved { .. }
-            | Self::NoPlace { .. }
-            | Self::Demo(_) => 1,
-            Self::Read(_)
-            | Self::Twin(_)
-            | Self::OtherSensor { .. }
-            | Self::Calibrate { .. }
-            | Self::Loop { .. }
-            | Self::NoInertia
-            | Self::Together { .. }
-            | Self::Open { .. }
-            | Self::NotAFile { .. }
-            | Self::Table { .. }
-            | Self::Verify { .. }
-            | Self::Locate { .. }
-            | Self::Reference(_)
-            | Self::Apart { .. }
-            | Self::Unwritable { .. }
-            | Self::RecordingName { .. }
-            | Self::OverInput { .. }
-            | Self::OutputFormat { .. } => 2,
-        }
-    }
-
-    fn is_closed_pipe(&self) -> bool {
-        matches!(self, Self::Write { target: Target::Stdout, source } if source.kind() == io::ErrorKind::BrokenPipe)
     }
 
     /// Sorts a writer's error into the system's part and the format's.

@@ -1,7 +1,5 @@
 //! `quadcal locate`: whether the shaft's place is found in a table without the index.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use quadcal::slot::Slot;
 use serde::Serialize;
@@ -11,12 +9,12 @@ use crate::locate::{End, Located, locate};
 use crate::recording::{Channels, Row};
 use crate::sensor::SensorPlan;
 use crate::survey::Survey;
-use crate::table_file;
 use crate::verify::VerifyError;
 
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::output::{Facts, JsonArg};
+use super::table_arg::TableArg;
 use super::{EXIT_CODES, Globals};
 
 const EXAMPLES: &str = "\
@@ -39,9 +37,8 @@ place was found.
 pub struct Locate {
     #[command(flatten)]
     input: InputArgs,
-    /// Error table, as quadcal calibrate wrote it
-    #[arg(long, value_name = "TABLE")]
-    table: PathBuf,
+    #[command(flatten)]
+    table: TableArg,
     /// Places to start at
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     starts: u32,
@@ -73,14 +70,8 @@ impl Locate {
             self.input.spare(target)?;
         }
         self.input.check_regular()?;
-        let bytes = table_file::read(&self.table).map_err(|source| Failure::Open {
-            path: self.table.clone(),
-            source,
-        })?;
-        let slot = table_file::parse(&bytes).map_err(|fault| Failure::Table {
-            table: self.table.clone(),
-            fault,
-        })?;
+        let bytes = self.table.read()?;
+        let slot = self.table.parse(&bytes)?;
         let rows = self.input.rows(globals)?;
         let header = rows.recording().header.clone();
         let survey = Survey::of(header, rows)?;
@@ -88,7 +79,7 @@ impl Locate {
         let rows: Vec<Row> = self.input.rows(globals)?.collect::<Result<_, _>>()?;
         let source = self.input.source()?;
         let located = locate(&slot, plan, source, &rows, self.starts as usize)
-            .map_err(|error| Failure::locating(&self.input.recording, &self.table, error))?;
+            .map_err(|error| Failure::locating(&self.input.recording, self.table.path(), error))?;
         let summary = self.summary(&located);
         self.json.write(&summary, &summary.facts())?;
         self.judge(&summary)
@@ -105,7 +96,7 @@ impl Locate {
                 recording,
                 recording_classes,
             };
-            Failure::verifying(path, &self.table, error)
+            Failure::verifying(path, self.table.path(), error)
         };
         let quadrature = matches!(survey.header.channels, Channels::Quadrature { .. });
         if quadrature != (shape.classes() == 4) {
@@ -132,7 +123,7 @@ impl Locate {
         let degrees = located.degrees(|end| end != End::Open);
         Summary {
             file: self.input.recording.display().to_string(),
-            table: self.table.display().to_string(),
+            table: self.table.to_string(),
             same_recording: located.same_recording,
             starts: located.starts.len(),
             found: located.count(found),
@@ -147,7 +138,7 @@ impl Locate {
     }
 
     fn judge(&self, summary: &Summary) -> Result<(), Failure> {
-        let table = self.table.clone();
+        let table = self.table.path().to_owned();
         let (refused, starts) = (summary.refused, summary.starts);
         if refused > 0 {
             return Err(Failure::OtherDisc {

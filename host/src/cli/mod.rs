@@ -18,6 +18,7 @@ pub mod progress;
 mod sensor_args;
 mod simulate;
 mod simulated;
+mod table_arg;
 mod tally;
 mod verify;
 

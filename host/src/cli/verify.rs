@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use quadcal::slot::SlotHeader;
@@ -15,7 +15,6 @@ use crate::report::si;
 use crate::reports::verify as page;
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::survey::Survey;
-use crate::table_file;
 use crate::verify::{Reference, Verdict, Verification, VerifyError, verify};
 
 use super::failure::Failure;
@@ -23,6 +22,7 @@ use super::footer::footer;
 use super::input::InputArgs;
 use super::output::{Facts, JsonArg, ReportArg};
 use super::sensor_args::SensorArgs;
+use super::table_arg::TableArg;
 use super::{EXIT_CODES, Globals};
 
 const EXAMPLES: &str = "\
@@ -42,9 +42,8 @@ as the encoder: equations (21) and (22). Exit code 1 means that the table makes 
 pub struct Verify {
     #[command(flatten)]
     input: InputArgs,
-    /// Error table, as quadcal calibrate wrote it
-    #[arg(long, value_name = "TABLE")]
-    table: PathBuf,
+    #[command(flatten)]
+    table: TableArg,
     /// Angles of a reference encoder: CSV with time (s) and angle_rad
     #[arg(long, value_name = "REF", help_heading = "Reference")]
     reference: Option<PathBuf>,
@@ -105,14 +104,8 @@ impl Verify {
             self.input.spare(target)?;
         }
         self.input.check_regular()?;
-        let bytes = table_file::read(&self.table).map_err(|source| Failure::Open {
-            path: self.table.clone(),
-            source,
-        })?;
-        let slot = table_file::parse(&bytes).map_err(|fault| Failure::Table {
-            table: self.table.clone(),
-            fault,
-        })?;
+        let bytes = self.table.read()?;
+        let slot = self.table.parse(&bytes)?;
         let reference = self.read_reference()?;
         let path = &self.input.recording;
         let rows = self.input.rows(globals)?;
@@ -122,19 +115,16 @@ impl Verify {
         let plan = self.plan(&survey, &header, &slot.header)?;
         let rows = self.input.rows(globals)?;
         let check = verify(&slot, plan, source, header.clock_hz, rows, reference)
-            .map_err(|error| Failure::verifying(path, &self.table, error))?;
+            .map_err(|error| Failure::verifying(path, self.table.path(), error))?;
         if let (Some(reference), None) = (&self.reference, &check.reference) {
             return Err(Failure::Apart {
                 reference: reference.display().to_string(),
             });
         }
         if let Some(target) = &self.report.report {
-            let inputs: Vec<&Path> = [Some(path), Some(&self.table), self.reference.as_ref()]
-                .into_iter()
-                .flatten()
-                .map(PathBuf::as_path)
-                .collect();
-            let (name, table) = (path.display().to_string(), self.table.display().to_string());
+            let mut inputs = vec![path.as_path(), self.table.path()];
+            inputs.extend(self.reference.as_deref());
+            let (name, table) = (path.display().to_string(), self.table.to_string());
             let page = page::report(&name, &table, &check, footer(&inputs)?);
             target.write_report(&page)?;
         }
@@ -184,7 +174,7 @@ impl Verify {
                     recording: likely * classes,
                     recording_classes: classes,
                 };
-                Failure::verifying(path, &self.table, error)
+                Failure::verifying(path, self.table.path(), error)
             }
             error => Failure::calibrating(path, twin, error),
         })
@@ -193,7 +183,7 @@ impl Verify {
     fn summary(&self, check: &Verification, delays: Vec<ClassDelay>) -> Summary {
         Summary {
             file: self.input.recording.display().to_string(),
-            table: self.table.display().to_string(),
+            table: self.table.to_string(),
             verdict: match check.verdict() {
                 Verdict::Better => "better",
                 Verdict::Same => "same",
@@ -216,7 +206,7 @@ impl Verify {
         let mut facts = Facts::default();
         facts
             .push("Recording", self.input.recording.display())
-            .push("Table", self.table.display())
+            .push("Table", &self.table)
             .push("Checked on", page::turns_used(check));
         if let Some(delays) = describe(delays) {
             facts.push("Delays in the table", delays);
@@ -255,7 +245,7 @@ impl Verify {
             None => format!("{:.4} %", 100.0 * value),
         };
         Err(Failure::Worse {
-            table: self.table.clone(),
+            table: self.table.path().to_owned(),
             what,
             before: text(before),
             after: text(after),

@@ -3,6 +3,8 @@
 use crate::calibrate::Calibration;
 use crate::sensor::SensorKind;
 
+use super::contrast;
+
 /// How much later one kind of edge is captured than another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delay {
@@ -67,15 +69,12 @@ impl DelayFindings {
 /// Differences of class delays `seconds` that have a name; `error` is the standard error of one class.
 fn delays(kind: SensorKind, seconds: &[f64], error: f64) -> Vec<Delay> {
     let difference = |id, name, late: &[usize], early: &[usize]| {
-        let mean = |which: &[usize]| -> f64 {
-            which.iter().map(|&class| seconds[class]).sum::<f64>() / which.len() as f64
-        };
-        let variance = 1.0 / late.len() as f64 + 1.0 / early.len() as f64;
+        let (seconds, errors) = contrast(seconds, late, early);
         Delay {
             id,
             name,
-            seconds: mean(late) - mean(early),
-            standard_error_s: error * variance.sqrt(),
+            seconds,
+            standard_error_s: error * errors,
         }
     };
     match kind {

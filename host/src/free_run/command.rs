@@ -4,6 +4,7 @@ use quadcal::edge::Direction;
 
 use super::model::LoopModel;
 use super::motion::Motion;
+use crate::twin::SeenSpeed;
 
 /// Shares of a motion: what the proportional gain made a unit of it, the integral gain, and what depends on neither (a drive at its
 /// limit).
@@ -17,14 +18,12 @@ pub type Shares = [f64; 3];
 pub struct Command {
     model: LoopModel,
     clock_hz: f64,
-    step_rad: f64,
     motion: Motion<3>,
     /// What pushes now.
     push: Shares,
     /// Integral of the miss, rad.
     integral: f64,
-    measured: Option<f64>,
-    last: Option<(u64, Direction)>,
+    seen: SeenSpeed,
     /// Ticks at which the motion stands.
     now: f64,
     /// Number of the next sample and its time, ticks.
@@ -42,12 +41,10 @@ impl Command {
         let mut command = Self {
             model: *model,
             clock_hz,
-            step_rad,
             motion: Motion::new(model.viscous),
             push: [0.0; 3],
             integral: 0.0,
-            measured: None,
-            last: None,
+            seen: SeenSpeed::new(clock_hz, step_rad, model.timeout_s, None),
             now: from,
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             sample: first.max(0.0) as u64,
@@ -83,29 +80,13 @@ impl Command {
     }
 
     /// Takes an edge at the tick just reached, `steps` of the grid after the one before.
-    #[allow(clippy::cast_precision_loss)]
     pub fn edge(&mut self, ticks: u64, direction: Direction, steps: u16) {
-        if let Some((last, last_direction)) = self.last {
-            let interval = ticks.saturating_sub(last);
-            if last_direction != direction {
-                self.measured = Some(0.0);
-            } else if interval > 0 {
-                let way = f64::from(direction.sign()) * f64::from(steps) * self.step_rad;
-                self.measured = Some(way * self.clock_hz / interval as f64);
-            }
-        }
-        self.last = Some((ticks, direction));
+        self.seen.edge(ticks, direction, u32::from(steps));
     }
 
-    #[allow(clippy::cast_precision_loss)]
     fn take_sample(&mut self) {
         let model = &self.model;
-        if let Some((last, _)) = self.last
-            && self.next.floor() - last as f64 > model.timeout_s * self.clock_hz
-        {
-            self.measured = Some(0.0);
-        }
-        let miss = model.miss(self.measured);
+        let miss = model.miss(self.seen.at(self.next.floor()));
         let asked = model.gains.kp * miss + model.gains.ki * self.integral + model.start;
         let given = asked.clamp(-model.limit, model.limit);
         self.push = if given == asked {

@@ -10,10 +10,11 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::crossing::Crossing;
-use super::model::{Gains, LoopModel};
+use super::model::LoopModel;
 use super::motion::Response;
 use super::push::Push;
 use super::whiten::{self, Fitted, Interval, UNKNOWNS};
+use crate::twin::Gains;
 
 /// Rounds of filter and gains.
 const ROUNDS: usize = 4;

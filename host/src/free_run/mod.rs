@@ -35,9 +35,10 @@ pub mod torque;
 pub mod trend;
 mod whiten;
 
+pub use crate::twin::Gains;
 pub use error::FreeRunError;
 pub use hidden::{HiddenOrders, hidden_orders};
-pub use model::{Gains, LoopModel};
+pub use model::LoopModel;
 pub use push::Push;
 pub use recover::{FreeRun, Knowledge};
 pub use rows::{FreeRows, rows};

@@ -2,16 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::twin::{Drive, Twin};
-
-/// Gains of a PI speed loop as accelerations: torque over inertia.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gains {
-    /// Proportional gain, rad/s^2 a rad/s.
-    pub kp: f64,
-    /// Integral gain, rad/s^2 a rad.
-    pub ki: f64,
-}
+use crate::twin::{Gains, SpeedLoop, Twin};
 
 /// A sampled PI speed loop that sees the grid step over the last interval, and the shaft that it drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,45 +32,25 @@ impl LoopModel {
     /// The loop of a twin; none where its drive is open loop.
     #[must_use]
     pub fn of(twin: &Twin) -> Option<Self> {
-        let Drive::SpeedLoop {
-            f_hz,
-            bandwidth_hz,
-            kp_n_m_s,
-            ki_n_m,
+        let SpeedLoop {
+            target_rad_s,
+            rate_hz,
+            gains,
+            limit,
             timeout_s,
-            limit_n_m,
-            ..
-        } = twin.drive
-        else {
-            return None;
-        };
-        let inertia = twin.shaft.inertia_kg_m2;
-        let target = twin.drive.nominal_rad_s();
-        let gains = match bandwidth_hz {
-            Some(bandwidth) => {
-                let crossover = TAU * bandwidth;
-                Gains {
-                    kp: crossover,
-                    ki: crossover * crossover / 5.0,
-                }
-            }
-            None => Gains {
-                kp: kp_n_m_s.unwrap_or(0.0) / inertia,
-                ki: ki_n_m.unwrap_or(0.0) / inertia,
-            },
-        };
-        let viscous = twin.shaft.viscous_n_m_s / inertia;
-        let step = TAU / f64::from(twin.encoder.grid_edges());
+            start,
+        } = twin.speed_loop()?;
+        let inertia_kg_m2 = twin.shaft.inertia_kg_m2;
         Some(Self {
-            target_rad_s: target,
-            rate_hz: f_hz,
+            target_rad_s,
+            rate_hz,
             phase_s: 0.0,
             gains,
-            limit: limit_n_m.map_or(f64::INFINITY, |limit| limit / inertia),
-            timeout_s: timeout_s.unwrap_or(20.0 * step / target.abs()),
-            viscous,
-            start: viscous * target + twin.shaft.coulomb_n_m / inertia * target.signum(),
-            inertia_kg_m2: inertia,
+            limit,
+            timeout_s,
+            viscous: twin.shaft.viscous_n_m_s / inertia_kg_m2,
+            start,
+            inertia_kg_m2,
         })
     }
 

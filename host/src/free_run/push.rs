@@ -2,8 +2,9 @@
 
 use super::command::{Command, Shares};
 use super::crossing::Crossing;
-use super::model::{Gains, LoopModel};
+use super::model::LoopModel;
 use super::torque::{TorqueMotion, TorqueRecord};
+use crate::twin::Gains;
 
 /// What pushed the shaft.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,6 @@ use super::command::Shares;
 use super::crossing::{Crossing, first_turns};
 use super::error::FreeRunError;
 use super::fit::{self, Fit};
-use super::model::Gains;
 use super::motion::Response;
 use super::phase;
 use super::push::{Push, Pushed};
@@ -18,6 +17,7 @@ use super::trend::{Trend, TrendFit};
 use crate::recording::{Header, ReadError, Row};
 use crate::sensor::{Decoder, SensorPlan};
 use crate::survey::Survey;
+use crate::twin::Gains;
 
 /// Ticks of a free run in one of the recording: rounding is far below what the capture itself rounds.
 pub const FINER: u64 = 16;

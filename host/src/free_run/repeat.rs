@@ -4,8 +4,8 @@
 use nalgebra::Matrix2;
 
 use super::crossing::Crossing;
-use super::model::Gains;
 use super::trend::Trend;
+use crate::twin::Gains;
 
 /// What moves on in a turn: the displacement by either gain, and the two motions of a free shaft.
 const CHANNELS: usize = 4;

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::model::Gains;
+use crate::twin::Gains;
 
 /// Unknowns: two gains, speed at the start, constant push.
 pub(super) const UNKNOWNS: usize = 4;

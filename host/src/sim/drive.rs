@@ -7,7 +7,7 @@ use quadcal::edge::Direction;
 use super::plant::Plant;
 use super::random::{Purpose, Stream};
 use super::shaft::sign;
-use crate::twin::{Drive, Twin};
+use crate::twin::{self, Drive, SeenSpeed, Twin};
 
 /// From a time on: speed asked for and the acceleration that open-loop drive makes of it.
 #[derive(Clone, Copy, Debug)]
@@ -78,101 +78,50 @@ pub(super) fn knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
     }
 }
 
-/// The sampled PI speed loop and the T-method speed it sees. Gains and output are accelerations: torque over inertia.
+/// The sampled PI speed loop and the speed that it sees. Gains and output are accelerations: torque over inertia.
 #[derive(Clone, Debug)]
 pub(super) struct SpeedLoop {
-    target: f64,
-    f_hz: f64,
-    kp: f64,
-    ki: f64,
-    limit: f64,
+    model: twin::SpeedLoop,
+    clock_hz: f64,
+    seen: SeenSpeed,
     integral: f64,
     samples: u64,
-    clock_hz: f64,
-    timeout_ticks: f64,
-    step_rad: f64,
-    last: Option<(u64, Direction)>,
-    measured: Option<f64>,
 }
 
 impl SpeedLoop {
     /// The loop of a twin, if its drive is one.
     pub(super) fn new(twin: &Twin, plant: &Plant) -> Option<Self> {
-        let Drive::SpeedLoop {
-            f_hz,
-            bandwidth_hz,
-            kp_n_m_s,
-            ki_n_m,
-            timeout_s,
-            limit_n_m,
-            ..
-        } = twin.drive
-        else {
-            return None;
-        };
-        let target = plant.nominal;
-        let inertia = twin.shaft.inertia_kg_m2;
-        let (kp, ki) = match bandwidth_hz {
-            Some(bandwidth) => {
-                let kp = TAU * bandwidth;
-                (kp, kp * TAU * bandwidth / 5.0)
-            }
-            None => (
-                kp_n_m_s.unwrap_or(0.0) / inertia,
-                ki_n_m.unwrap_or(0.0) / inertia,
-            ),
-        };
+        let model = twin.speed_loop()?;
         let clock_hz = twin.timer.clock_hz as f64;
-        let timeout_s = timeout_s.unwrap_or(20.0 * plant.nominal_interval_s);
         Some(Self {
-            target,
-            f_hz,
-            kp,
-            ki,
-            limit: limit_n_m.map_or(f64::INFINITY, |limit| limit / inertia),
-            integral: plant.viscous * target + plant.coulomb * sign(target),
-            samples: 0,
+            model,
             clock_hz,
-            timeout_ticks: timeout_s * clock_hz,
-            step_rad: plant.step_rad,
-            last: None,
-            measured: None,
+            seen: SeenSpeed::new(clock_hz, plant.step_rad, model.timeout_s, Some(0)),
+            integral: model.start,
+            samples: 0,
         })
     }
 
     /// Takes a captured edge, `steps` of the grid after the one before.
     pub(super) fn edge(&mut self, ticks: u64, direction: Direction, steps: u32) {
-        if let Some((last, last_direction)) = self.last {
-            let interval = ticks.saturating_sub(last);
-            if last_direction != direction {
-                // The same edge again: the shaft turned round in between.
-                self.measured = Some(0.0);
-            } else if interval > 0 {
-                let way = f64::from(direction.sign()) * f64::from(steps) * self.step_rad;
-                self.measured = Some(way * self.clock_hz / interval as f64);
-            }
-        }
-        self.last = Some((ticks, direction));
+        self.seen.edge(ticks, direction, steps);
     }
 
     /// Time of the next sample, s.
     pub(super) fn next_s(&self) -> f64 {
-        self.samples as f64 / self.f_hz
+        self.samples as f64 / self.model.rate_hz
     }
 
     /// Takes a sample: the acceleration the drive gives until the next one.
     pub(super) fn sample(&mut self) -> f64 {
         let now = (self.next_s() * self.clock_hz).floor();
         self.samples += 1;
-        let last = self.last.map_or(0.0, |(ticks, _)| ticks as f64);
-        if now - last > self.timeout_ticks {
-            self.measured = Some(0.0);
-        }
-        let miss = self.target - self.measured.unwrap_or(self.target);
-        let asked = self.kp * miss + self.integral;
-        let given = asked.clamp(-self.limit, self.limit);
+        let model = &self.model;
+        let miss = model.target_rad_s - self.seen.at(now).unwrap_or(model.target_rad_s);
+        let asked = model.gains.kp * miss + self.integral;
+        let given = asked.clamp(-model.limit, model.limit);
         if given == asked || miss * asked < 0.0 {
-            self.integral += self.ki / self.f_hz * miss;
+            self.integral += model.gains.ki / model.rate_hz * miss;
         }
         given
     }

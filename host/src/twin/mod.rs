@@ -9,6 +9,7 @@ mod drive;
 mod encoder;
 mod error;
 mod load;
+mod speed_loop;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub use drive::{Drive, Noise, Ripple, Shaft, Step};
 pub use encoder::{Encoder, Errors, Harmonic, Per, Position};
 pub use error::{BadValue, ErrorListFault, Place, TwinError};
 pub use load::LoadStep;
+pub use speed_loop::{Gains, SeenSpeed, SpeedLoop};
 
 /// A declared rig: encoder, shaft, drive, noise, timer and what to record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

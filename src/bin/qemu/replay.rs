@@ -3,13 +3,15 @@
 //!
 //! Command line: `IMAGE EVENTS SLOT CORRECTED`. Prints one line of `key=value` pairs for the test to read.
 
+#[path = "memory.rs"]
+mod memory;
+
 use core::fmt;
 
 use cortex_m_semihosting::hprintln;
 use quadcal::estimate::StaticBuffers;
 use quadcal::replay::{self, Part, Report, SessionError};
 
-use crate::memory;
 use crate::qemu::output::Output;
 use crate::qemu::semihost::{self, File, IoError, Mode};
 
@@ -34,6 +36,18 @@ impl<const M: usize> Memory<M> {
             output: [0; BLOCK],
         }
     }
+}
+
+/// The entry point of an image that replays for an encoder of so many lines; wants `qemu` and `replay` at the crate's root.
+macro_rules! replay_image {
+    ($lines:literal) => {
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            // The entry attribute hands this out as a unique reference: safe, and off the stack.
+            static mut MEMORY: $crate::replay::Memory<$lines> = $crate::replay::Memory::new();
+            $crate::qemu::finish($crate::replay::run(MEMORY))
+        }
+    };
 }
 
 /// Why a run failed.

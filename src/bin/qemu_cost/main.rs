@@ -26,7 +26,7 @@ use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::estimate::{Anchor, Estimator, Progress, SolveError, StaticBuffers};
 use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT, TimerWidth};
 use quadcal::shape::{EncoderShape, ShapeError};
-use quadcal::slot::{self, Delays, SlotHeader};
+use quadcal::slot::{self, SlotHeader};
 use quadcal::step::{Outcome, SensorError};
 use quadcal::summary::Summary;
 use quadcal::table::{ErrorTable, TableError};
@@ -204,25 +204,19 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
     heprintln!("learned: {}", Summary::of(&solution));
 
     let mut output = Output::new(slot, &mut memory.output);
-    let delays = Delays::found(solution.class_delays(), header.clock_hz.into());
-    let header = SlotHeader {
-        shape,
-        shift: solution.shift(),
-        turns: solution.turns(),
-        indexed: true,
-        standard_error: solution.standard_error(),
-        class_standard_error: solution.class_standard_error(),
-        source: 0,
-        learned_until: learned_until.unwrap_or_default(),
-        class_offsets: *solution.class_offsets(),
-        delays,
-    };
+    let header = SlotHeader::of(
+        &solution,
+        learned_until.unwrap_or_default(),
+        header.clock_hz.into(),
+    );
     slot::write(&header, solution.entries(), |bytes| output.write(bytes))?;
     output.close()?;
 
     let offsets = *solution.class_offsets();
     let table = ErrorTable::new(shape, offsets, solution.entries(), solution.shift());
-    let table = table.map_err(Failure::Table)?.with_delays(delays.of_class);
+    let table = table
+        .map_err(Failure::Table)?
+        .with_delays(header.delays.of_class);
     let mut corrector = Corrector::new(table, Anchor::Index);
     let (mut correcting, mut asking) = (Cost::default(), Cost::default());
     while refill(&mut events, &mut memory.events)? {

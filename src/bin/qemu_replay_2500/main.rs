@@ -2,20 +2,10 @@
 #![no_std]
 #![no_main]
 
-#[path = "../qemu/memory.rs"]
-mod memory;
 #[path = "../qemu/mod.rs"]
 mod qemu;
 #[path = "../qemu/replay.rs"]
+#[macro_use]
 mod replay;
 
-use cortex_m_rt::entry;
-
-use replay::Memory;
-
-#[entry]
-fn main() -> ! {
-    // The entry attribute hands this out as a unique reference: safe, and off the stack.
-    static mut MEMORY: Memory<2500> = Memory::new();
-    qemu::finish(replay::run(MEMORY))
-}
+replay_image!(2500);
