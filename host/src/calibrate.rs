@@ -6,7 +6,7 @@ mod learner;
 mod plan;
 
 use quadcal::estimate::{Anchor, DriveKnowledge, Solution, Totals};
-use quadcal::slot::{Delays, SlotHeader};
+use quadcal::slot::{Delays, SlotHeader, Stamp};
 use quadcal::step::Faults;
 
 pub use agree::{Disagreement, agree};
@@ -83,6 +83,10 @@ impl Calibration {
             learned_until: self.recordings.first().map_or(0, |used| used.learned_until),
             class_offsets: *self.solution.class_offsets(),
             delays: Delays::found(self.solution.class_delays(), self.clock_hz),
+            stamp: Stamp {
+                table_rms: self.solution.table_rms(),
+                ..Stamp::default()
+            },
         }
     }
 

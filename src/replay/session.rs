@@ -10,7 +10,7 @@ use crate::decoder::{DecoderConfig, QuadratureDecoder};
 use crate::edge::Sample;
 use crate::estimate::{Anchor, EdgeBuffers, Estimator, Progress, Solution, SolveError, Totals};
 use crate::shape::{EncoderShape, ShapeError};
-use crate::slot::{self, Delays, SlotHeader};
+use crate::slot::{self, Delays, SlotHeader, Stamp};
 use crate::step::{Faults, SensorError};
 use crate::table::{ErrorTable, TableError};
 use crate::timebase::{Timebase16, Timebase32};
@@ -283,6 +283,10 @@ fn slot_header<B: EdgeBuffers>(
         learned_until,
         class_offsets: *solution.class_offsets(),
         delays: Delays::found(solution.class_delays(), clock_hz),
+        stamp: Stamp {
+            table_rms: solution.table_rms(),
+            ..Stamp::default()
+        },
     }
 }
 

@@ -26,7 +26,7 @@ use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::estimate::{Anchor, Estimator, Progress, SolveError, StaticBuffers};
 use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT, TimerWidth};
 use quadcal::shape::{EncoderShape, ShapeError};
-use quadcal::slot::{self, Delays, SlotHeader};
+use quadcal::slot::{self, Delays, SlotHeader, Stamp};
 use quadcal::step::{Outcome, SensorError};
 use quadcal::summary::Summary;
 use quadcal::table::{ErrorTable, TableError};
@@ -216,6 +216,10 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
         learned_until: learned_until.unwrap_or_default(),
         class_offsets: *solution.class_offsets(),
         delays,
+        stamp: Stamp {
+            table_rms: solution.table_rms(),
+            ..Stamp::default()
+        },
     };
     slot::write(&header, solution.entries(), |bytes| output.write(bytes))?;
     output.close()?;
