@@ -45,6 +45,7 @@ pub mod savgol;
 pub mod shape;
 pub mod slot;
 pub mod step;
+pub mod store;
 #[cfg(feature = "summary")]
 pub mod summary;
 pub mod table;

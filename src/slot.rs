@@ -5,7 +5,7 @@
 //! ```text
 //! offset  size  field
 //!      0     4  magic "QCTB"
-//!      4     2  format version, 2
+//!      4     2  format version, 3
 //!      6     1  edge classes C (1..=6)
 //!      7     1  entry shift: an entry counts 2^shift of 2^-32 turn
 //!      8     4  edges a turn N
@@ -19,7 +19,13 @@
 //!     64    24  class delays, six signed words, 2^-8 tick; those beyond C are zero
 //!     88     4  standard error of a class delay, 2^-8 tick
 //!     92     8  clock whose ticks the delays count, hertz; 0 only where all delays are zero
-//!    100    60  reserved, written as zero and not looked at: zero will mean "not given"
+//!    100     8  serial number of the encoder, 0: not given
+//!    108     8  when it was learned, seconds since 1970, 0: not given
+//!    116     2  temperature then, signed, 1/16 degree Celsius
+//!    118     2  1 where the temperature is given
+//!    120     4  sequence: of two valid slots the later one counts, see [`crate::store`]
+//!    124     4  RMS of the error that the table holds, 2^-32 turn, 0: not given
+//!    128    32  reserved, written as zero and not looked at: zero will mean "not given"
 //!    160    2N  entries, signed 16-bit, edge 0 first
 //! 160+2N   0/2  zero bytes up to a multiple of four
 //!    end     4  CRC-32 (ISO-HDLC) over every byte before it
@@ -27,10 +33,12 @@
 //!
 //! A slot is valid when magic and version are known, every field is in range, and the CRC agrees.
 //!
-//! Version 1 has its entries at byte 64 and no delays; it is still read. The folder `slot/data` keeps a slot of every version
+//! Version 1 has its entries at byte 64 and no delays; version 2 has nothing in bytes 100 to 160. Both are still read. The folder `slot/data` keeps a slot of every version
 //! ever written, and a test reads them all.
 
 mod header;
+
+use core::convert::Infallible;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 
@@ -38,13 +46,13 @@ use crate::shape::{EncoderShape, ShapeError};
 use crate::table::{Entry, ErrorTable, TableError};
 use header::{Fields, header_bytes};
 
-pub use header::{Delays, HEADER_BYTES, HEADER_BYTES_V1, SlotHeader};
+pub use header::{Delays, HEADER_BYTES, HEADER_BYTES_V1, SlotHeader, Stamp};
 
 /// First bytes of every slot.
 pub const MAGIC: [u8; 4] = *b"QCTB";
 
 /// Format version written by this code.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// Bytes of the CRC at the end.
 const CRC_BYTES: usize = 4;
@@ -106,37 +114,21 @@ impl<'a> Slot<'a> {
     /// # Errors
     /// [`SlotError`] says which field is wrong.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, SlotError> {
-        let truncated = |needed| SlotError::Truncated {
-            needed,
-            found: bytes.len(),
+        let copy = |at: usize, piece: &mut [u8]| {
+            let there = bytes.get(at..).unwrap_or_default();
+            for (cell, byte) in piece.iter_mut().zip(there) {
+                *cell = *byte;
+            }
+            Ok::<(), Infallible>(())
         };
-        let shortest = HEADER_BYTES_V1 + CRC_BYTES;
-        let [m0, m1, m2, m3, v0, v1, ..] = *bytes.get(..shortest).ok_or(truncated(shortest))?
-        else {
-            return Err(truncated(shortest));
-        };
-        let magic = [m0, m1, m2, m3];
-        if magic != MAGIC {
-            return Err(SlotError::Magic(magic));
-        }
-        let head = header_bytes(u16::from_le_bytes([v0, v1]))?;
-        let fields = Fields::new(bytes.get(..head).ok_or(truncated(head + CRC_BYTES))?);
-        let shape = fields.shape()?;
-        let whole = bytes_behind(head, shape);
-        let (body, crc) = bytes
-            .get(..whole)
-            .and_then(|slot| slot.split_last_chunk())
-            .ok_or(truncated(whole))?;
-        let (stored, computed) = (u32::from_le_bytes(*crc), CRC32.checksum(body));
-        if stored != computed {
-            return Err(SlotError::Crc { stored, computed });
-        }
-        let header = fields.header()?;
-        let entries = body[head..].as_chunks().0;
-        let entries = &entries[..shape.edges() as usize];
-        let slot = Self { header, entries };
-        slot.angles().map_err(SlotError::Table)?;
-        Ok(slot)
+        let Ok(checked) = check(bytes.len(), copy);
+        let (header, head) = checked?;
+        let entries = bytes.get(head..).unwrap_or_default().as_chunks().0;
+        let edges = header.shape.edges() as usize;
+        Ok(Self {
+            header,
+            entries: entries.get(..edges).unwrap_or_default(),
+        })
     }
 
     /// The table, used in place, for edges stamped by a clock of `clock_hz`.
@@ -165,6 +157,74 @@ impl<'a> Slot<'a> {
             self.header.shift,
         )
     }
+}
+
+/// Checks a slot of any version that `read` gives piece by piece, in pieces of 32 bytes or a multiple, from where it starts; what is
+/// read beyond `room` bytes does not matter. The header, and how many bytes it has.
+///
+/// # Errors
+/// Those of `read`; within, [`SlotError`].
+pub(crate) fn check<X>(
+    room: usize,
+    mut read: impl FnMut(usize, &mut [u8]) -> Result<(), X>,
+) -> Result<Result<(SlotHeader, usize), SlotError>, X> {
+    let mut head = [0; HEADER_BYTES];
+    read(0, &mut head)?;
+    let (fields, head) = match frame(&head, room) {
+        Ok(frame) => frame,
+        Err(error) => return Ok(Err(error)),
+    };
+    let mut digest: Digest<'_, u32, Table<1>> = CRC32.digest();
+    let mut stored = [0; CRC_BYTES];
+    let mut piece = [0; 32];
+    for at in (0..head.whole).step_by(piece.len()) {
+        read(at, &mut piece)?;
+        let body = head.whole - CRC_BYTES - at.min(head.whole - CRC_BYTES);
+        let (body, rest) = piece.split_at(body.min(piece.len()));
+        digest.update(body);
+        // Body and piece are whole words, so the CRC is in one piece.
+        if let Some(crc) = rest.first_chunk() {
+            stored = *crc;
+        }
+    }
+    let (stored, computed) = (u32::from_le_bytes(stored), digest.finalize());
+    Ok(if stored == computed {
+        fields.header().map(|header| (header, head.bytes))
+    } else {
+        Err(SlotError::Crc { stored, computed })
+    })
+}
+
+/// How long a slot is.
+struct Frame {
+    /// Bytes of its header.
+    bytes: usize,
+    /// All bytes.
+    whole: usize,
+}
+
+/// What a slot's first bytes say of its size.
+fn frame(head: &[u8; HEADER_BYTES], room: usize) -> Result<(Fields, Frame), SlotError> {
+    let truncated = |needed| SlotError::Truncated {
+        needed,
+        found: room,
+    };
+    let shortest = HEADER_BYTES_V1 + CRC_BYTES;
+    if room < shortest {
+        return Err(truncated(shortest));
+    }
+    let [m0, m1, m2, m3, v0, v1, ..] = *head;
+    let magic = [m0, m1, m2, m3];
+    if magic != MAGIC {
+        return Err(SlotError::Magic(magic));
+    }
+    let bytes = header_bytes(u16::from_le_bytes([v0, v1]))?;
+    let fields = Fields::new(&head[..bytes]);
+    let whole = bytes_behind(bytes, fields.shape()?);
+    if room < whole {
+        return Err(truncated(whole));
+    }
+    Ok((fields, Frame { bytes, whole }))
 }
 
 /// Writes a slot piece by piece to `sink`, in order; pieces are multiples of four bytes. Stops at the sink's first error.

@@ -75,6 +75,9 @@ impl Delay {
     };
 }
 
+/// Largest scale of entries: more than any error needs.
+pub(crate) const SHIFT_MAX: u32 = 16;
+
 const NO_DELAYS: [TickDelta8; CLASSES_MAX] = [TickDelta8::ZERO; CLASSES_MAX];
 
 /// A view of an error table, wherever its entries are (RAM or memory-mapped flash):
@@ -106,7 +109,7 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         if entries.len() != shape.edges() as usize {
             return Err(TableError::Length(entries.len()));
         }
-        if shift > 16 {
+        if shift > SHIFT_MAX {
             return Err(TableError::Shift(shift));
         }
         Ok(Self {

@@ -12,7 +12,7 @@ use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::estimate::Anchor;
 use quadcal::hall::HallDecoder;
 use quadcal::shape::{CLASSES_MAX, EncoderShape};
-use quadcal::slot::{self, Delays, Slot, SlotHeader};
+use quadcal::slot::{self, Delays, Slot, SlotHeader, Stamp};
 use quadcal::step::Flags;
 use quadcal::table::ErrorTable;
 use quadcal::units::{RAD_PER_TURN32, TickDelta8, Turn32, TurnDelta32};
@@ -179,6 +179,7 @@ fn verify_holds_a_table_with_delays_against_compensated_times() {
             learned_until: 0,
             class_offsets: [TurnDelta32(0); CLASSES_MAX],
             delays,
+            stamp: Stamp::default(),
         };
         let mut bytes = Vec::new();
         slot::write(&header, &vec![0_i16; 4 * LINES as usize], |piece| {

@@ -3,6 +3,7 @@
 use super::{MAGIC, SlotError, VERSION};
 use crate::estimate::{ClassDelays, EdgeBuffers, Solution};
 use crate::shape::{CLASSES_MAX, EncoderShape};
+use crate::table::{SHIFT_MAX, TableError};
 use crate::units::{TickDelta8, TurnDelta32};
 
 /// Bytes before the entries in a slot of the version that is written.
@@ -40,6 +41,24 @@ pub struct SlotHeader {
     pub class_offsets: [TurnDelta32; CLASSES_MAX],
     /// Delays of the capture.
     pub delays: Delays,
+    /// Whose table it is and since when.
+    pub stamp: Stamp,
+}
+
+/// Whose table a slot holds and since when; what is not given is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Stamp {
+    /// Serial number of the encoder.
+    pub serial: u64,
+    /// When it was learned, seconds since 1970.
+    pub learned_at: u64,
+    /// Temperature then, 1/16 degree Celsius.
+    pub temperature_q4: Option<i16>,
+    /// Counts up from commit to commit; of two valid slots the later one counts.
+    pub sequence: u32,
+    /// RMS of the error that the table holds, class offsets included, 2^-32 turn.
+    pub table_rms: u32,
 }
 
 /// Delays of the capture, and the clock in whose ticks they are.
@@ -97,7 +116,7 @@ impl Delays {
 pub(super) const fn header_bytes(version: u16) -> Result<usize, SlotError> {
     match version {
         1 => Ok(HEADER_BYTES_V1),
-        VERSION => Ok(HEADER_BYTES),
+        2 | VERSION => Ok(HEADER_BYTES),
         other => Err(SlotError::Version(other)),
     }
 }
@@ -138,10 +157,25 @@ impl Fields {
         EncoderShape::new(self.word(8), u32::from(self.head[6])).map_err(SlotError::Shape)
     }
 
+    fn stamp(&self) -> Stamp {
+        // In version 2 these bytes were reserved.
+        if u32::from(self.head[4]) | (u32::from(self.head[5]) << 8) < 3 {
+            return Stamp::default();
+        }
+        let [low, high, given, _] = self.word(116).to_le_bytes();
+        Stamp {
+            serial: self.long(100),
+            learned_at: self.long(108),
+            temperature_q4: (given & 1 != 0).then_some(i16::from_le_bytes([low, high])),
+            sequence: self.word(120),
+            table_rms: self.word(124),
+        }
+    }
+
     /// Every field.
     ///
     /// # Errors
-    /// [`SlotError::Shape`], or [`SlotError::Clock`] for delays without a clock.
+    /// [`SlotError::Shape`], [`SlotError::Table`] for a scale out of range, or [`SlotError::Clock`] for delays without a clock.
     pub fn header(&self) -> Result<SlotHeader, SlotError> {
         let delays = Delays {
             of_class: self.signed(64).map(TickDelta8),
@@ -151,9 +185,13 @@ impl Fields {
         if delays.clock_hz == 0 && !delays.is_zero() {
             return Err(SlotError::Clock);
         }
+        let shift = u32::from(self.head[7]);
+        if shift > SHIFT_MAX {
+            return Err(SlotError::Table(TableError::Shift(shift)));
+        }
         Ok(SlotHeader {
             shape: self.shape()?,
-            shift: u32::from(self.head[7]),
+            shift,
             turns: self.word(12),
             indexed: self.word(16) & FLAG_INDEXED != 0,
             standard_error: self.word(20),
@@ -162,6 +200,7 @@ impl Fields {
             learned_until: self.long(32),
             class_offsets: self.signed(40).map(TurnDelta32),
             delays,
+            stamp: self.stamp(),
         })
     }
 }
@@ -181,6 +220,10 @@ impl SlotHeader {
             learned_until,
             class_offsets: *solution.class_offsets(),
             delays: Delays::found(solution.class_delays(), clock_hz),
+            stamp: Stamp {
+                table_rms: solution.table_rms(),
+                ..Stamp::default()
+            },
         }
     }
 
@@ -207,6 +250,15 @@ impl SlotHeader {
         }
         field(88, &self.delays.standard_error.to_le_bytes());
         field(92, &self.delays.clock_hz.to_le_bytes());
+        let stamp = &self.stamp;
+        field(100, &stamp.serial.to_le_bytes());
+        field(108, &stamp.learned_at.to_le_bytes());
+        if let Some(temperature) = stamp.temperature_q4 {
+            field(116, &temperature.to_le_bytes());
+            field(118, &[1]);
+        }
+        field(120, &stamp.sequence.to_le_bytes());
+        field(124, &stamp.table_rms.to_le_bytes());
         head
     }
 }

@@ -8,6 +8,14 @@ use crate::units::{TickDelta8, TurnDelta32};
 use proptest::prelude::*;
 use std::vec::Vec;
 
+const STAMP: Stamp = Stamp {
+    serial: 0x0102_0304_0506_0708,
+    learned_at: 1_790_000_000,
+    temperature_q4: Some(-40),
+    sequence: 7,
+    table_rms: 98_765,
+};
+
 const DELAYS: Delays = Delays {
     of_class: [
         TickDelta8(700),
@@ -35,6 +43,7 @@ fn sample(edges: u32, classes: u32) -> (SlotHeader, Vec<i16>, Vec<u8>) {
         learned_until: 0x1_0000_0002,
         class_offsets,
         delays: DELAYS,
+        stamp: STAMP,
     };
     let entries: Vec<i16> = (0..edges).map(|k| (k as i16).wrapping_mul(-321)).collect();
     let mut bytes = Vec::new();
@@ -85,9 +94,10 @@ fn every_flip_and_cut_is_found(bytes: &[u8]) {
 }
 
 /// A slot of every version ever written: twelve edges in six classes.
-const EVERY_VERSION: [(u16, &[u8]); 2] = [
+const EVERY_VERSION: [(u16, &[u8]); 3] = [
     (1, include_bytes!("data/version-1.qct")),
     (2, include_bytes!("data/version-2.qct")),
+    (3, include_bytes!("data/version-3.qct")),
 ];
 
 #[test]
@@ -98,7 +108,11 @@ fn a_slot_of_every_version_ever_written_is_read() {
         let delays = if version < 2 { Delays::NONE } else { DELAYS };
         assert_eq!(
             slot.header,
-            SlotHeader { delays, ..newest },
+            SlotHeader {
+                delays,
+                stamp: if version < 3 { Stamp::default() } else { STAMP },
+                ..newest
+            },
             "version {version}"
         );
         let table = slot.table_at(84_000_000).unwrap();
@@ -123,14 +137,14 @@ fn a_slot_of_every_version_ever_written_is_read() {
 #[test]
 fn a_version_to_come_is_refused_by_name() {
     let (_, _, mut bytes) = sample(12, 6);
-    bytes[4] = 3;
-    assert_eq!(Slot::parse(&bytes).unwrap_err(), SlotError::Version(3));
+    bytes[4] = 4;
+    assert_eq!(Slot::parse(&bytes).unwrap_err(), SlotError::Version(4));
 }
 
 #[test]
 fn what_the_reserved_bytes_will_hold_does_not_disturb_this_reader() {
     let (header, _, mut bytes) = sample(12, 6);
-    bytes[100..HEADER_BYTES].fill(0xA5);
+    bytes[128..HEADER_BYTES].fill(0xA5);
     seal(&mut bytes);
     assert_eq!(Slot::parse(&bytes).unwrap().header, header);
 }
@@ -198,6 +212,7 @@ proptest! {
             learned_until,
             class_offsets: offsets.map(TurnDelta32),
             delays: Delays { of_class: delays.map(TickDelta8), standard_error: delay_error, clock_hz },
+            stamp: Stamp { sequence: source, serial: learned_until, ..STAMP },
         };
         let mut bytes = Vec::new();
         write(&header, &[-5_i16; 12], |piece| {

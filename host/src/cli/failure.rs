@@ -168,7 +168,8 @@ pub enum Failure {
     },
     /// A table is of another disc.
     #[error(
-        "{table}: this table belongs to another disc than the one recorded (refused at {refused} of {starts} starts); don't use it:          calibrate this encoder",
+        "{table}: this table belongs to another disc than the one recorded (refused at {refused} of {starts} starts); don't use it: \
+         calibrate this encoder",
         table = table.display()
     )]
     OtherDisc {
@@ -181,7 +182,8 @@ pub enum Failure {
     },
     /// The index contradicts the fingerprint.
     #[error(
-        "{table}: the recording's index is not where the table has it (at {moved} of {starts} starts); check the index channel and          calibrate again",
+        "{table}: the recording's index is not where the table has it (at {moved} of {starts} starts); check the index channel and \
+         calibrate again",
         table = table.display()
     )]
     IndexMoved {
@@ -194,7 +196,8 @@ pub enum Failure {
     },
     /// No start found its place.
     #[error(
-        "{table}: no place was found at any of {starts} starts: the pattern is too weak for the noise, or the recording too short; wait          for the index instead",
+        "{table}: no place was found at any of {starts} starts: the pattern is too weak for the noise, or the recording too short; wait \
+         for the index instead",
         table = table.display()
     )]
     NoPlace {

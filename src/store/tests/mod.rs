@@ -1,0 +1,270 @@
+//! Tables committed, rolled back and erased, with the power failing at every operation.
+
+extern crate std;
+
+mod flash;
+
+use super::*;
+use crate::shape::{CLASSES_MAX, EncoderShape};
+use crate::slot::{Delays, Slot, slot_bytes};
+use crate::units::TurnDelta32;
+use flash::{Fault, Flash};
+use std::vec::Vec;
+
+/// Two places of two sectors each, after a sector that is not ours.
+const PLACES: [core::ops::Range<u32>; 2] = [1024..3072, 3072..5120];
+
+fn store<const W: usize>() -> Store<Flash<W, 1024>> {
+    store_on(Flash::new(5))
+}
+
+fn store_on<const W: usize>(flash: Flash<W, 1024>) -> Store<Flash<W, 1024>> {
+    let layout = Layout::new(&flash, PLACES, 10_000).unwrap();
+    Store::new(flash, layout)
+}
+
+/// Table number `serial`: long enough for both sectors of a place.
+fn table(serial: u64) -> (SlotHeader, Vec<i16>) {
+    let header = SlotHeader {
+        shape: EncoderShape::new(600, 4).unwrap(),
+        shift: 2,
+        turns: 11,
+        indexed: true,
+        standard_error: 3,
+        class_standard_error: 1,
+        source: 0,
+        learned_until: 0,
+        class_offsets: [TurnDelta32(5); CLASSES_MAX],
+        delays: Delays::NONE,
+        stamp: Stamp {
+            serial,
+            ..Stamp::default()
+        },
+    };
+    let entries = (0..600_i16).map(|k| k.wrapping_mul(serial as i16 * 77 + 1));
+    (header, entries.collect())
+}
+
+fn commit<const W: usize>(
+    store: &mut Store<Flash<W, 1024>>,
+    serial: u64,
+) -> Result<Found, StoreError<Fault>> {
+    let (header, entries) = table(serial);
+    store.commit(&header, &entries)
+}
+
+/// Number of the table that counts, all of whose entries are looked at in place.
+fn counting<const W: usize>(store: &mut Store<Flash<W, 1024>>) -> Option<u64> {
+    let found = store.newest().unwrap()?;
+    let serial = found.header.stamp.serial;
+    let bytes = &store.flash.bytes[found.offset as usize..];
+    let slot = Slot::parse(bytes).unwrap();
+    assert_eq!(slot.header, found.header);
+    let (header, entries) = table(serial);
+    assert_eq!(slot.header.class_offsets, header.class_offsets);
+    let mapped = slot.angles().unwrap();
+    for (edge, entry) in (0..).zip(entries) {
+        assert_eq!(
+            mapped.error(edge, true),
+            TurnDelta32(5 + (i32::from(entry) << 2))
+        );
+    }
+    Some(serial)
+}
+
+#[test]
+fn the_newest_table_counts_and_rolling_back_gives_the_one_before() {
+    let mut store = store::<4>();
+    assert_eq!(counting(&mut store), None);
+    assert_eq!(store.roll_back(), Err(StoreError::NothingOlder));
+    for serial in 1..=5 {
+        let found = commit(&mut store, serial).unwrap();
+        assert_eq!(found.header.stamp.sequence, serial as u32 - 1);
+        assert_eq!(counting(&mut store), Some(serial));
+    }
+    let older = store.roll_back().unwrap();
+    assert_eq!(older.header.stamp.serial, 4);
+    assert_eq!(counting(&mut store), Some(4));
+    assert_eq!(store.roll_back(), Err(StoreError::NothingOlder));
+    assert_eq!(counting(&mut store), Some(4));
+    commit(&mut store, 6).unwrap();
+    assert_eq!(counting(&mut store), Some(6));
+    store.erase().unwrap();
+    assert_eq!(counting(&mut store), None);
+    for place in [Place::A, Place::B] {
+        assert_eq!(store.condition(place).unwrap(), Condition::Unfinished);
+    }
+    // Six commits and the erasure; a place without a count takes the other's.
+    assert_eq!(
+        [Place::A, Place::B].map(|place| store.wear(place).unwrap()),
+        [5, 4]
+    );
+}
+
+#[test]
+fn sequences_go_on_past_their_largest_number() {
+    let mut store = store::<4>();
+    commit(&mut store, 1).unwrap();
+    assert!(later(0, u32::MAX) && later(5, u32::MAX - 5) && !later(u32::MAX, 0) && !later(3, 3));
+}
+
+/// Lets the power fail at every operation of `act`, in several ways, on what `prepare` left; after each, one of the tables that
+/// `may_count` must count, and committing must work. Returns the number of cuts.
+fn every_cut<const W: usize>(
+    prepare: &[u64],
+    act: impl Fn(&mut Store<Flash<W, 1024>>) -> Result<(), StoreError<Fault>>,
+    may_count: &[Option<u64>],
+) -> u32 {
+    let mut prepared = store::<W>();
+    for serial in prepare {
+        commit(&mut prepared, *serial).unwrap();
+    }
+    let prepared = prepared.into_flash();
+    let mut whole = store_on(prepared.clone());
+    act(&mut whole).unwrap();
+    let operations = whole.flash.operations - prepared.operations;
+    assert!(may_count.contains(&counting(&mut whole)));
+    let mut cuts = 0;
+    for operation in 0..operations {
+        for seed in 0..12 {
+            let mut flash = prepared.clone();
+            flash.cut_at(operation, seed * 977 + operation * 4 + seed);
+            let mut store = store_on(flash);
+            assert!(act(&mut store).is_err());
+            store.flash.restore();
+            let found = counting(&mut store);
+            assert!(
+                may_count.contains(&found),
+                "cut {operation}, {seed}: {found:?}"
+            );
+            commit(&mut store, 99).unwrap();
+            assert_eq!(counting(&mut store), Some(99));
+            cuts += 1;
+        }
+    }
+    cuts
+}
+
+fn every_cut_of_everything<const W: usize>() -> u32 {
+    let first = |store: &mut Store<_>| commit(store, 1).map(drop);
+    let third = |store: &mut Store<_>| commit(store, 3).map(drop);
+    every_cut::<W>(&[], first, &[None, Some(1)])
+        + every_cut::<W>(
+            &[1],
+            |store| commit(store, 2).map(drop),
+            &[Some(1), Some(2)],
+        )
+        + every_cut::<W>(&[1, 2], third, &[Some(2), Some(3)])
+        + every_cut::<W>(
+            &[1, 2],
+            |store| store.roll_back().map(drop),
+            &[Some(2), Some(1)],
+        )
+        + every_cut::<W>(&[1, 2], Store::erase, &[Some(2), None])
+        + every_cut::<W>(&[1], Store::erase, &[Some(1), None])
+}
+
+#[test]
+fn wherever_the_power_fails_one_whole_table_counts() {
+    let cuts = every_cut_of_everything::<4>()
+        + every_cut_of_everything::<1>() / 8
+        + every_cut_of_everything::<32>();
+    std::println!("{cuts} cuts");
+    assert!(cuts > 10_000);
+}
+
+#[test]
+fn a_single_bit_flipped_anywhere_takes_the_table_out_of_use() {
+    let mut store = store::<4>();
+    commit(&mut store, 1).unwrap();
+    commit(&mut store, 2).unwrap();
+    let newest = store.newest().unwrap().unwrap();
+    let length = place_bytes(newest.header.shape);
+    assert_eq!(
+        length as usize,
+        96 + slot_bytes(newest.header.shape).next_multiple_of(32)
+    );
+    let start = store.layout.of(newest.place).start as usize;
+    let used = 96 + slot_bytes(newest.header.shape);
+    for byte in 0..used {
+        // Wear, and what fills up its mark, do not belong to the table.
+        if (64..96).contains(&byte) {
+            continue;
+        }
+        for bit in 0..8 {
+            store.flash.bytes[start + byte] ^= 1 << bit;
+            assert_eq!(
+                store.newest().unwrap().unwrap().header.stamp.serial,
+                1,
+                "{byte} {bit}"
+            );
+            store.flash.bytes[start + byte] ^= 1 << bit;
+        }
+    }
+    assert_eq!(counting(&mut store), Some(2));
+}
+
+#[test]
+fn a_place_erased_too_often_is_not_used() {
+    let flash = Flash::<4, 1024>::new(5);
+    let layout = Layout::new(&flash, PLACES, 3).unwrap();
+    let mut store = Store::new(flash, layout);
+    for serial in 1..=5 {
+        commit(&mut store, serial).unwrap();
+    }
+    assert_eq!(
+        commit(&mut store, 6),
+        Err(StoreError::WornOut { erased: 3 })
+    );
+    assert_eq!(counting(&mut store), Some(5));
+}
+
+#[test]
+fn a_table_too_long_for_its_place_is_refused_and_nothing_is_touched() {
+    let mut store = store::<4>();
+    commit(&mut store, 1).unwrap();
+    let before = store.flash.bytes.clone();
+    let (header, _) = table(2);
+    let long = SlotHeader {
+        shape: EncoderShape::new(2400, 4).unwrap(),
+        ..header
+    };
+    assert!(matches!(
+        store.commit(&long, &[0_i16; 2400]),
+        Err(StoreError::TooLong { room: 2048, .. })
+    ));
+    assert_eq!(store.flash.bytes, before);
+}
+
+#[test]
+fn places_that_cannot_be_are_refused() {
+    let flash = Flash::<4, 1024>::new(5);
+    let new = |places| Layout::new(&flash, places, 1).unwrap_err();
+    assert_eq!(
+        new([0..1000, 1024..2048]),
+        LayoutError::Unaligned {
+            place: 0,
+            erase: 1024
+        }
+    );
+    assert_eq!(
+        new([0..1024, 2048..2048]),
+        LayoutError::Unaligned {
+            place: 1,
+            erase: 1024
+        }
+    );
+    assert_eq!(
+        new([0..1024, 4096..6144]),
+        LayoutError::Outside {
+            place: 1,
+            capacity: 5120
+        }
+    );
+    assert_eq!(new([0..2048, 1024..3072]), LayoutError::Overlap);
+    let coarse = Flash::<64, 1024>::new(5);
+    assert_eq!(
+        Layout::new(&coarse, [0..1024, 1024..2048], 1),
+        Err(LayoutError::Pieces { read: 1, write: 64 })
+    );
+}
