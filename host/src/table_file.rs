@@ -139,10 +139,10 @@ mod tests {
             assert!(text.starts_with(expected), "{text}");
         }
         let mut other = vec![0; 80];
-        other[..6].copy_from_slice(b"QCTB\x03\x00");
+        other[..6].copy_from_slice(b"QCTB\x04\x00");
         let text = describe(&parse(&other).unwrap_err());
         assert!(
-            text.contains("version 3") && text.contains("update"),
+            text.contains("version 4") && text.contains("update"),
             "{text}"
         );
     }

@@ -236,10 +236,7 @@ impl Summary {
                     expected_after_twice_rad: after.after_twice_rad(),
                 })
                 .collect(),
-            goal: calibration
-                .goal
-                .and_then(|goal| calibration.progress.advice(goal))
-                .map(words::advice_id),
+            goal: words::goal_id(calibration, findings.after_rad),
             two_speeds: calibration.two_speeds(),
             torque_ripple: findings
                 .torques

@@ -212,6 +212,12 @@ pub enum Failure {
         /// The output.
         target: Target,
     },
+    /// Two outputs have one name.
+    #[error("{target}: named for two results; give each its own file")]
+    OverOutput {
+        /// The output.
+        target: Target,
+    },
     /// The name of a simulated recording does not say its format.
     #[error("{target}: cannot tell the format from the name; end it in .csv or .vcd")]
     RecordingName {

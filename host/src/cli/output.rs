@@ -138,6 +138,34 @@ impl Target {
 }
 
 /// Whether both paths lead to one regular file, through links or not.
+/// Refuses outputs of which one would take another's place.
+///
+/// # Errors
+/// [`Failure::OverOutput`].
+pub fn distinct(outputs: &[Option<&Target>]) -> Result<(), Failure> {
+    let files: Vec<_> = outputs.iter().flatten().collect();
+    for (index, target) in files.iter().enumerate() {
+        let Target::File(path) = target else {
+            continue;
+        };
+        let taken = files[..index].iter().any(|other| match other {
+            Target::File(other) => (other == path || same_file(other, path)) && !is_device(path),
+            Target::Stdout => false,
+        });
+        if taken {
+            return Err(Failure::OverOutput {
+                target: (**target).clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether there is something that is no regular file, such as /dev/null, which may be written by all.
+fn is_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
 fn same_file(a: &Path, b: &Path) -> bool {
     match (fs::canonicalize(a), fs::canonicalize(b)) {
         (Ok(a), Ok(b)) => a == b && a.is_file(),

@@ -9,11 +9,11 @@ use serde::Serialize;
 use crate::report::si;
 use crate::reports::simulate as page;
 use crate::sim::Simulation;
-use crate::twin::{Duration, Twin};
+use crate::twin::{Drive, Duration, Encoder, Twin};
 
 use super::failure::Failure;
 use super::footer::footer;
-use super::output::{Facts, JsonArg, ReportArg, Target};
+use super::output::{Facts, JsonArg, ReportArg, Target, distinct};
 use super::simulated::{Files, Simulated};
 use super::{EXIT_CODES, Globals, verify};
 
@@ -163,10 +163,18 @@ impl Simulate {
         }
         self.json.write(&summary, &self.facts(&summary))?;
         if !globals.quiet && self.json.json.is_none() {
+            // Edges alone do not tell a loop that hides orders, nor what kind of disc it is.
+            let plain = matches!(twin.encoder, Encoder::Quadrature { .. });
+            let free = !matches!(twin.drive, Drive::SpeedLoop { .. });
+            let twin = if plain && free {
+                String::new()
+            } else {
+                format!(" --twin {}", path.display())
+            };
             // A remark that cannot be shown is no reason to fail.
             let _ = writeln!(
                 io::stderr(),
-                "Next: quadcal calibrate {output} -o table.qct --report report.html"
+                "Next: quadcal calibrate {output}{twin} -o table.qct --report report.html"
             );
         }
         Ok(())
@@ -181,6 +189,7 @@ impl Simulate {
             self.report.report.as_ref(),
             self.json.json.as_ref(),
         ];
+        distinct(&outputs)?;
         outputs
             .into_iter()
             .flatten()

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use quadcal::estimate::{Advice, Anchor, Rejection, Totals};
+use quadcal::estimate::{Advice, Anchor, Goal, Rejection, Totals};
 use quadcal::units::RAD_PER_TURN32;
 
 use crate::calibrate::Calibration;
@@ -188,14 +188,15 @@ pub fn progress(calibration: &Calibration, after_rad: f64) -> Option<String> {
     Some(match calibration.goal {
         None => format!("as many turns again would leave about {twice}"),
         Some(goal) => {
+            let met = goal_met(goal, after_rad);
             let aim = si_digits(f64::from(goal.error) * RAD_PER_TURN32, "rad", 2);
             let aim = format!("{} {}", aim.0, aim.1);
             match last.outlook.advice(goal) {
-                Advice::GoalMet if after_rad > f64::from(goal.error) * RAD_PER_TURN32 => format!(
+                _ if met => format!("the goal of {aim} is met after {} turns", last.turns),
+                Advice::GoalMet => format!(
                     "learning ended after {} turns, as the goal of {aim} was to be expected; solved, the table falls a little short of it",
                     last.turns
                 ),
-                Advice::GoalMet => format!("the goal of {aim} is met after {} turns", last.turns),
                 Advice::NoFurtherGain => format!(
                     "more turns hardly help: as many again would leave about {twice}, and the clock or a drift limits the rest"
                 ),
@@ -207,14 +208,20 @@ pub fn progress(calibration: &Calibration, after_rad: f64) -> Option<String> {
     })
 }
 
-/// The core's advice as in the JSON.
+fn goal_met(goal: Goal, after_rad: f64) -> bool {
+    after_rad <= f64::from(goal.error) * RAD_PER_TURN32
+}
+
+/// What came of the goal, as in the JSON; nothing without a goal, or where no turns were compared.
 #[must_use]
-pub fn advice_id(advice: Advice) -> &'static str {
-    match advice {
-        Advice::GoOn => "go_on",
-        Advice::GoalMet => "goal_met",
+pub fn goal_id(calibration: &Calibration, after_rad: f64) -> Option<&'static str> {
+    let goal = calibration.goal?;
+    let advice = calibration.progress.advice(goal)?;
+    Some(match advice {
+        _ if goal_met(goal, after_rad) => "goal_met",
+        Advice::GoOn | Advice::GoalMet => "go_on",
         Advice::NoFurtherGain => "no_further_gain",
-    }
+    })
 }
 
 /// What the table is expected to do.

@@ -46,6 +46,7 @@ impl Failure {
             | Self::Unwritable { .. }
             | Self::RecordingName { .. }
             | Self::OverInput { .. }
+            | Self::OverOutput { .. }
             | Self::OutputFormat { .. } => 2,
         }
     }
