@@ -154,18 +154,20 @@ impl Shares {
 
     /// Sum over turns of share^2 x `power` of a turn of the bin: Q32 times the powers' unit.
     pub(super) fn of_powers(&self, speeds: &Speeds, power: impl Fn(usize) -> u64) -> u128 {
-        let mut sum = 0_u128;
-        for (b, bin) in speeds.bins.iter().enumerate() {
-            if bin.count() == 0 {
-                continue;
-            }
-            for side in 0..2 {
-                let share = u128::from(self.0[b][side].unsigned_abs());
-                let square = ((share * share) >> 28) * u128::from(bin.turns[side]);
-                sum = sum.saturating_add(square.saturating_mul(u128::from(power(b))));
-            }
-        }
-        sum
+        let bins = speeds.bins.iter().enumerate();
+        bins.filter(|(_, bin)| bin.count() > 0)
+            .map(|(b, _)| self.of_power(speeds, b, power(b)))
+            .fold(0, u128::saturating_add)
+    }
+
+    /// The same over the turns of one bin.
+    pub(super) fn of_power(&self, speeds: &Speeds, b: usize, power: u64) -> u128 {
+        let sides = self.0[b].iter().zip(speeds.bins[b].turns);
+        sides.fold(0, |sum, (share, turns)| {
+            let share = u128::from(share.unsigned_abs());
+            let square = ((share * share) >> 28) * u128::from(turns);
+            sum.saturating_add(square.saturating_mul(u128::from(power)))
+        })
     }
 }
 

@@ -40,11 +40,9 @@ pub(super) fn settle_noise(
         *own = own.saturating_sub(log2_q8(*power));
         let level = *power - folded.saturating_sub(jitter).min(*power / 8 * 7);
         *power = if index < LOW_ORDERS {
-            let sum = shares.of_powers(speeds, |b| {
-                let one = Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm);
-                low_power(&speeds.bins[b], index, one.times(level), fine)
-            });
-            u64::try_from(sum >> 32).unwrap_or(u64::MAX)
+            low_noise(speeds, shares, index, fine, |b| {
+                Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(level)
+            })
         } else {
             ratio.times(level)
         };
@@ -73,6 +71,34 @@ impl Ratio128 {
     }
 }
 
+/// Noise at one of the lowest orders of the estimate whose turns have `shares`; `expected` of a turn of a bin where no pairs tell.
+///
+/// Few pairs are no exact measure of noise, and intervals must be as much wider as Student's are: by 1 + 2 / pairs, with so many pairs
+/// as the speeds together are worth (Satterthwaite).
+pub(super) fn low_noise(
+    speeds: &Speeds,
+    shares: &Shares,
+    index: usize,
+    fine: Fine,
+    expected: impl Fn(usize) -> u64,
+) -> u64 {
+    let (mut sum, mut spread) = (0_u128, 0_u128);
+    for (b, bin) in speeds
+        .bins
+        .iter()
+        .enumerate()
+        .filter(|(_, bin)| bin.count() > 0)
+    {
+        let power = low_power(bin, index, expected(b), fine);
+        let noise = shares.of_power(speeds, b, power) >> 32;
+        sum += noise;
+        if let Some(part) = noise.saturating_mul(noise).checked_div(bin.pairs.into()) {
+            spread = spread.saturating_add(part);
+        }
+    }
+    u64::try_from(sum + 2 * (spread / sum.max(1))).unwrap_or(u64::MAX)
+}
+
 /// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
 /// are none, and by both where there are few, as a pair or two can look quiet by chance.
 pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u64 {
@@ -87,8 +113,6 @@ pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u
         (u128::from(bin.scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
     let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
     let prior = 4_u64.saturating_sub(pairs);
-    // Few pairs are no exact measure of noise: intervals must be as much wider as Student's are.
-    let seen = seen.saturating_add(seen / pairs * 2);
     // What neighbours share cancels in a sum but at its ends, and every gap adds two.
     let gaps = bin.runs().saturating_sub(1);
     let ends_q16 = (pair_q16 - (1 << 16)) * u128::from(gaps) / u128::from(bin.count().max(1));

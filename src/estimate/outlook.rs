@@ -2,7 +2,7 @@
 
 use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::{Mean, Moments, Shares, torque_power_q24};
-use super::noise::{jitter_power, low_power, stamp_power};
+use super::noise::{jitter_power, low_noise, low_power, stamp_power};
 use super::scale::Fine;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::{Bin, Speeds};
@@ -176,10 +176,8 @@ fn order_power(speeds: &Speeds, shares: &Shares, index: usize) -> Option<u64> {
         torque += u128::from(torque_power_q24(b)) * pairs;
     }
     let level_q24 = (seen << 24) / torque.max(1);
-    let power = shares.of_powers(speeds, |b| {
+    Some(low_noise(speeds, shares, index, FINE, |b| {
         let expected = (level_q24 * u128::from(torque_power_q24(b))) >> 24;
-        let expected = u64::try_from(expected).unwrap_or(u64::MAX);
-        low_power(&speeds.bins[b], index, expected, FINE)
-    });
-    u64::try_from(power >> 32).ok()
+        u64::try_from(expected).unwrap_or(u64::MAX)
+    }))
 }

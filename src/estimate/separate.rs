@@ -15,6 +15,9 @@ pub(super) struct Torques {
     pub count: u16,
 }
 
+/// From so many times the noise on what is not certain counts as doubt: noise alone is five times its mean once in 150 orders.
+const UNCERTAIN: u64 = 5;
+
 /// What makes torque's size uncertain.
 #[derive(Clone, Copy)]
 pub(super) struct Doubt<'a> {
@@ -70,7 +73,14 @@ pub(super) fn separate(
                 },
             );
         }
-        let taken_q30 = share_q30 / half.cast_signed() * belief.cast_signed();
+        let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
+        let taken_q30 = of_share(belief);
+        // What shows but is not certain may be torque all the same.
+        let left_in = if evidence > UNCERTAIN * 16 {
+            difference[index].scaled(of_share(half - belief)).power()
+        } else {
+            0
+        };
         difference[index] = difference[index].scaled(-taken_q30);
         coefficients[index] = coefficients[index].plus(difference[index]);
         // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
@@ -78,7 +88,7 @@ pub(super) fn separate(
         let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
         let damped = u128::from(difference[index].power()) * u128::from(doubt.damping_square_q16)
             / (order * order) as u128;
-        let more = u64::try_from(more + (damped >> 16)).unwrap_or(u64::MAX);
+        let more = u64::try_from(more + (damped >> 16) + u128::from(left_in)).unwrap_or(u64::MAX);
         noise[index] = noise[index].saturating_add(more);
     }
     torques

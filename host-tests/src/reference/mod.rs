@@ -82,6 +82,9 @@ pub fn estimate(
             if belief >= 1.0 {
                 torques.push(order);
             }
+            if evidence > 5.0 {
+                noise.level[order] += difference.norm_sqr() * (share * (1.0 - belief)).powi(2);
+            }
             found[order] -= share * belief * difference;
             let damped = difference.norm_sqr() * damping / (order * order) as f64;
             noise.level[order] += (doubt.level[order] + damped) * (share * belief).powi(2);

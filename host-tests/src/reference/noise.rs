@@ -32,13 +32,11 @@ impl Noise {
         let norm = noise_of(contrast, turns, torque_power);
         let level = plan.by_order(|order| {
             let torque = |turn: &Turn| smooth[order] / norm * torque_power(turn);
-            noise_of(shares, turns, |turn| {
-                if order <= LOW_ORDERS {
-                    low_power(turns, turn.bin, order, torque(turn))
-                } else {
-                    torque(turn)
-                }
-            })
+            if order <= LOW_ORDERS {
+                low_noise(turns, shares, order, torque)
+            } else {
+                noise_of(shares, turns, torque)
+            }
         });
         Self { level, own }
     }
@@ -69,15 +67,40 @@ fn smooth(plan: Plan, shown: &[f64], floor: f64) -> Vec<f64> {
     })
 }
 
+/// Noise at a low order of the estimate with `shares` of the turns, as much wider as Student's intervals are: each speed by its own
+/// pairs, all together by Satterthwaite's rule.
+fn low_noise(turns: &[Turn], shares: &[f64], order: usize, expected: impl Fn(&Turn) -> f64) -> f64 {
+    let mut bins: Vec<i32> = turns.iter().map(|turn| turn.bin).collect();
+    bins.sort_unstable();
+    bins.dedup();
+    let (mut sum, mut spread) = (0.0, 0.0);
+    for bin in bins {
+        let noise = noise_of(shares, turns, |turn| {
+            if turn.bin == bin {
+                low_power(turns, bin, order, expected(turn))
+            } else {
+                0.0
+            }
+        });
+        let count = pairs(turns, bin).count() as f64;
+        sum += noise;
+        spread += if count > 0.0 {
+            noise * noise / count
+        } else {
+            0.0
+        };
+    }
+    sum + 2.0 * spread / sum
+}
+
 /// Power of a low order in one turn of a bin, by the pairs of turns compared; where these are few, also by what is expected.
 fn low_power(turns: &[Turn], bin: i32, order: usize, expected: f64) -> f64 {
     let (scatter, count) = scatter(turns, bin);
     if count == 0.0 {
         return expected;
     }
-    // As much wider as Student's intervals are.
     let excess = pair_excess(&scatter);
-    let seen = scatter[order - 1] / (2.0 * count * excess) * (1.0 + 2.0 / count);
+    let seen = scatter[order - 1] / (2.0 * count * excess);
     let of_bin = || turns.iter().filter(|turn| turn.bin == bin);
     let gaps = of_bin().filter(|turn| turn.jitter.is_none()).count();
     let ends = (excess - 1.0) * gaps.saturating_sub(1) as f64 / of_bin().count() as f64;
