@@ -258,7 +258,7 @@ fn bad_tables_and_references_are_refused_with_the_reason() {
         ("--table none.qct", "none.qct: the table is empty"),
         (
             "--table cut.qct",
-            "cut.qct: the table is cut off: 100 of 164 bytes",
+            "cut.qct: the table is cut off: 100 of 564 bytes",
         ),
         (
             "--table changed.qct",
