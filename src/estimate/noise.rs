@@ -209,12 +209,19 @@ fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
 }
 
 /// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
-/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2.
+/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. One standard error
+/// of that is taken off, and where jitter of the time stamps rules the orders above nothing is known of it.
 pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
     let slowest = speeds.bins.iter().rfind(|bin| bin.pairs >= 3);
     slowest.map_or(0, |bin| {
+        let [middle, upper] = [3..=3, 6..=6].map(|order| slope_of(&bin.scatter, order));
+        if upper / 4 > middle {
+            return 0;
+        }
         let ratio_q16 =
             (u128::from(slope_of(&bin.scatter, 4..=6)) << 16) / u128::from(bin.scatter[0].max(1));
+        let root_q8 = u128::from((u64::from(bin.pairs) << 16).isqrt());
+        let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 256);
         u64::try_from(ratio_q16)
             .unwrap_or(u64::MAX)
             .clamp(1 << 16, 17 << 16)

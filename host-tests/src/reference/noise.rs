@@ -131,8 +131,13 @@ pub(super) fn damping_square(turns: &[Turn]) -> f64 {
         .map(|turn| turn.bin)
         .filter(|&bin| scatter(turns, bin).1 >= 3.0);
     slowest.max().map_or(0.0, |bin| {
-        let (scatter, _) = scatter(turns, bin);
-        (upper_slope(&scatter) / scatter[0]).clamp(1.0, 17.0) - 1.0
+        let (scatter, count) = scatter(turns, bin);
+        // Jitter of the time stamps rules where the slope goes on to rise.
+        if scatter[5] * 1296.0 > 4.0 * scatter[2] * 81.0 {
+            return 0.0;
+        }
+        let sure = count.sqrt() / (count.sqrt() + 1.0);
+        (upper_slope(&scatter) / scatter[0] * sure).clamp(1.0, 17.0) - 1.0
     })
 }
 
