@@ -108,22 +108,9 @@ pub(super) fn undo_decimation(
 #[cfg(test)]
 mod tests {
     extern crate std;
+    use super::super::spectrum::waves::wave;
     use super::super::transform::take_orders;
     use super::*;
-    use std::vec::Vec;
-
-    fn wave(samples: usize, parts: &[(usize, f64, f64)]) -> Vec<i32> {
-        (0..samples)
-            .map(|j| {
-                let theta = core::f64::consts::TAU * j as f64 / samples as f64;
-                parts
-                    .iter()
-                    .map(|&(n, size, phase)| size * (n as f64 * theta + phase).cos())
-                    .sum::<f64>()
-                    .round() as i32
-            })
-            .collect()
-    }
 
     #[test]
     fn decimation_keeps_low_orders_once_its_gain_is_undone() {

@@ -83,3 +83,24 @@ impl Coefficient {
         }
     }
 }
+
+/// Sequences that tests look into.
+#[cfg(test)]
+pub(super) mod waves {
+    extern crate std;
+    use std::vec::Vec;
+
+    /// Samples of a turn with cosines of these orders, sizes and phases.
+    pub(in super::super) fn wave(samples: usize, parts: &[(usize, f64, f64)]) -> Vec<i32> {
+        (0..samples)
+            .map(|j| {
+                let theta = core::f64::consts::TAU * j as f64 / samples as f64;
+                parts
+                    .iter()
+                    .map(|&(n, size, phase)| size * (n as f64 * theta + phase).cos())
+                    .sum::<f64>()
+                    .round() as i32
+            })
+            .collect()
+    }
+}

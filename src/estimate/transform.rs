@@ -254,21 +254,8 @@ pub(super) fn turned([c, s]: Phasor, [c1, s1]: Phasor) -> Phasor {
 #[cfg(test)]
 mod tests {
     extern crate std;
+    use super::super::spectrum::waves::wave;
     use super::*;
-    use std::vec::Vec;
-
-    fn wave(samples: usize, parts: &[(usize, f64, f64)]) -> Vec<i32> {
-        (0..samples)
-            .map(|j| {
-                let theta = core::f64::consts::TAU * j as f64 / samples as f64;
-                parts
-                    .iter()
-                    .map(|&(n, size, phase)| size * (n as f64 * theta + phase).cos())
-                    .sum::<f64>()
-                    .round() as i32
-            })
-            .collect()
-    }
 
     #[test]
     fn a_wave_comes_back_with_its_size_and_phase() {

@@ -22,7 +22,7 @@ use super::failure::Failure;
 use super::footer::footer;
 use super::input::{InputArgs, ReadingArgs};
 use super::loop_args::{LoopArgs, remark_gains};
-use super::output::{JsonArg, ReportArg, Target, distinct};
+use super::output::{JsonArg, ReportArg, Target, spare};
 use super::progress::Pass;
 use super::sensor_args::SensorArgs;
 use super::{EXIT_CODES, Globals};
@@ -228,11 +228,7 @@ impl Calibrate {
             self.report.report.as_ref(),
             self.json.json.as_ref(),
         ];
-        distinct(&outputs)?;
-        outputs
-            .into_iter()
-            .flatten()
-            .try_for_each(|target| input.spare(target))
+        spare(&outputs, &input.recording)
     }
 
     /// A way through all recordings.

@@ -138,11 +138,17 @@ impl Target {
 }
 
 /// Whether both paths lead to one regular file, through links or not.
-/// Refuses outputs of which one would take another's place.
+/// Refuses outputs of which one would take another's place, or an input's.
 ///
 /// # Errors
-/// [`Failure::OverOutput`].
-pub fn distinct(outputs: &[Option<&Target>]) -> Result<(), Failure> {
+/// [`Failure::OverOutput`], [`Failure::OverInput`].
+pub fn spare(outputs: &[Option<&Target>], input: &Path) -> Result<(), Failure> {
+    distinct(outputs)?;
+    let mut files = outputs.iter().flatten();
+    files.try_for_each(|target| target.spare(input))
+}
+
+fn distinct(outputs: &[Option<&Target>]) -> Result<(), Failure> {
     let files: Vec<_> = outputs.iter().flatten().collect();
     for (index, target) in files.iter().enumerate() {
         let Target::File(path) = target else {

@@ -13,7 +13,7 @@ use crate::twin::{Drive, Duration, Encoder, Twin};
 
 use super::failure::Failure;
 use super::footer::footer;
-use super::output::{Facts, JsonArg, ReportArg, Target, distinct};
+use super::output::{Facts, JsonArg, ReportArg, Target, spare};
 use super::simulated::{Files, Simulated};
 use super::{EXIT_CODES, Globals, verify};
 
@@ -189,11 +189,7 @@ impl Simulate {
             self.report.report.as_ref(),
             self.json.json.as_ref(),
         ];
-        distinct(&outputs)?;
-        outputs
-            .into_iter()
-            .flatten()
-            .try_for_each(|target| target.spare(twin))
+        spare(&outputs, twin)
     }
 
     fn load(&self, path: &Path) -> Result<Twin, Failure> {

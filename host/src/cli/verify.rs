@@ -20,7 +20,7 @@ use crate::verify::{Reference, Verdict, Verification, VerifyError, verify};
 use super::failure::Failure;
 use super::footer::footer;
 use super::input::InputArgs;
-use super::output::{Facts, JsonArg, ReportArg, distinct};
+use super::output::{Facts, JsonArg, ReportArg, spare};
 use super::sensor_args::SensorArgs;
 use super::table_arg::TableArg;
 use super::{EXIT_CODES, Globals};
@@ -100,10 +100,7 @@ impl Verify {
     /// Checks, writes the results, and fails where the table makes things worse.
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
         let outputs = [self.report.report.as_ref(), self.json.json.as_ref()];
-        distinct(&outputs)?;
-        for target in outputs.into_iter().flatten() {
-            self.input.spare(target)?;
-        }
+        spare(&outputs, &self.input.recording)?;
         self.input.check_regular()?;
         let bytes = self.table.read()?;
         let slot = self.table.parse(&bytes)?;
