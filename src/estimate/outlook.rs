@@ -176,8 +176,9 @@ fn order_power(speeds: &Speeds, shares: &Shares, index: usize) -> Option<u64> {
         torque += u128::from(torque_power_q24(b)) * pairs;
     }
     let level_q24 = (seen << 24) / torque.max(1);
-    Some(low_noise(speeds, shares, index, FINE, |b| {
+    let noise = low_noise(speeds, shares, index, FINE, |b| {
         let expected = (level_q24 * u128::from(torque_power_q24(b))) >> 24;
         u64::try_from(expected).unwrap_or(u64::MAX)
-    }))
+    });
+    Some(noise.power)
 }

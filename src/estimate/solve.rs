@@ -61,7 +61,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         single_sizes(even, plan, &mut difference);
         let speeds = &self.speeds;
-        let common_noise = settle(
+        let (common_noise, low_pairs) = settle(
             plan, &moments, speeds, &mut noise, &mut doubt, &mut own, fine,
         );
         let mut coefficients = [Coefficient::default(); ORDERS_MAX];
@@ -89,6 +89,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             noise: &noise,
             own: &own,
             common_noise,
+            low_pairs,
             one_speed_turn: moments
                 .separation
                 .is_none()
@@ -184,7 +185,7 @@ impl<B> Estimator<B> {
 }
 
 /// From the powers of both contrasts to the noise of the weighed mean and of what the plain mean differs from it; returns
-/// the noise of the orders above.
+/// the noise of the orders above, and how many pairs of turns that of the lowest rests on.
 #[inline(never)]
 fn settle(
     plan: OrderPlan,
@@ -194,14 +195,15 @@ fn settle(
     doubt: &mut [u64; ORDERS_MAX],
     own: &mut [i16; ORDERS_MAX],
     fine: Fine,
-) -> u64 {
+) -> (u64, u32) {
     let shares = moments.shares(Mean::Weighed);
     let signed = moments.contrast(Mean::Weighed, speeds);
     let more = moments.shares(Mean::Plain).minus(&shares);
     let more_signed = moments.contrast(Mean::Plain, speeds).minus(&signed);
     settle_noise(plan, doubt, own, speeds, &more, &more_signed, fine);
-    settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
-    common_noise(plan, speeds, &shares, noise[plan.single - 1], fine)
+    let low_pairs = settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
+    let common = common_noise(plan, speeds, &shares, noise[plan.single - 1], fine);
+    (common, low_pairs)
 }
 
 /// The coarse sums of the blocks there are.

@@ -40,6 +40,8 @@ pub(super) struct Estimate<'a> {
     /// Logarithms of what the contrast showed at each order itself over its level, Q8.
     pub own: &'a [i16; ORDERS_MAX],
     pub common_noise: u64,
+    /// Pairs of turns that the noise of the lowest orders rests on.
+    pub low_pairs: u32,
     /// Length of a turn in the sequence's unit where all turns were too alike in speed to tell torque from geometry.
     pub one_speed_turn: Option<u64>,
     pub knowledge: DriveKnowledge,
@@ -89,7 +91,11 @@ pub(super) fn weigh(
         }
     }
     let turn = estimate.one_speed_turn.unwrap_or(0);
-    let mounting = core::array::from_fn(|index| estimate.coefficients[index].power());
+    // By two standard errors more than what shows, which noise may have made small.
+    let mounting = core::array::from_fn(|index| {
+        let shown = estimate.coefficients[index].power();
+        shown.saturating_add(estimate.noise[index].saturating_mul(4))
+    });
 
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(estimate.common_noise, COMMON_MARGIN_Q8 - 256);
@@ -109,11 +115,12 @@ pub(super) fn weigh(
         let own = log2(noise.into())
             .saturating_add(i32::from(estimate.own[index]) << (LOG2_BITS - 8))
             - Q;
-        let product = u64::from(product(&weights.standing, mounting, turn, order));
-        let doubt = noise.max(exp2(own)).saturating_add(product.pow(2));
+        let product = u64::from(product(&weights.standing, mounting, turn, order)).pow(2);
+        let doubt = noise.max(exp2(own)).saturating_add(product);
         let of_mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
         let shown = estimate.coefficients[index].power();
-        let mut weight = wiener(size, doubt);
+        // What a product may have made is no sign of geometry.
+        let mut weight = wiener(size.saturating_sub(product), doubt);
         if of_mounting {
             weight = weight.max(mounting_weight(shown, doubt));
         }

@@ -4,6 +4,7 @@ use std::f64::consts::{LN_2, TAU};
 
 use realfft::num_complex::Complex64;
 
+use super::agree::LOW_ORDERS;
 use super::noise::Noise;
 use super::plan::Plan;
 
@@ -63,7 +64,12 @@ impl Estimate<'_> {
             let own = if self.suspect(plan, order) {
                 0.0
             } else {
-                power - 12.0 * noise
+                let pairs = if order <= LOW_ORDERS {
+                    self.noise.low_pairs.clamp(1.0, 256.0)
+                } else {
+                    256.0
+                };
+                power - pairs * ((12.0 / pairs).exp() - 1.0) * noise
             };
             let (level, count) = self.neighbourhood(plan, order);
             let margin = (10.4 / (count as f64).sqrt()).exp2();
@@ -94,7 +100,8 @@ impl Estimate<'_> {
             let mut single = vec![0.0; plan.single + 1];
             for order in plan.orders() {
                 let level = self.noise.level[order] * (self.noise.own[order] / 2.0).max(1.0);
-                let doubt = level + self.product(&locked, order).powi(2);
+                let product = self.product(&locked, order).powi(2);
+                let doubt = level + product;
                 let suspect = self.suspect(plan, order);
                 let gate = if suspect {
                     (4.0 - height(order, doubt)).clamp(0.0, 1.0)
@@ -107,7 +114,7 @@ impl Estimate<'_> {
                 } else {
                     0.0
                 };
-                single[order] = wiener(sizes[order], doubt).max(least) * gate;
+                single[order] = wiener(sizes[order] - product, doubt).max(least) * gate;
                 residual += 2.0
                     * if mounting {
                         let rest = (1.0 - single[order]).powi(2);
@@ -135,8 +142,9 @@ impl Estimate<'_> {
         for (i, &a) in locked.iter().enumerate() {
             let away = order.abs_diff(a);
             if (1..=2).contains(&away) {
-                // Seen at edges that eccentricity and tilt moved.
-                size += TAU * a as f64 * (self.power(a) * self.power(away)).sqrt();
+                // Seen at edges that eccentricity and tilt moved, by two standard errors more than shows.
+                let moved = self.power(away) + 4.0 * self.noise.level[away];
+                size += TAU * a as f64 * (self.power(a) * moved).sqrt();
             }
             for &b in locked[i..]
                 .iter()
