@@ -225,8 +225,8 @@ fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
 }
 
 /// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
-/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. One standard error
-/// of that is taken off, and where jitter of the time stamps rules the orders above nothing is known of it. What does not show may
+/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. Two standard errors
+/// of that are taken off, and where jitter of the time stamps rules the orders above nothing is known of it. What does not show may
 /// be there all the same.
 pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
     let slowest = speeds.bins.iter().rfind(|bin| bin.pairs >= 3);
@@ -238,7 +238,7 @@ pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
         let ratio_q16 =
             (u128::from(slope_of(&bin.scatter, 4..=6)) << 16) / u128::from(bin.scatter[0].max(1));
         let root_q8 = u128::from((u64::from(bin.pairs) << 16).isqrt());
-        let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 256);
+        let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 2 * 256);
         u64::try_from(ratio_q16)
             .unwrap_or(u64::MAX)
             .clamp(1 << 16, 17 << 16)
@@ -247,8 +247,8 @@ pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
     shown.max(HIDDEN_DAMPING_SQUARE_Q16)
 }
 
-/// Damping that no scatter of a few turns shows: an eighth of the slowest speed.
-const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 64;
+/// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
+const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 16;
 
 /// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
 /// geometric mean over the neighbours, with a slope of the fourth power that ends in `floor` taken out, and not below the same

@@ -42,7 +42,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         let classes = self.shape.classes() as usize;
         let plan = self.plan();
-        let moments = Moments::of(&self.speeds, &self.weighing, self.two_speeds());
+        let moments = Moments::of(&self.speeds, &self.weighing, self.totals.two_speeds());
         let mut parts = self.buffers.parts();
         let unit_shift = self.fold.shape.unit_shift;
         let fine = close(&mut parts, plan, &moments, &self.speeds, unit_shift);
@@ -90,10 +90,8 @@ impl<B: EdgeBuffers> Estimator<B> {
             own: &own,
             common_noise,
             low_pairs,
-            one_speed_turn: moments
-                .separation
-                .is_none()
-                .then_some(1 << (32 + fine.bits)),
+            turn: 1 << (32 + fine.bits),
+            untold: torques.untold,
             knowledge: self.knowledge,
         };
         // The doubt about torque has been used.
@@ -175,12 +173,6 @@ impl<B> Estimator<B> {
         let edges = self.shape.edges() as usize;
         let block = self.fold.shape.block as usize;
         OrderPlan::new(edges, self.shape.lines() as usize, edges / block)
-    }
-
-    /// Whether torque can be told from geometry: its angle goes with 1 / speed^2, and turns of which one took half as long again as
-    /// another tell.
-    pub(super) fn two_speeds(&self) -> bool {
-        self.totals.longest >= self.totals.shortest + self.totals.shortest / 2
     }
 }
 

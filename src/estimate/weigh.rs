@@ -6,7 +6,7 @@
 //! decisions are continuous, so that no rounding can flip one.
 
 use super::DriveKnowledge;
-use super::order::{ORDERS_MAX, OrderPlan};
+use super::order::{ORDERS_MAX, OrderPlan, OrderSet};
 use super::ripple::{Standing, StandingOrders, keep_strongest, product};
 use super::sizes::{excess, find_sizes, margin};
 use super::spectrum::Coefficient;
@@ -42,8 +42,10 @@ pub(super) struct Estimate<'a> {
     pub common_noise: u64,
     /// Pairs of turns that the noise of the lowest orders rests on.
     pub low_pairs: u32,
-    /// Length of a turn in the sequence's unit where all turns were too alike in speed to tell torque from geometry.
-    pub one_speed_turn: Option<u64>,
+    /// Length of a turn in the sequence's unit.
+    pub turn: u64,
+    /// Orders at which the turns' speeds do not tell torque from geometry.
+    pub untold: OrderSet,
     pub knowledge: DriveKnowledge,
 }
 
@@ -51,7 +53,7 @@ impl Estimate<'_> {
     /// Whether torque may make an order.
     pub(super) fn suspect(&self, plan: OrderPlan, order: usize) -> bool {
         let base = usize::from(self.knowledge.torque_base);
-        self.one_speed_turn.is_some()
+        self.untold.contains(order)
             && plan.has_neighbours()
             && (base == 0 || order.is_multiple_of(base))
     }
@@ -90,7 +92,6 @@ pub(super) fn weigh(
             );
         }
     }
-    let turn = estimate.one_speed_turn.unwrap_or(0);
     // By two standard errors more than what shows, which noise may have made small.
     let mounting = core::array::from_fn(|index| {
         let shown = estimate.coefficients[index].power();
@@ -115,7 +116,7 @@ pub(super) fn weigh(
         let own = log2(noise.into())
             .saturating_add(i32::from(estimate.own[index]) << (LOG2_BITS - 8))
             - Q;
-        let product = u64::from(product(&weights.standing, mounting, turn, order)).pow(2);
+        let product = u64::from(product(&weights.standing, mounting, estimate.turn, order)).pow(2);
         let doubt = noise.max(exp2(own)).saturating_add(product);
         let of_mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
         let shown = estimate.coefficients[index].power();

@@ -139,7 +139,7 @@ fn upper_slope(scatter: &[f64; LOW_ORDERS]) -> f64 {
 }
 
 /// Square of the shaft's damping over its speed where it is slowest, by what order 1 has less than the orders above promise;
-/// an eighth of the speed at least, which does not show.
+/// a quarter of the speed at least, which does not show.
 pub(super) fn damping_square(turns: &[Turn]) -> f64 {
     let slowest = turns
         .iter()
@@ -151,10 +151,10 @@ pub(super) fn damping_square(turns: &[Turn]) -> f64 {
         if scatter[5] * 1296.0 > 4.0 * scatter[2] * 81.0 {
             return 0.0;
         }
-        let sure = count.sqrt() / (count.sqrt() + 1.0);
+        let sure = count.sqrt() / (count.sqrt() + 2.0);
         (upper_slope(&scatter) / scatter[0] * sure).clamp(1.0, 17.0) - 1.0
     });
-    shown.max(1.0 / 64.0)
+    shown.max(1.0 / 16.0)
 }
 
 /// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.

@@ -14,8 +14,10 @@ pub(super) struct Estimate<'a> {
     pub noise: &'a Noise,
     pub common: f64,
     pub common_noise: f64,
-    /// Orders that torque may make are multiples of this; 0 for all, none where speeds told torque from geometry.
-    pub torque_base: Option<usize>,
+    /// Orders that torque may make are multiples of this; 0 for all.
+    pub torque_base: usize,
+    /// Orders at which speeds did not tell torque from geometry.
+    pub untold: &'a [usize],
 }
 
 /// What the weighing found.
@@ -30,8 +32,8 @@ pub(super) struct Weights {
 
 impl Estimate<'_> {
     fn suspect(&self, plan: Plan, order: usize) -> bool {
-        let may = |base| base == 0 || order.is_multiple_of(base);
-        plan.has_neighbours() && self.torque_base.is_some_and(may)
+        let may = self.torque_base == 0 || order.is_multiple_of(self.torque_base);
+        plan.has_neighbours() && may && self.untold.contains(&order)
     }
 
     fn power(&self, order: usize) -> f64 {
