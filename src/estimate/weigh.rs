@@ -7,7 +7,7 @@
 
 use super::DriveKnowledge;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet};
-use super::ripple::{Standing, StandingOrders, keep_strongest, product};
+use super::ripple::{Standing, StandingOrders, keep_strongest, product, strongest_swing};
 use super::sizes::{excess, find_sizes, margin};
 use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
@@ -117,7 +117,10 @@ pub(super) fn weigh(
             .saturating_add(i32::from(estimate.own[index]) << (LOG2_BITS - 8))
             - Q;
         let product = u64::from(product(&weights.standing, mounting, estimate.turn, order)).pow(2);
-        let doubt = noise.max(exp2(own)).saturating_add(product);
+        let mut doubt = noise.max(exp2(own)).saturating_add(product);
+        if estimate.suspect(plan, order) && estimate.knowledge.torque_base > 0 {
+            doubt = doubt.saturating_add(strongest_swing(&weights.standing, order));
+        }
         let of_mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
         let shown = estimate.coefficients[index].power();
         // What a product may have made is no sign of geometry.

@@ -103,8 +103,14 @@ impl Estimate<'_> {
             for order in plan.orders() {
                 let level = self.noise.level[order] * (self.noise.own[order] / 2.0).max(1.0);
                 let product = self.product(&locked, order).powi(2);
-                let doubt = level + product;
                 let suspect = self.suspect(plan, order);
+                let hidden = if suspect && self.torque_base > 0 {
+                    let swings = locked.iter().map(|&n| self.power(n) * (n * n) as f64);
+                    swings.fold(0.0, f64::max) / (order * order) as f64
+                } else {
+                    0.0
+                };
+                let doubt = level + product + hidden;
                 let gate = if suspect {
                     (4.0 - height(order, doubt)).clamp(0.0, 1.0)
                 } else {
