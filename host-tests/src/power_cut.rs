@@ -12,7 +12,7 @@ mod derive;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use quadcal::slot::{self, slot_bytes};
 use quadcal::stm32f405::{PLACES, layout};
@@ -29,11 +29,12 @@ use ram::Ram;
 /// Where the slot begins in a place.
 const SLOT_AT: usize = 96;
 
-/// Longest that a run is left alone after it has said what counts: about three commits.
-const RUN_MAX: Duration = Duration::from_millis(300);
+/// Commits that a run is left time for at most, after it has said what counts.
+const COMMITS_MAX: u32 = 3;
 
-/// Name of the flash's file.
+/// Name of the flash's file, and of the one on which it is measured how long a commit takes on this machine.
 const FLASH: &str = "flash.bin";
+const MEASURED: &str = "measured.bin";
 
 /// What a kill left at the place that does not count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,6 +141,7 @@ pub fn run(kills: u32, seed: u64) -> Result<Tally, PowerCutError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut tally = Tally::default();
     let mut counts = None;
+    let run_max = commits_time(&elf, folder.path())?;
     for kill in 1..=kills {
         let mut machine = Machine::start(&elf, &[FLASH, "loop"], folder.path())?;
         let image = machine.counts()?;
@@ -149,7 +151,7 @@ pub fn run(kills: u32, seed: u64) -> Result<Tally, PowerCutError> {
                 file: counts,
             });
         }
-        std::thread::sleep(random.random_range(Duration::ZERO..RUN_MAX));
+        std::thread::sleep(random.random_range(Duration::ZERO..run_max));
         let committed = machine.kill()?;
         tally.kills += 1;
         tally.commits += committed.len() as u32;
@@ -183,6 +185,16 @@ pub fn run(kills: u32, seed: u64) -> Result<Tally, PowerCutError> {
             file: counts,
         })
     }
+}
+
+/// How long so many commits take as a run may make at most.
+fn commits_time(elf: &Path, folder: &Path) -> Result<Duration, PowerCutError> {
+    let commits = COMMITS_MAX.to_string();
+    let mut machine = Machine::start(elf, &[MEASURED, "commit", &commits], folder)?;
+    machine.counts()?;
+    let begin = Instant::now();
+    machine.end()?;
+    Ok(begin.elapsed())
 }
 
 /// The sequence number of the table that counts in a flash's file, after comparing it, and what is at the other place.

@@ -9,8 +9,8 @@ use std::time::Duration;
 use super::PowerCutError;
 use crate::firmware::start_qemu;
 
-/// Longest that the image may take to say which table counts.
-const START_MAX: Duration = Duration::from_secs(60);
+/// Longest that the image may take to say something.
+const ANSWER_MAX: Duration = Duration::from_secs(60);
 
 /// QEMU with the image in it. Killed when dropped.
 pub struct Machine {
@@ -40,7 +40,7 @@ impl Machine {
 
     /// Waits for the image to say which table counts.
     pub fn counts(&mut self) -> Result<Option<u32>, PowerCutError> {
-        match self.lines.recv_timeout(START_MAX) {
+        match self.lines.recv_timeout(ANSWER_MAX) {
             Ok(line) if line.starts_with("counts none") => Ok(None),
             Ok(line) => match sequence(&line, "counts ") {
                 Some(sequence) => Ok(Some(sequence)),
@@ -48,6 +48,19 @@ impl Machine {
             },
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {
                 Err(PowerCutError::Silent(self.complaint()))
+            }
+        }
+    }
+
+    /// Waits for the image to end by itself.
+    pub fn end(&mut self) -> Result<(), PowerCutError> {
+        loop {
+            match self.lines.recv_timeout(ANSWER_MAX) {
+                Ok(_) => {}
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+                Err(RecvTimeoutError::Timeout) => {
+                    return Err(PowerCutError::Silent(self.complaint()));
+                }
             }
         }
     }
