@@ -4,6 +4,7 @@
 //! After every kill the file is looked at here too: the table that counts must be the last that was announced, or the one after
 //! it, and every byte of it must be as its sequence number says.
 
+mod act;
 mod machine;
 mod ram;
 
@@ -25,6 +26,8 @@ use crate::firmware::{FirmwareError, build};
 use derive::EDGES;
 use machine::Machine;
 use ram::Ram;
+
+pub use act::{Act, ActTally, act};
 
 /// Where the slot begins in a place.
 const SLOT_AT: usize = 96;

@@ -2,45 +2,12 @@
 
 use core::ops::Range;
 
-use embedded_storage::nor_flash::{
-    ErrorType, MultiwriteNorFlash, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
+use embedded_storage::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, ReadNorFlash};
 
+use super::error::{FlashError, Refusal};
 use super::interface::{Interface, Register, Unit, access, control, key, status};
 use super::sectors::{CAPACITY, is_border, sector_at, sector_start};
-
-/// Supply voltage of the chip, which decides how many bits are written at once and how long an erasure takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Supply {
-    /// 1.8 to 2.1 V: 8 bits.
-    From1V8,
-    /// 2.1 to 2.7 V: 16 bits.
-    From2V1,
-    /// 2.7 to 3.6 V: 32 bits.
-    From2V7,
-}
-
-impl Supply {
-    /// `PSIZE`, in place in the control register; an erasure needs it too.
-    const fn parallelism(self) -> u32 {
-        (self as u32) << control::PSIZE_AT
-    }
-
-    /// Longest that a sector's erasure may take, milliseconds.
-    const fn erase_ms(self, sector: u32) -> u32 {
-        let [x8, x16, x32] = match sector {
-            0..4 => [800, 600, 500],
-            4 => [2400, 1400, 1100],
-            _ => [4000, 2600, 2000],
-        };
-        match self {
-            Self::From1V8 => x8,
-            Self::From2V1 => x16,
-            Self::From2V7 => x32,
-        }
-    }
-}
+use super::supply::Supply;
 
 /// Longest that a write of one unit may take, in whole milliseconds; the data sheet says 0.1.
 const PROGRAM_MS: u32 = 1;
@@ -50,59 +17,6 @@ const POLL_CYCLES: u32 = 4;
 
 /// Bytes that are handed over at once.
 const WORD: usize = 4;
-
-/// What the controller says when it does not do what it should.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Refusal {
-    /// `WRPERR`: the sector is write-protected by the option bytes.
-    WriteProtected,
-    /// `PGSERR`: written without having been asked to.
-    Sequence,
-    /// `PGPERR`: an access of another size than `PSIZE`.
-    Parallelism,
-    /// `PGAERR`: an access across a row of 128 bits.
-    Alignment,
-    /// `OPERR`: an operation that it can't do.
-    Operation,
-}
-
-/// Why the flash was not read, written or erased; offsets are bytes from its start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum FlashError {
-    /// Not whole words, or not whole sectors.
-    NotAligned,
-    /// Beyond the flash.
-    OutOfBounds,
-    /// Outside the room that the driver was given: vectors or program.
-    NotOurs,
-    /// The controller does not open for its keys; a wrong one keeps it shut until reset.
-    Locked,
-    /// The controller does not keep what is written to its control register.
-    Deaf,
-    /// The controller was still busy after the longest time that this may take.
-    Timeout,
-    /// The controller refused.
-    Refused {
-        /// The unit or sector.
-        at: u32,
-        /// What it said.
-        why: Refusal,
-    },
-    /// This word does not read as it was written.
-    Mismatch(u32),
-}
-
-impl NorFlashError for FlashError {
-    fn kind(&self) -> NorFlashErrorKind {
-        match self {
-            Self::NotAligned => NorFlashErrorKind::NotAligned,
-            Self::OutOfBounds | Self::NotOurs => NorFlashErrorKind::OutOfBounds,
-            _ => NorFlashErrorKind::Other,
-        }
-    }
-}
 
 /// The chip's flash. Reads all of it, writes and erases a room of it alone.
 pub struct Flash<I> {
@@ -350,5 +264,5 @@ impl<I: Interface> NorFlash for Flash<I> {
     }
 }
 
-/// RM0090, section 3.6.4: a word may be written again without an erasure where bits only go from 1 to 0.
+/// RM0090, "Programming": a word may be written again without an erasure where bits only go from 1 to 0.
 impl<I: Interface> MultiwriteNorFlash for Flash<I> {}

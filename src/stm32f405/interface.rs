@@ -1,4 +1,4 @@
-//! What the driver asks of a board, and the bits of the flash interface's registers (RM0090, section 3.9).
+//! What the driver asks of a board, and the bits of the flash interface's registers (RM0090, chapter 3).
 
 /// A register of the flash interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Where sectors begin (RM0090, table 5).
+//! Where sectors begin (RM0090, "Flash module organization").
 
 /// Bytes of flash.
 pub const CAPACITY: u32 = 1 << 20;

@@ -6,10 +6,10 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use quadcal::stm32f405::{CAPACITY, Interface, Register, Unit};
 
-/// Where the flash is mapped (RM0090, table 5).
+/// Where the flash is mapped (RM0090, "Flash module organization").
 const FLASH: usize = 0x0800_0000;
 
-/// Base address of the flash interface's registers (RM0090, table 1).
+/// Base address of the flash interface's registers (RM0090, memory map).
 const REGISTERS: usize = 0x4002_3C00;
 
 unsafe extern "C" {

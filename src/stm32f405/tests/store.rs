@@ -1,5 +1,6 @@
 //! The store on the driver on the model: something fails in every operation of a commit.
 
+use super::model::Fault;
 use super::*;
 use crate::shape::{CLASSES_MAX, EncoderShape};
 use crate::slot::{Delays, SlotHeader, Stamp};
