@@ -1,13 +1,20 @@
 //! Kills while a table is rolled back or all are erased, each on the same two tables.
 
 use std::fmt;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
+use quadcal::stm32f405::PLACES;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::machine::Machine;
-use super::{FLASH, PowerCutError, build, look};
+use super::machine::{ANSWER_MAX, Machine};
+use super::{FLASH, PowerCutError, SLOT_AT, build, look};
+
+/// About how long the image takes to write one mark.
+const MARK: Duration = Duration::from_micros(100);
 
 /// What is going on when QEMU is killed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +72,8 @@ impl fmt::Display for ActTally {
     }
 }
 
-/// Kills the image so many times while it does `act`; `seed` decides when.
+/// Kills the image so many times while it does `act`, half of them at random moments of the whole run, half soon after the flash
+/// begins to change; `seed` decides when.
 ///
 /// # Errors
 /// [`PowerCutError`], as [`super::run`].
@@ -98,7 +106,16 @@ pub fn act(act: Act, kills: u32, seed: u64) -> Result<ActTally, PowerCutError> {
         std::fs::write(&file, &prepared).map_err(io("writing the flash"))?;
         let mut machine = Machine::start(&elf, &[FLASH, act.word()], folder.path())?;
         let announced = machine.counts()?;
-        std::thread::sleep(random.random_range(Duration::ZERO..=time));
+        if kill % 2 == 0 {
+            std::thread::sleep(random.random_range(Duration::ZERO..=time));
+        } else {
+            // Withdrawing is a single mark: random moments of the whole run hardly ever meet it.
+            wait_for_a_mark(&file, &prepared).map_err(io("watching the flash"))?;
+            let (begin, wait) = (Instant::now(), random.random_range(Duration::ZERO..=MARK));
+            while begin.elapsed() < wait {
+                std::hint::spin_loop();
+            }
+        }
         machine.kill()?;
         let (found, _) = look(&file)?;
         tally.kills += 1;
@@ -122,4 +139,22 @@ pub fn act(act: Act, kills: u32, seed: u64) -> Result<ActTally, PowerCutError> {
         }
     }
     Ok(tally)
+}
+
+/// Returns when the marks of a place in a flash's file are no longer what they were, or much too long has passed.
+fn wait_for_a_mark(file: &Path, before: &[u8]) -> std::io::Result<()> {
+    let mut flash = File::open(file)?;
+    let begin = Instant::now();
+    while begin.elapsed() < ANSWER_MAX {
+        for place in PLACES {
+            let start = place.start as usize;
+            let mut marks = [0; SLOT_AT];
+            flash.seek(SeekFrom::Start(place.start.into()))?;
+            flash.read_exact(&mut marks)?;
+            if !before[start..].starts_with(&marks) {
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
 }

@@ -10,7 +10,7 @@ use super::PowerCutError;
 use crate::firmware::start_qemu;
 
 /// Longest that the image may take to say something.
-const ANSWER_MAX: Duration = Duration::from_secs(60);
+pub const ANSWER_MAX: Duration = Duration::from_secs(60);
 
 /// QEMU with the image in it. Killed when dropped.
 pub struct Machine {
