@@ -28,7 +28,8 @@ pub enum FlashError {
     OutOfBounds,
     /// Outside the room that the driver was given: vectors or program.
     NotOurs,
-    /// The controller does not open for its keys; a wrong one keeps it shut until reset.
+    /// The controller does not open for its keys, as a wrong one was written to it before: it stays shut until reset. On the chip
+    /// the attempt is a bus error too, so the board's fault handler may hear of it first.
     Locked,
     /// The controller does not keep what is written to its control register.
     Deaf,

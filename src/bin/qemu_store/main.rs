@@ -6,6 +6,7 @@
 #![no_std]
 #![no_main]
 
+#[path = "../qemu/flash.rs"]
 mod flash;
 #[path = "../qemu/mod.rs"]
 mod qemu;
