@@ -102,6 +102,16 @@ fn the_newest_table_counts_and_rolling_back_gives_the_one_before() {
 }
 
 #[test]
+fn a_place_already_withdrawn_is_erased_without_writing_its_mark_again() {
+    let mut store = store::<4>();
+    commit(&mut store, 1).unwrap();
+    commit(&mut store, 2).unwrap();
+    store.roll_back().unwrap();
+    store.erase().unwrap();
+    assert_eq!(counting(&mut store), None);
+}
+
+#[test]
 fn sequences_go_on_past_their_largest_number() {
     let mut store = store::<4>();
     commit(&mut store, 1).unwrap();
