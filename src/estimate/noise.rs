@@ -19,12 +19,12 @@ use crate::units::STEP_FRACTION_BITS;
 
 /// Turns the powers of a contrast, in `noise`, into the noise of the estimate whose turns have `shares` where they have
 /// `contrast` there, in 2^-[`POWER_BITS`] of the squared fine unit; order n at n - 1. Logarithms of what the contrast showed at
-/// each order itself over its level go to `own`. Returns how many pairs of turns the noise of the lowest orders rests on.
+/// each order itself over twice its level, in 2^-[`OWN_BITS`] octave, go to `own`. Returns how many pairs of turns the noise of the lowest orders rests on.
 #[inline(never)]
 pub(super) fn settle_noise(
     plan: OrderPlan,
     noise: &mut [u64; ORDERS_MAX],
-    own: &mut [i16; ORDERS_MAX],
+    own: &mut [u8; ORDERS_MAX],
     speeds: &Speeds,
     shares: &Shares,
     contrast: &Shares,
@@ -37,8 +37,7 @@ pub(super) fn settle_noise(
     let norm = contrast.of_powers(speeds, torque_power_q24);
     let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
     let mut pairs = u32::MAX;
-    for (index, (power, own)) in noise.iter_mut().zip(own).take(plan.single).enumerate() {
-        *own = own.saturating_sub(log2_q8(*power));
+    for (index, power) in noise.iter_mut().take(plan.single).enumerate() {
         let level = *power - folded.saturating_sub(jitter).min(*power / 8 * 7);
         *power = if index < LOW_ORDERS {
             let low = low_noise(speeds, shares, index, fine, |b| {
@@ -207,12 +206,8 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
     (1 << 16) + ((((ratio_q16 * ratio_q16) >> 16) * EXCESS_Q16) >> 16)
 }
 
-/// Logarithm of a power, Q8, as short as [`Estimate::own`](super::weigh::Estimate::own) is kept.
-fn log2_q8(power: u64) -> i16 {
-    #[allow(clippy::cast_possible_truncation)]
-    let short = (log2(power.into()) >> (LOG2_BITS - 8)) as i16;
-    short
-}
+/// Fraction bits of what the contrast showed at an order itself, in octaves.
+pub(super) const OWN_BITS: u32 = 6;
 
 /// Mean over orders of the scatter times the order's fourth power: the same at all of them where speed is a random walk.
 fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
@@ -250,13 +245,13 @@ pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
 /// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
 const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 16;
 
-/// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
+/// Replaces the noise at every single order by its level; how far above twice that it was goes to `own`. The level is the
 /// geometric mean over the neighbours, with a slope of the fourth power that ends in `floor` taken out, and not below the same
 /// mean over [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
 fn smooth_noise(
     plan: OrderPlan,
     noise: &mut [u64; ORDERS_MAX],
-    own: &mut [i16; ORDERS_MAX],
+    own: &mut [u8; ORDERS_MAX],
     floor: u64,
 ) {
     let mut scratch = [0; ORDERS_MAX];
@@ -266,7 +261,6 @@ fn smooth_noise(
     // The slope's size, from orders where it rules if it rules at all.
     let (mut sum, mut count) = (0_i64, 0_i64);
     for order in single_orders(plan) {
-        own[order - 1] = log2_q8(noise[order - 1]);
         if SLOPE_ORDERS.contains(&order) {
             sum += i64::from(log2(noise[order - 1].into()) + fourth(order));
             count += 1;
@@ -299,9 +293,12 @@ fn smooth_noise(
         let level = mean(&mut neighbours(plan, order)).max(above) - i64::from(slope(order))
             + MEAN_OVER_LOG_MEAN;
         #[allow(clippy::cast_possible_truncation)]
-        let level = exp2(level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32);
+        let level = level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+        let shown = scratch[order - 1].saturating_sub(slope(order));
+        let above = shown.saturating_sub(level).saturating_sub(1 << LOG2_BITS);
+        own[order - 1] = (above >> (LOG2_BITS - OWN_BITS)).clamp(0, u8::MAX.into()) as u8;
         // At least the smallest number, so that ratios to it mean something.
-        noise[order - 1] = level.max(1);
+        noise[order - 1] = exp2(level).max(1);
     }
 }
 

@@ -23,8 +23,8 @@ pub(super) fn find_sizes(
         scratch: [0; NEIGHBOURS_MAX],
     };
     for index in 0..plan.single {
-        levels.signal[index] = log2(estimate.coefficients[index].power().into());
-        levels.noise[index] = log2(estimate.noise[index].into());
+        levels.signal[index] = short(log2(estimate.coefficients[index].power().into()));
+        levels.noise[index] = short(log2(estimate.noise[index].into()));
     }
     let mut carried = common_size;
     for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
@@ -105,10 +105,20 @@ pub(super) fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = 
     (first..=last).filter(move |&n| !plan.is_class_order(n))
 }
 
-/// Logarithms of signal and noise at every single order.
+/// Digits of a logarithm that are dropped where many are kept.
+const SHORT: u32 = LOG2_BITS - 9;
+
+/// A logarithm as [`Levels`] keep it.
+fn short(log2: i32) -> i16 {
+    #[allow(clippy::cast_possible_truncation)]
+    let short = (log2 >> SHORT) as i16;
+    short
+}
+
+/// Logarithms of signal and noise at every single order, Q9.
 struct Levels {
-    signal: [i32; ORDERS_MAX],
-    noise: [i32; ORDERS_MAX],
+    signal: [i16; ORDERS_MAX],
+    noise: [i16; ORDERS_MAX],
     scratch: [i32; NEIGHBOURS_MAX],
 }
 
@@ -118,11 +128,13 @@ impl Levels {
     /// because noise alone rises steeply to low orders and would look like geometry; where the signal stands 32 to 128
     /// times above, it goes over to the median of the signal, which no roughness of the noise can disturb.
     fn of_neighbourhood(&mut self, plan: OrderPlan, order: usize) -> (u64, usize) {
-        let (signal, noise) = (&self.signal, &self.noise);
+        let level = |levels: &[i16], n: usize| i32::from(levels[n - 1]) << SHORT;
+        let signal = |n| level(&self.signal, n);
+        let noise = |n| level(&self.noise, n);
         let scratch = &mut self.scratch;
-        let (ratio, count) = median(plan, order, scratch, |n| signal[n - 1] - noise[n - 1]);
-        let (plain, _) = median(plan, order, scratch, |n| signal[n - 1]);
-        let by_ratio = ratio + noise[order - 1];
+        let (ratio, count) = median(plan, order, scratch, |n| signal(n) - noise(n));
+        let (plain, _) = median(plan, order, scratch, signal);
+        let by_ratio = ratio + noise(order);
         let signal_rules = i64::from((ratio - 5 * Q).clamp(0, 2 * Q));
         let over = i64::from(plain - by_ratio) * signal_rules / i64::from(2 * Q);
         // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.

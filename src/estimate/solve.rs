@@ -3,7 +3,7 @@
 use super::close::{SumScale, close_sum, largest_error, saturated, take_class_means};
 use super::draw::{Believed, draw};
 use super::fold::thirds;
-use super::moments::{Mean, Moments};
+use super::moments::{Mean, Moments, Shares};
 use super::noise::{common_noise, damping_square_q16, settle_noise};
 use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
 use super::pack::{pack, with_offsets};
@@ -185,14 +185,17 @@ fn settle(
     speeds: &Speeds,
     noise: &mut [u64; ORDERS_MAX],
     doubt: &mut [u64; ORDERS_MAX],
-    own: &mut [i16; ORDERS_MAX],
+    own: &mut [u8; ORDERS_MAX],
     fine: Fine,
 ) -> (u64, u32) {
+    {
+        let of_plain = |of: &dyn Fn(Mean) -> Shares| of(Mean::Plain).minus(&of(Mean::Weighed));
+        let more = of_plain(&|mean| moments.shares(mean));
+        let more_signed = of_plain(&|mean| moments.contrast(mean, speeds));
+        settle_noise(plan, doubt, own, speeds, &more, &more_signed, fine);
+    }
     let shares = moments.shares(Mean::Weighed);
     let signed = moments.contrast(Mean::Weighed, speeds);
-    let more = moments.shares(Mean::Plain).minus(&shares);
-    let more_signed = moments.contrast(Mean::Plain, speeds).minus(&signed);
-    settle_noise(plan, doubt, own, speeds, &more, &more_signed, fine);
     let low_pairs = settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
     let common = common_noise(plan, speeds, &shares, noise[plan.single - 1], fine);
     (common, low_pairs)

@@ -6,6 +6,7 @@
 //! decisions are continuous, so that no rounding can flip one.
 
 use super::DriveKnowledge;
+use super::noise::OWN_BITS;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet};
 use super::ripple::{Standing, StandingOrders, keep_strongest, product, strongest_swing};
 use super::sizes::{excess, find_sizes, margin};
@@ -37,8 +38,8 @@ pub(super) struct Estimate<'a> {
     /// Power of the orders above the single ones.
     pub common: u64,
     pub noise: &'a [u64; ORDERS_MAX],
-    /// Logarithms of what the contrast showed at each order itself over its level, Q8.
-    pub own: &'a [i16; ORDERS_MAX],
+    /// Logarithms of what the contrast showed at each order itself over twice its level, in 2^-[`OWN_BITS`] octave.
+    pub own: &'a [u8; ORDERS_MAX],
     pub common_noise: u64,
     /// Pairs of turns that the noise of the lowest orders rests on.
     pub low_pairs: u32,
@@ -113,11 +114,10 @@ pub(super) fn weigh(
         let size = sizes[index];
         // Not below half of what the order itself shows, for a line that comes and goes.
         let noise = estimate.noise[index];
-        let own = log2(noise.into())
-            .saturating_add(i32::from(estimate.own[index]) << (LOG2_BITS - 8))
-            - Q;
+        let own = i32::from(estimate.own[index]) << (LOG2_BITS - OWN_BITS);
+        let own = exp2(log2(noise.into()).saturating_add(own));
         let product = u64::from(product(&weights.standing, mounting, estimate.turn, order)).pow(2);
-        let mut doubt = noise.max(exp2(own)).saturating_add(product);
+        let mut doubt = noise.max(own).saturating_add(product);
         if estimate.suspect(plan, order) && estimate.knowledge.torque_base > 0 {
             doubt = doubt.saturating_add(strongest_swing(&weights.standing, order));
         }
