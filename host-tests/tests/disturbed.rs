@@ -36,12 +36,12 @@ fn left(by: Disturbance, lines: u32) -> Left {
 }
 
 /// Torque that a stiff drive damps is not as 1/speed^2, so two speeds leave a part of strong ripple behind, at orders 5 and 10 above
-/// all: up to twice the rest, of which the standard error knows nothing.
+/// all; damping that shows in the scatter is doubt.
 #[test]
 fn ripple_of_a_fifth_leaves_one_percent() {
     let left = left(Disturbance::Ripple, 2500);
     assert!(left.of_raw < 0.01, "{}", left.of_raw);
-    assert!(left.covered > 0.6, "{}", left.covered);
+    assert!(left.covered > 0.85, "{}", left.covered);
     assert_eq!(left.verdicts.spared.rejected, 0);
 }
 
@@ -53,19 +53,27 @@ fn wander_of_two_percent_leaves_a_tenth_and_is_said() {
     assert!(left.verdicts.spared.part() < 0.01, "{:?}", left.verdicts);
 }
 
-/// The bend errors of neighbouring turns cancel, but not over the gaps that rejected turns leave, of which the standard error knows
-/// nothing: so the intervals cover 84 %, not 95 %.
+/// The bend errors of neighbouring turns cancel, but not over the gaps that rejected turns leave.
 #[test]
 fn turns_hit_by_a_load_are_named_and_others_are_not() {
     for lines in [60, 2500] {
         let left = left(Disturbance::LoadSteps, lines);
         assert!(left.of_raw < 0.012, "{lines}: {}", left.of_raw);
-        assert!(left.covered > 0.75, "{lines}: {}", left.covered);
+        assert!(left.covered > 0.8, "{lines}: {}", left.covered);
         let verdicts = left.verdicts;
         assert_eq!(verdicts.hit.turns, 6 * SEEDS.count() as u64);
         assert!(verdicts.hit.part() > 0.97, "{lines}: {verdicts:?}");
         assert!(verdicts.spared.part() < 0.05, "{lines}: {verdicts:?}");
     }
+}
+
+/// At 100 and 150 r/min torque once a turn makes 5e-4 rad and 2.2e-4 rad, and a drive whose damping scatter does not show turns its
+/// phase by up to 0.3 rad: what is left is bound by that, and said.
+#[test]
+fn speeds_near_each_other_tell_torque_as_well_as_they_say() {
+    let left = left(Disturbance::NearSpeeds, 2500);
+    assert!(left.of_raw < 0.25, "{}", left.of_raw);
+    assert!(left.covered > 0.93, "{}", left.covered);
 }
 
 #[test]

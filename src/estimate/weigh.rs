@@ -171,18 +171,18 @@ const STANDING_HEIGHT: i32 = 4 * Q;
 /// Of thousands of common orders, ten percent above the noise is significant.
 const COMMON_MARGIN_Q8: u64 = 282;
 
-/// Weight of orders 1 and 2 at the least, which a disc's mounting makes large (eccentricity, tilt): 1 - N / P, so that what shows
-/// up no larger than noise is not believed, and what is ten times as large nearly is. Whatever their true size, the expected
-/// error's power is at most 1.2 times that of the estimate itself, and a fifth of it where there is nothing.
+/// Weight of orders 1 and 2 at the least, which a disc's mounting makes large (eccentricity, tilt): 1 - (N / P)^2, so that what
+/// shows up no larger than noise is not believed, and what is five times as large nearly is. Whatever their true size, the expected
+/// error's power is at most 1.2 times that of the estimate itself, and two fifths of it where there is nothing.
 fn mounting_weight(power: u64, noise: u64) -> u32 {
-    let drawn = (u128::from(noise) << 15) / u128::from(power.max(1));
+    let ratio = (u128::from(noise) << 15) / u128::from(power.max(1));
     #[allow(clippy::cast_possible_truncation)]
-    let weight = WEIGHT_ONE - drawn.min(WEIGHT_ONE.into()) as u32;
-    weight
+    let ratio = ratio.min(WEIGHT_ONE.into()) as u32;
+    WEIGHT_ONE - ((ratio * ratio) >> WEIGHT_ONE.trailing_zeros())
 }
 
 /// Expected power left of orders 1 and 2. Nothing is known of their size beforehand: as far as the estimate is believed its noise
-/// stays, and as far as it is not, what shows; within a tenth of the mean over the noise for any true size.
+/// stays, and as far as it is not, what shows: within a tenth of the mean where they are four times the noise or more.
 fn left_of_mounting(weight: u32, power: u64, noise: u64) -> u64 {
     let rest = WEIGHT_ONE - weight.min(WEIGHT_ONE);
     let not_believed = u128::from(rest * rest);

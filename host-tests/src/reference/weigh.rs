@@ -118,7 +118,7 @@ impl Estimate<'_> {
                 };
                 let mounting = order <= 2 && !suspect && plan.has_neighbours();
                 let least = if mounting {
-                    (1.0 - doubt / self.power(order)).max(0.0)
+                    (1.0 - (doubt / self.power(order)).powi(2)).max(0.0)
                 } else {
                     0.0
                 };
