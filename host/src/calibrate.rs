@@ -96,6 +96,8 @@ pub struct Calibration {
     /// Standard error, rad, that undoing a speed loop puts on every line besides: it repeats each turn, so that the scatter of turns,
     /// which the solution goes by, does not show it.
     pub loop_error_rad: f64,
+    /// Whether what a speed loop did was undone in any of the recordings.
+    pub loops_undone: bool,
     /// Turns taken and rejected, of all recordings.
     pub totals: Totals,
     /// Faults seen by the decoder in the parts that were used, of all recordings.
@@ -144,6 +146,7 @@ impl Calibration {
             Some(error * weight(used) / all)
         });
         self.loop_error_rad = parts.fold(0.0, f64::hypot);
+        self.loops_undone = runs.iter().any(Option::is_some);
         self
     }
 

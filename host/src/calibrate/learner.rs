@@ -183,6 +183,7 @@ impl Learner {
             drive: self.drive,
             solution,
             loop_error_rad: 0.0,
+            loops_undone: false,
             progress: self.progress,
             goal: self.goal,
             totals,

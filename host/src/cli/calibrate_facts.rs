@@ -40,9 +40,10 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
         .push(
             "Expected error, RMS",
             format!(
-                "{} before, {} after",
+                "{} before, {} after{}",
                 si(findings.before_rad, "rad"),
-                si(findings.after_rad, "rad")
+                si(findings.after_rad, "rad"),
+                words::proviso(findings)
             ),
         );
     if let Some(progress) = words::progress(calibration, findings.after_rad) {
@@ -82,8 +83,12 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     if let Some(hidden) = separation::hidden(calibration) {
         facts.push("Hidden orders", hidden);
     }
-    let outlook = words::outlook(findings.before_rad, findings.after_rad);
-    facts.push("Table", table).push("", outlook);
+    if let Some(hump) = &findings.loop_suspicion {
+        facts.push("Was a speed loop on?", separation::loop_suspected(hump));
+    }
+    facts
+        .push("Table", table)
+        .push("", words::outlook(findings));
     facts
 }
 

@@ -39,6 +39,8 @@ pub(super) struct Summary {
     orders_hidden_up_to: u16,
     /// Orders 1 up to this are left alone for it.
     orders_left_alone_for_loop_up_to: u16,
+    /// Orders that look as if a speed loop had run; null where none do.
+    speed_loop_suspected: Option<Suspected>,
     /// The part of the line's standard error that undoing a speed loop made.
     loop_standard_error_rad: f64,
 }
@@ -134,6 +136,15 @@ struct Delay {
     name: &'static str,
     seconds: f64,
     standard_error_s: f64,
+}
+
+/// Orders that stand out broadly.
+#[derive(Debug, Serialize)]
+struct Suspected {
+    first_order: usize,
+    last_order: usize,
+    /// Over the orders above.
+    times: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -276,6 +287,11 @@ impl Summary {
                 .collect(),
             orders_hidden_up_to: calibration.drive.hidden_up_to,
             orders_left_alone_for_loop_up_to: calibration.left_alone_for_loop(),
+            speed_loop_suspected: findings.loop_suspicion.map(|hump| Suspected {
+                first_order: hump.first,
+                last_order: hump.last,
+                times: hump.times,
+            }),
             loop_standard_error_rad: calibration.loop_error_rad,
         }
     }

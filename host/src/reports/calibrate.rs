@@ -69,12 +69,13 @@ fn verdict(
 ) {
     let (before, after) = (findings.before_rad, findings.after_rad);
     let gain = words::reduction_percent(before, after);
-    let outlook = words::outlook(before, after);
+    let outlook = words::outlook(findings);
     let mut headline = outlook.clone();
     if let Some(first) = outlook.get(..1) {
         headline = first.to_uppercase() + &outlook[1..];
     }
-    let mut level = if gain < 5.0 { Level::Warn } else { Level::Good };
+    let doubtful = gain < 5.0 || findings.loop_suspicion.is_some();
+    let mut level = if doubtful { Level::Warn } else { Level::Good };
     if let Some(worse) = shown.iter().find(|shown| shown.worse_later()) {
         level = Level::Bad;
         headline = words::worse_later(worse);
@@ -95,7 +96,10 @@ fn verdict(
                 "Error after",
                 after,
                 "rad",
-                "RMS expected with it: its standard error",
+                format!(
+                    "RMS expected with it: its standard error{}",
+                    words::proviso(findings)
+                ),
             ),
             Tile::new("Reduction", format!("{gain:.1}"), "%", "of the RMS error"),
             Tile::new(

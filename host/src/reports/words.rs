@@ -6,6 +6,7 @@ use quadcal::estimate::{Advice, Anchor, Goal, Rejection, Totals};
 use quadcal::units::RAD_PER_TURN32;
 
 use crate::calibrate::Calibration;
+use crate::findings::Findings;
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::showcase::Showcase;
@@ -224,11 +225,26 @@ pub fn goal_id(calibration: &Calibration, after_rad: f64) -> Option<&'static str
     })
 }
 
+/// On what an expected error depends.
+#[must_use]
+pub fn proviso(findings: &Findings) -> &'static str {
+    match findings.loop_suspicion {
+        Some(_) => ", if no speed loop ran",
+        None => "",
+    }
+}
+
 /// What the table is expected to do.
 #[must_use]
-pub fn outlook(before_rad: f64, after_rad: f64) -> String {
+pub fn outlook(findings: &Findings) -> String {
+    let (before_rad, after_rad) = (findings.before_rad, findings.after_rad);
     let gain = reduction_percent(before_rad, after_rad);
-    if gain < 5.0 {
+    if let Some(hump) = &findings.loop_suspicion {
+        format!(
+            "what the table will do is not known: orders {} to {} look as if a speed loop had swung the shaft",
+            hump.first, hump.last
+        )
+    } else if gain < 5.0 {
         "little was found that could be corrected: the turns differ by more than they have in common".to_owned()
     } else {
         format!(
