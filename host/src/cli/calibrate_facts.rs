@@ -3,6 +3,7 @@
 use crate::calibrate::RecordingUse;
 use crate::report::si;
 use crate::reports::calibrate::Calibrated;
+use crate::reports::expected::{self, LeftOut};
 use crate::reports::{separation, words};
 
 use super::output::{Facts, Target};
@@ -16,6 +17,7 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
         ..
     } = *calibrated;
     let plan = calibration.plan;
+    let left_out = LeftOut::of(calibration, findings);
     let mut facts = Facts::default();
     let encoder = format!(
         "{}, {} {}, counted from {}",
@@ -40,10 +42,11 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
         .push(
             "Expected error, RMS",
             format!(
-                "{} before, {} after{}",
+                "{} before, {} after{}{}",
                 si(findings.before_rad, "rad"),
                 si(findings.after_rad, "rad"),
-                words::proviso(findings)
+                left_out.besides(),
+                expected::proviso(findings)
             ),
         );
     if let Some(progress) = words::progress(calibration, findings.after_rad) {
@@ -88,7 +91,7 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     }
     facts
         .push("Table", table)
-        .push("", words::outlook(findings));
+        .push("", expected::outlook(findings, &left_out));
     facts
 }
 

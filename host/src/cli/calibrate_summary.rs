@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::calibrate::{self, RecordingUse};
 use crate::reports::calibrate::Calibrated;
+use crate::reports::expected::LeftOut;
 use crate::reports::words;
 use crate::showcase::Showcase;
 
@@ -23,7 +24,12 @@ pub(super) struct Summary {
     parameters: Vec<Value>,
     eps_rms_rad: f64,
     expected_error_before_rad: f64,
+    /// Without the orders left alone.
     expected_error_after_rad: f64,
+    /// Whether no order was left alone.
+    expected_error_complete: bool,
+    /// What the orders left alone as torque or the disc may make them add at most, RMS.
+    left_alone_up_to_rad: f64,
     /// Of one edge's line position error.
     line_standard_error_rad: f64,
     /// What was to be expected after each turn.
@@ -205,6 +211,7 @@ impl Summary {
             shown,
             inertia_kg_m2,
         } = *calibrated;
+        let left_out = LeftOut::of(calibration, findings);
         let (plan, faults) = (calibration.plan, &calibration.faults);
         let recordings = names.iter().zip(&calibration.recordings).zip(shown);
         Self {
@@ -236,6 +243,8 @@ impl Summary {
             eps_rms_rad: findings.eps_rms_rad(),
             expected_error_before_rad: findings.before_rad,
             expected_error_after_rad: findings.after_rad,
+            expected_error_complete: left_out.is_nothing(),
+            left_alone_up_to_rad: left_out.up_to_rad,
             line_standard_error_rad: findings.after_rad,
             progress: calibration
                 .progress

@@ -6,6 +6,7 @@ use crate::report::{Body, Cell, Footer, Level, Report, Tile};
 use crate::sensor::SensorKind;
 use crate::showcase::Showcase;
 
+use super::expected::{self, LeftOut};
 use super::{figures, separation, turns, words};
 
 /// A calibration as the report takes it.
@@ -69,12 +70,13 @@ fn verdict(
 ) {
     let (before, after) = (findings.before_rad, findings.after_rad);
     let gain = words::reduction_percent(before, after);
-    let outlook = words::outlook(findings);
+    let left_out = LeftOut::of(calibration, findings);
+    let outlook = expected::outlook(findings, &left_out);
     let mut headline = outlook.clone();
     if let Some(first) = outlook.get(..1) {
         headline = first.to_uppercase() + &outlook[1..];
     }
-    let doubtful = gain < 5.0 || findings.loop_suspicion.is_some();
+    let doubtful = gain < 5.0 || findings.loop_suspicion.is_some() || !left_out.is_nothing();
     let mut level = if doubtful { Level::Warn } else { Level::Good };
     if let Some(worse) = shown.iter().find(|shown| shown.worse_later()) {
         level = Level::Bad;
@@ -97,8 +99,9 @@ fn verdict(
                 after,
                 "rad",
                 format!(
-                    "RMS expected with it: its standard error{}",
-                    words::proviso(findings)
+                    "RMS expected with it: its standard error{}{}",
+                    left_out.besides(),
+                    expected::proviso(findings)
                 ),
             ),
             Tile::new("Reduction", format!("{gain:.1}"), "%", "of the RMS error"),

@@ -6,7 +6,6 @@ use quadcal::estimate::{Advice, Anchor, Goal, Rejection, Totals};
 use quadcal::units::RAD_PER_TURN32;
 
 use crate::calibrate::Calibration;
-use crate::findings::Findings;
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::showcase::Showcase;
@@ -223,36 +222,6 @@ pub fn goal_id(calibration: &Calibration, after_rad: f64) -> Option<&'static str
         Advice::GoOn | Advice::GoalMet => "go_on",
         Advice::NoFurtherGain => "no_further_gain",
     })
-}
-
-/// On what an expected error depends.
-#[must_use]
-pub fn proviso(findings: &Findings) -> &'static str {
-    match findings.loop_suspicion {
-        Some(_) => ", if no speed loop ran",
-        None => "",
-    }
-}
-
-/// What the table is expected to do.
-#[must_use]
-pub fn outlook(findings: &Findings) -> String {
-    let (before_rad, after_rad) = (findings.before_rad, findings.after_rad);
-    let gain = reduction_percent(before_rad, after_rad);
-    if let Some(hump) = &findings.loop_suspicion {
-        format!(
-            "what the table will do is not known: orders {} to {} look as if a speed loop had swung the shaft",
-            hump.first, hump.last
-        )
-    } else if gain < 5.0 {
-        "little was found that could be corrected: the turns differ by more than they have in common".to_owned()
-    } else {
-        format!(
-            "at the speeds it was learned from, the table is expected to take {gain:.1} % off the angle error: {} are left of {}",
-            arc_seconds(after_rad),
-            arc_seconds(before_rad)
-        )
-    }
 }
 
 /// An angle as data sheets give it: arc seconds, or degrees where it is large.
