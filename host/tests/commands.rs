@@ -325,6 +325,20 @@ fn the_demo_writes_its_folder_and_its_files_work() {
     let text = done(at, "demo");
     assert!(text.contains("demo.html"), "{text}");
     let page = fs::read_to_string(at.join("quadcal-demo/demo.html")).unwrap();
+    // What it says to try next works, and keeps most turns.
+    let next = text
+        .lines()
+        .filter_map(|line| line.split_once("quadcal calibrate "));
+    let next: Vec<&str> = next.map(|(_, arguments)| arguments).collect();
+    assert_eq!(next.len(), 1, "{text}");
+    let spindle = json(&done(at, &format!("calibrate {} --json -", next[0])));
+    let later = &spindle["recordings"][0]["later_turns"];
+    let scatter = |key: &str| later[key].as_f64().unwrap();
+    assert!(
+        scatter("scatter_after") < 0.2 * scatter("scatter_before"),
+        "{later}"
+    );
+    assert!(spindle["turns"]["used"].as_u64() > spindle["turns"]["disagrees"].as_u64());
     assert!(page.contains("137.50") && page.contains("hall-spindle") && !page.contains("NaN"));
     for name in ["paper-rig", "hall-spindle"] {
         let arguments =
