@@ -18,7 +18,7 @@ pub use agree::{Disagreement, agree};
 pub use error::CalibrateError;
 pub use learner::Learner;
 pub use one_disc::{Likeness, Pattern};
-pub use plan::plan;
+pub use plan::{LinesFrom, plan};
 pub use progress::{AfterTurn, LearningProgress, goal_of};
 pub use rejected::{RejectedTurn, RejectedTurns};
 
@@ -52,6 +52,8 @@ pub struct CalibrateOptions {
 pub struct RecordingUse {
     /// What the recording is.
     pub survey: Survey,
+    /// Where the number of lines comes from.
+    pub lines_from: LinesFrom,
     /// Turns taken and rejected.
     pub totals: Totals,
     /// Which turns were rejected, and why.

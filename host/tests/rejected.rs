@@ -82,3 +82,32 @@ fn of_many_broken_turns_the_terminal_names_five_and_the_json_all() {
     assert_eq!(text.matches("    Turn ").count(), 5, "{text}");
     assert!(text.contains("    and 4 more"), "{text}");
 }
+
+#[test]
+fn turns_that_a_coarse_clock_makes_disagree_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let example = done(at, "simulate --example hall");
+    for (clock_hz, coarse) in [("30_000", true), ("3_000_000", false)] {
+        fs::write(at.join("hall.toml"), example.replace("30_000", clock_hz)).unwrap();
+        done(at, "simulate hall.toml -o hall.csv");
+        let text = done(at, "calibrate hall.csv -o t.qct");
+        assert_eq!(text.contains("by its rounding alone"), coarse, "{text}");
+        // The header says two pole pairs; the intervals seem to repeat after others.
+        assert!(
+            text.contains("three Hall sensors, 2 pole pairs, counted"),
+            "{text}"
+        );
+    }
+    let recording = fs::read_to_string(at.join("hall.csv")).unwrap();
+    fs::write(
+        at.join("silent.csv"),
+        recording.replace("# pole_pairs = 2\n", ""),
+    )
+    .unwrap();
+    let text = done(at, "calibrate silent.csv -o t.qct");
+    assert!(
+        text.contains("guessed from how the intervals repeat; --lines says it"),
+        "{text}"
+    );
+}

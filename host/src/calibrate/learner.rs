@@ -5,7 +5,9 @@ use quadcal::step::Faults;
 
 use super::one_disc::{Likeness, Pattern};
 use super::turns::TurnClock;
-use super::{CalibrateError, CalibrateOptions, Calibration, LearningProgress, RecordingUse};
+use super::{
+    CalibrateError, CalibrateOptions, Calibration, LearningProgress, LinesFrom, RecordingUse,
+};
 use crate::buffers::HeapBuffers;
 use crate::recording::{ReadError, Row};
 use crate::sensor::{PlanError, SensorPlan};
@@ -123,6 +125,7 @@ impl Learner {
         }
         self.compare(alone)?;
         self.recordings.push(RecordingUse {
+            lines_from: LinesFrom::of(&survey, options),
             survey,
             totals,
             rejected: clock.into_rejected(),

@@ -20,10 +20,11 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     let left_out = LeftOut::of(calibration, findings);
     let mut facts = Facts::default();
     let encoder = format!(
-        "{}, {} {}, counted from {}",
+        "{}, {} {}{}, counted from {}",
         words::sensor(plan.kind),
         plan.lines,
         plan.kind.line_name(),
+        words::lines_guessed(calibration),
         words::origin(plan)
     );
     recording_facts(&mut facts, calibrated);
@@ -115,6 +116,10 @@ fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
             .push("  Turns used", taken)
             .push("  Turns rejected", words::rejected(totals));
         rejected_facts(&mut *facts, used);
+        let edges = calibration.solution.shape().edges();
+        if let Some(coarse) = words::coarse_clock(totals, edges) {
+            facts.push("", coarse);
+        }
         if shown.later {
             let scatter = &shown.check.scatter;
             let remark = if shown.worse_later() {

@@ -3,7 +3,7 @@
 use quadcal::estimate::Totals;
 use serde::Serialize;
 
-use crate::calibrate::{self, RecordingUse};
+use crate::calibrate::{self, LinesFrom, RecordingUse};
 use crate::reports::calibrate::Calibrated;
 use crate::reports::expected::LeftOut;
 use crate::reports::words;
@@ -16,6 +16,8 @@ pub(super) struct Summary {
     sensor: &'static str,
     counted: &'static str,
     lines: u32,
+    /// How the first recording's number of lines was found: `declared`, `index`, `header` or `pattern`, which is a guess.
+    lines_from: &'static str,
     edges_per_turn: u32,
     origin: &'static str,
     clock_hz: u64,
@@ -221,6 +223,11 @@ impl Summary {
             sensor: words::sensor(plan.kind),
             counted: plan.kind.line_name(),
             lines: plan.lines,
+            lines_from: calibration
+                .recordings
+                .first()
+                .map_or(LinesFrom::Declared, |used| used.lines_from)
+                .id(),
             edges_per_turn: calibration.solution.shape().edges(),
             origin: words::origin(plan),
             clock_hz: calibration.clock_hz,

@@ -37,11 +37,12 @@ pub fn report(calibrated: &Calibrated<'_>, footer: Footer) -> Report {
     let mut report = Report::new(
         "Encoder calibration",
         format!(
-            "{}: {}, {} {}",
+            "{}: {}, {} {}{}",
             names.join(" and "),
             words::sensor(plan.kind),
             plan.lines,
-            plan.kind.line_name()
+            plan.kind.line_name(),
+            words::lines_guessed(calibration)
         ),
     );
     verdict(&mut report, calibration, findings, shown);

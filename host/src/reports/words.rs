@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use quadcal::estimate::{Advice, Anchor, Goal, Rejection, Totals};
 use quadcal::units::RAD_PER_TURN32;
 
-use crate::calibrate::Calibration;
+use crate::calibrate::{Calibration, LinesFrom, RecordingUse};
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::showcase::Showcase;
@@ -21,6 +21,17 @@ pub const fn sensor(kind: SensorKind) -> &'static str {
         SensorKind::Hall => "three Hall sensors",
         SensorKind::Wheel { missing: 1.., .. } => "toothed wheel with a gap",
         SensorKind::Wheel { .. } => "one channel",
+    }
+}
+
+/// Says so where the number of lines was guessed, after it.
+#[must_use]
+pub fn lines_guessed(calibration: &Calibration) -> &'static str {
+    let guess = |used: &RecordingUse| used.lines_from == LinesFrom::Pattern;
+    if calibration.recordings.iter().any(guess) {
+        " (guessed from how the intervals repeat; --lines says it)"
+    } else {
+        ""
     }
 }
 
@@ -148,6 +159,23 @@ pub fn rejected(totals: &Totals) -> String {
     } else {
         format!("{all}: {}", text.join("; "))
     }
+}
+
+/// Why so many turns disagree, where the clock is too coarse for its rounding not to count; nothing else.
+#[must_use]
+#[allow(clippy::cast_precision_loss)]
+pub fn coarse_clock(totals: &Totals, edges: u32) -> Option<String> {
+    // Below so many ticks an edge, rounding alone makes turns disagree.
+    const TICKS_AN_EDGE: u64 = 200;
+    let many = 10 * totals.disagrees > totals.turns + totals.disagrees;
+    let coarse = totals.shortest < TICKS_AN_EDGE * u64::from(edges);
+    (many && coarse && totals.shortest > 0).then(|| {
+        let degrees = si_digits(360.0 / totals.shortest as f64, "", 2).0;
+        format!(
+            "a tick of the clock is {degrees} degrees at the fastest turn, so many of these turns disagree by its rounding alone; a faster \
+             clock keeps them, or learn from slower turns (--fraction, --turns)"
+        )
+    })
 }
 
 /// Five digits with a prefix.
