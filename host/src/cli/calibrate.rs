@@ -154,8 +154,12 @@ impl Calibrate {
             Some(_) => Some(self.page(&calibrated)?),
             None => None,
         };
-        self.output
-            .write(&table_file::bytes_of(&calibration, source))?;
+        let sources = surveyed.iter().map(|one| one.source);
+        let learned = calibration.recordings.iter().map(|used| used.learned_until);
+        let marks: Vec<(u32, u64)> = sources.zip(learned).collect();
+        let mut table = table_file::bytes_of(&calibration, source);
+        table.extend_from_slice(&table_file::marks_of(&marks));
+        self.output.write(&table)?;
         if let Some(target) = &self.csv {
             target.write(table_file::csv_of(&findings).as_bytes())?;
         }

@@ -156,6 +156,19 @@ pub enum Failure {
         /// With it.
         after: String,
     },
+    /// A table's line pattern is not in a recording.
+    #[error(
+        "{table}: this table belongs to another disc than the one recorded, or the index moved ({share:.0} % of its line pattern shows); \
+         don't use it: calibrate this encoder",
+        table = table.display(),
+        share = 100.0 * share.max(0.0)
+    )]
+    OtherPattern {
+        /// The table.
+        table: PathBuf,
+        /// How much of its pattern the recording shows.
+        share: f64,
+    },
     /// No place can be looked for in a table.
     #[error("{file}: {source}", file = match source { LocateError::NothingLeft | LocateError::Plan(_) => recording, _ => table }.display())]
     Locate {

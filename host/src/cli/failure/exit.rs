@@ -26,6 +26,7 @@ impl Failure {
             Self::Write { .. }
             | Self::Worse { .. }
             | Self::OtherDisc { .. }
+            | Self::OtherPattern { .. }
             | Self::IndexMoved { .. }
             | Self::NoPlace { .. }
             | Self::Demo(_) => 1,
