@@ -70,6 +70,12 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     if calibration.two_speeds() && findings.torques.is_empty() {
         facts.push("Torque ripple", "none that stands out");
     }
+    if inertia_kg_m2.is_some() && !calibration.two_speeds() && !calibration.loops_undone {
+        facts.push(
+            "--inertia",
+            "has no use here: all turns ran at one speed, where torque can't be told from the disc; give a recording at another speed too",
+        );
+    }
     for delay in findings.delays.found() {
         let size = [delay.seconds, delay.standard_error_s].map(|seconds| si(seconds, "s"));
         facts.push(delay.name, size.join(" ± "));

@@ -169,7 +169,7 @@ impl Verify {
         table: &SlotHeader,
     ) -> Result<SensorPlan, Failure> {
         let (path, twin) = (&self.input.recording, self.sensor.twin.as_deref());
-        let mut options = self.sensor.options(header.channels)?;
+        let mut options = self.sensor.options(path, header.channels)?;
         options.without_index |= !table.indexed;
         let declared = options.lines.is_some();
         options.lines = options.lines.or(Some(table.shape.lines()));

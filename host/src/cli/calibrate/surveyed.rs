@@ -6,6 +6,7 @@ use crate::cli::failure::Failure;
 use crate::cli::input::InputArgs;
 use crate::cli::progress::Pass;
 use crate::free_run::FreeRun;
+use crate::recording::Channels;
 use crate::sensor::SensorPlan;
 use crate::survey::Survey;
 
@@ -50,11 +51,12 @@ impl Calibrate {
         let rows = pass.watch(input.open()?);
         let header = rows.recording().header.clone();
         let source = input.source()?;
-        let mut options = self.sensor.options(header.channels)?;
+        let mut options = self.sensor.options(&input.recording, header.channels)?;
         options.turns = self.turns;
         options.goal = self.goal.map(calibrate::goal_of);
         options.without_index |= self.no_index;
         let mut survey = Survey::of(header, rows)?;
+        self.check_no_index(&input, &survey)?;
         let plan = calibrate::plan(&survey, &options)
             .map_err(|error| self.failed(&input.recording, error))?;
         let twin = self.sensor.twin()?;
@@ -75,6 +77,25 @@ impl Calibrate {
             options,
             source,
             free,
+        })
+    }
+}
+
+impl Calibrate {
+    /// Refuses `--no-index` where the recording ties its edges to the disc, or never needed an index to.
+    fn check_no_index(&self, input: &InputArgs, survey: &Survey) -> Result<(), Failure> {
+        let quadrature = matches!(survey.header.channels, Channels::Quadrature { .. });
+        let why = match (self.no_index, quadrature, survey.index_pulses) {
+            (true, true, 1..) => {
+                "has an index, and a table that rests on it holds for every recording"
+            }
+            (true, false, _) => "is not of a quadrature encoder, which alone may have an index",
+            _ => return Ok(()),
+        };
+        Err(Failure::Useless {
+            option: "--no-index",
+            recording: input.recording.clone(),
+            why,
         })
     }
 }

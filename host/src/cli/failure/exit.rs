@@ -36,6 +36,7 @@ impl Failure {
             | Self::Calibrate { .. }
             | Self::Loop { .. }
             | Self::NoInertia
+            | Self::Useless { .. }
             | Self::Together { .. }
             | Self::Open { .. }
             | Self::NotAFile { .. }
