@@ -44,6 +44,7 @@ impl Calibrate {
             }
             surveyed.push(one);
         }
+        self.check_no_index(&surveyed)?;
         Ok(surveyed)
     }
 
@@ -56,7 +57,6 @@ impl Calibrate {
         options.goal = self.goal.map(calibrate::goal_of);
         options.without_index |= self.no_index;
         let mut survey = Survey::of(header, rows)?;
-        self.check_no_index(&input, &survey)?;
         let plan = calibrate::plan(&survey, &options)
             .map_err(|error| self.failed(&input.recording, error))?;
         let twin = self.sensor.twin()?;
@@ -82,21 +82,28 @@ impl Calibrate {
 }
 
 impl Calibrate {
-    /// Refuses `--no-index` where the recording ties its edges to the disc, or never needed an index to.
-    fn check_no_index(&self, input: &InputArgs, survey: &Survey) -> Result<(), Failure> {
-        let quadrature = matches!(survey.header.channels, Channels::Quadrature { .. });
-        let why = match (self.no_index, quadrature, survey.index_pulses) {
-            (true, true, 1..) => {
-                "has an index, and a table that rests on it holds for every recording"
+    /// Refuses `--no-index` where every recording ties its edges to the disc, or never could.
+    fn check_no_index(&self, surveyed: &[Surveyed]) -> Result<(), Failure> {
+        let useless = |one: &Surveyed| {
+            let survey = &one.survey;
+            let quadrature = matches!(survey.header.channels, Channels::Quadrature { .. });
+            match (quadrature, survey.index_pulses) {
+                (true, 0) => None,
+                (true, _) => {
+                    Some("has an index, and a table that rests on it holds for every recording")
+                }
+                (false, _) => Some("is not of a quadrature encoder, which alone may have an index"),
             }
-            (true, false, _) => "is not of a quadrature encoder, which alone may have an index",
-            _ => return Ok(()),
         };
-        Err(Failure::Useless {
-            option: "--no-index",
-            recording: input.recording.clone(),
-            why,
-        })
+        let all: Option<Vec<&str>> = surveyed.iter().map(useless).collect();
+        match (self.no_index, surveyed.first(), all.as_deref()) {
+            (true, Some(first), Some([why, ..])) => Err(Failure::Useless {
+                option: "--no-index",
+                recording: first.input.recording.clone(),
+                why,
+            }),
+            _ => Ok(()),
+        }
     }
 }
 
