@@ -123,7 +123,7 @@ fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
             .push("  Turns rejected", words::rejected(totals));
         rejected_facts(&mut *facts, used);
         let edges = calibration.solution.shape().edges();
-        if let Some(coarse) = words::coarse_clock(totals, edges) {
+        if let Some(coarse) = words::coarse_clock(used, edges) {
             facts.push("", coarse);
         }
         if shown.later {

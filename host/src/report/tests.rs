@@ -208,7 +208,7 @@ fn a_line_over_a_dense_one_stands_out_from_it() {
         report.body().figure(plot, "c");
         report.render()
     };
-    let over = |page: &str| page.contains("line over blue") && page.contains("class=\"casing\"");
+    let over = |page: &str| page.contains("line blue over") && page.contains("class=\"casing\"");
     assert!(over(&page(&x)) && !over(&page(&x[..3])));
 }
 
