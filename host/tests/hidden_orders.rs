@@ -62,7 +62,11 @@ fn a_loop_that_nobody_spoke_of_is_asked_about_and_nothing_is_promised() {
         "{text}"
     );
     let page = fs::read_to_string(at.join("t.html")).unwrap();
-    assert!(page.contains("Was a speed loop on?") && !page.contains("% off"));
+    assert!(
+        page.contains("Was a speed loop on?")
+            && page.contains("not known: was a speed loop on?")
+            && !page.contains("% off")
+    );
     let found = json(&done(at, "calibrate loop.csv -o t.qct --json -"));
     assert_eq!(found["speed_loop_suspected"]["first_order"], 5);
     // Told of the loop, there is nothing to ask.

@@ -85,6 +85,16 @@ fn verdict(
     }
     let totals = &calibration.totals;
     let rejected: u32 = words::rejections(totals).iter().map(|(_, n, _)| n).sum();
+    let reduction = match (&findings.loop_suspicion, left_out.is_nothing()) {
+        (Some(_), _) => Tile::new("Reduction", "?", "", "not known: was a speed loop on?"),
+        (None, true) => Tile::new("Reduction", format!("{gain:.1}"), "%", "of the RMS error"),
+        (None, false) => Tile::new(
+            "Reduction",
+            format!("{gain:.1}"),
+            "%",
+            "of the RMS error, without the orders left alone",
+        ),
+    };
     report.verdict(
         level,
         format!("{headline}."),
@@ -105,7 +115,7 @@ fn verdict(
                     expected::proviso(findings)
                 ),
             ),
-            Tile::new("Reduction", format!("{gain:.1}"), "%", "of the RMS error"),
+            reduction,
             Tile::new(
                 "Turns used",
                 totals.turns.to_string(),
