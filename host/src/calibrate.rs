@@ -3,6 +3,7 @@
 mod agree;
 mod error;
 mod learner;
+mod one_disc;
 mod plan;
 mod progress;
 mod rejected;
@@ -16,7 +17,8 @@ use quadcal::units::RAD_PER_TURN32;
 pub use agree::{Disagreement, agree};
 pub use error::CalibrateError;
 pub use learner::Learner;
-pub use plan::plan;
+pub use one_disc::{Likeness, Pattern};
+pub use plan::{LinesFrom, plan};
 pub use progress::{AfterTurn, LearningProgress, goal_of};
 pub use rejected::{RejectedTurn, RejectedTurns};
 
@@ -25,13 +27,6 @@ use crate::free_run::FreeRun;
 use crate::recording::{ReadError, Recording, Row};
 use crate::sensor::SensorPlan;
 use crate::survey::Survey;
-
-/// Share of orders at which fast and slow turns of one disc may differ, per cent: torque is at a few, and strong ripple at the sums
-/// and differences of its orders too.
-const TORQUE_MAX_PERCENT: u32 = 75;
-
-/// Edges from which on there are so many orders; torque may well be at most of a Hall motor's.
-const EDGES_MIN: u32 = 1000;
 
 /// What the user says of a calibration; the rest is found in the recordings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +52,8 @@ pub struct CalibrateOptions {
 pub struct RecordingUse {
     /// What the recording is.
     pub survey: Survey,
+    /// Where the number of lines comes from.
+    pub lines_from: LinesFrom,
     /// Turns taken and rejected.
     pub totals: Totals,
     /// Which turns were rejected, and why.
@@ -101,6 +98,8 @@ pub struct Calibration {
     /// Standard error, rad, that undoing a speed loop puts on every line besides: it repeats each turn, so that the scatter of turns,
     /// which the solution goes by, does not show it.
     pub loop_error_rad: f64,
+    /// Whether what a speed loop did was undone in any of the recordings.
+    pub loops_undone: bool,
     /// Turns taken and rejected, of all recordings.
     pub totals: Totals,
     /// Faults seen by the decoder in the parts that were used, of all recordings.
@@ -149,6 +148,7 @@ impl Calibration {
             Some(error * weight(used) / all)
         });
         self.loop_error_rad = parts.fold(0.0, f64::hypot);
+        self.loops_undone = runs.iter().any(Option::is_some);
         self
     }
 
@@ -162,19 +162,6 @@ impl Calibration {
             .take_while(|order| weight(order) == 0)
             .last()
             .unwrap_or(0)
-    }
-
-    /// Whether the recordings, driven freely, can be of one disc. What is left of a speed loop may differ as much as two discs do.
-    ///
-    /// # Errors
-    /// [`CalibrateError::OtherDisc`] where slow and fast turns differ at most orders, and by much.
-    pub fn check_one_disc(&self) -> Result<(), CalibrateError> {
-        let many_orders = self.solution.shape().edges() >= EDGES_MIN;
-        let differ = self.solution.torque_share_percent();
-        if self.recordings.len() > 1 && many_orders && differ > TORQUE_MAX_PERCENT {
-            return Err(CalibrateError::OtherDisc(differ));
-        }
-        Ok(())
     }
 
     /// Whether the turns' speeds differ enough to tell torque from geometry: see [`Totals::two_speeds`].

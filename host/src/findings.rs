@@ -1,12 +1,14 @@
 //! What a calibration found, in radians and with the names an engineer uses.
 
 mod delays;
+mod speed_loop;
 mod torque;
 
 use quadcal::estimate::ORDERS_MAX;
 use quadcal::units::RAD_PER_TURN32;
 
 pub use delays::{Delay, DelayFindings};
+pub use speed_loop::LoopSuspicion;
 pub use torque::Torque;
 
 use crate::calibrate::Calibration;
@@ -61,6 +63,8 @@ pub struct Findings {
     pub torques: Vec<Torque>,
     /// How late edges of each class are captured.
     pub delays: DelayFindings,
+    /// Orders that look as if a speed loop had run; none where one was undone.
+    pub loop_suspicion: Option<LoopSuspicion>,
 }
 
 impl Findings {
@@ -91,6 +95,13 @@ impl Findings {
         };
         let after_rad = calibration.standard_error_rad();
         let orders = (eps_rad.len() / 2).min(ORDERS_MAX + 1);
+        let lines = eps_rad.len() / classes.max(1);
+        let suspect = || LoopSuspicion::of(&order_amplitudes(&eps_rad), ORDERS_MAX, lines);
+        let loop_suspicion = if calibration.loops_undone {
+            None
+        } else {
+            suspect()
+        };
         Self {
             class_names: class_names(kind),
             parameters: parameters(kind, &class_offsets_rad, class_standard_error_rad),
@@ -113,6 +124,7 @@ impl Findings {
                 .collect(),
             torques: torque::torques(calibration),
             delays: DelayFindings::of(calibration),
+            loop_suspicion,
         }
     }
 

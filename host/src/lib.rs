@@ -18,5 +18,6 @@ pub mod showcase;
 pub mod sim;
 pub mod survey;
 pub mod table_file;
+pub mod time_step;
 pub mod twin;
 pub mod verify;

@@ -55,15 +55,16 @@ where
         let clock_hz = calibration.clock_hz;
         verify(&slot, calibration.plan, SOURCE, clock_hz, open()?, None)
     };
-    let later = check_after(used.learned_until);
-    match later {
-        Err(VerifyError::NothingLeft) => Ok(Showcase {
+    let later = match check_after(used.learned_until) {
+        Ok(check) => Some(check).filter(|check| check.check_whole_turn().is_ok()),
+        Err(VerifyError::NothingLeft) => None,
+        Err(error) => return Err(error),
+    };
+    Ok(match later {
+        Some(check) => Showcase { check, later: true },
+        None => Showcase {
             check: check_after(0)?,
             later: false,
-        }),
-        found => Ok(Showcase {
-            check: found?,
-            later: true,
-        }),
-    }
+        },
+    })
 }

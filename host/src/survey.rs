@@ -6,6 +6,7 @@ use quadcal::edge::Levels;
 
 use crate::pattern::{INTERVALS_MAX, Repeat, relative};
 use crate::recording::{Channels, Header, ReadError, Row};
+use crate::time_step::TimeStep;
 
 /// What a recording shows of itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Survey {
     pub last: u64,
     /// Index pulses seen.
     pub index_pulses: u64,
+    /// The step of the time stamps.
+    pub time_step: TimeStep,
     /// Rows with Z high, by the state of A and B (bit 0 A, bit 1 B).
     index_votes: [u64; 4],
     /// Quadrature edges between index pulses in the same direction, and how often each number was found.
@@ -39,6 +42,7 @@ impl Survey {
     ) -> Result<Self, ReadError> {
         let quadrature = matches!(header.channels, Channels::Quadrature { index: true });
         let mut survey = Self {
+            time_step: TimeStep::new(header.clock_hz),
             header,
             rows: 0,
             first: 0,
@@ -59,6 +63,7 @@ impl Survey {
                 survey.intervals.push((row.ticks - survey.last) as f64);
             }
             survey.rows += 1;
+            survey.time_step.push(row.ticks);
             survey.last = row.ticks;
             if quadrature {
                 survey.count(&mut counter, row.levels);

@@ -14,8 +14,20 @@ use crate::findings::Findings;
 /// Bytes of a recording that its check sum covers.
 const SOURCE_BYTES: u64 = 64 * 1024;
 
-/// More bytes than any table has.
-const TABLE_BYTES_MAX: u64 = HEADER_BYTES as u64 + 2 * EDGES_MAX as u64 + 8;
+/// More bytes than any table has, without the marks behind it.
+const SLOT_BYTES_MAX: u64 = HEADER_BYTES as u64 + 2 * EDGES_MAX as u64 + 8;
+
+/// First bytes of the marks of further recordings, which a file has behind the slot; flash does without them.
+const MARKS_MAGIC: [u8; 4] = *b"QCTM";
+
+/// Bytes of a mark: the recording's check sum, and the last tick learned from.
+const MARK_BYTES: usize = 12;
+
+/// Most marks that are kept.
+const MARKS_MOST: usize = 1024;
+
+/// More bytes than any file of a table has.
+const TABLE_BYTES_MAX: u64 = SLOT_BYTES_MAX + (8 + MARKS_MOST * MARK_BYTES) as u64;
 
 /// Check sum by which a table knows the recording that it was learned from: CRC-32 of the first 64 KiB. Never 0.
 ///
@@ -53,6 +65,51 @@ pub fn bytes_with(calibration: &Calibration, header: &SlotHeader) -> Vec<u8> {
         Ok::<(), std::convert::Infallible>(())
     });
     bytes
+}
+
+/// What a file holds behind the slot where a table was learned from several recordings: which of their turns were learned from, as the
+/// slot has room for the first one's mark. `marks` are the check sums of all recordings and the last ticks learned from; nothing
+/// for a single one.
+///
+/// ```text
+/// offset  size  field, little-endian
+///      0     4  magic "QCTM"
+///      4     4  number of marks
+///      8   12n  marks: check sum of a recording's start (4), last tick learned from (8)
+/// ```
+#[must_use]
+pub fn marks_of(marks: &[(u32, u64)]) -> Vec<u8> {
+    if marks.len() < 2 {
+        return Vec::new();
+    }
+    let kept = &marks[..marks.len().min(MARKS_MOST)];
+    let mut bytes = MARKS_MAGIC.to_vec();
+    #[allow(clippy::cast_possible_truncation)]
+    bytes.extend_from_slice(&(kept.len() as u32).to_le_bytes());
+    for (source, learned_until) in kept {
+        bytes.extend_from_slice(&source.to_le_bytes());
+        bytes.extend_from_slice(&learned_until.to_le_bytes());
+    }
+    bytes
+}
+
+/// The `slot` of a file's `bytes` as a check of the recording `source` needs it: with that recording's mark, if the table was learned from it.
+#[must_use]
+pub fn marked<'a>(slot: Slot<'a>, bytes: &[u8], source: u32) -> Slot<'a> {
+    let behind = bytes.get(slot::slot_bytes(slot.header.shape)..);
+    let behind = behind.filter(|behind| behind.starts_with(&MARKS_MAGIC));
+    let marks = behind
+        .and_then(|behind| behind.get(8..))
+        .unwrap_or_default();
+    let marks = marks.as_chunks::<MARK_BYTES>().0;
+    let found = marks.iter().find(|mark| mark[..4] == source.to_le_bytes());
+    let Some(&[_, _, _, _, ref tick @ ..]) = found else {
+        return slot;
+    };
+    let mut slot = slot;
+    slot.header.source = source;
+    slot.header.learned_until = u64::from_le_bytes(*tick);
+    slot
 }
 
 /// Reads a table's bytes; of a longer file, no more than a table can have.

@@ -1,16 +1,20 @@
 //! How good a table is on a recording: scatter of the intervals and, against a reference encoder, equations (21) and (22).
 
+mod pattern;
 mod reference;
 mod scatter;
 
+use std::f64::consts::TAU;
+
 use quadcal::corrector::Corrector;
 use quadcal::estimate::Anchor;
-use quadcal::shape::Grid;
+use quadcal::shape::{EncoderShape, Grid};
 use quadcal::slot::Slot;
 use quadcal::step::Flags;
 use quadcal::table::TableError;
 use thiserror::Error;
 
+pub use pattern::PatternFound;
 pub use reference::{Reference, ReferenceError};
 pub use scatter::{Profile, Scatter};
 
@@ -60,6 +64,31 @@ pub enum VerifyError {
          recording"
     )]
     NothingLeft,
+    /// Less than a turn to check on.
+    #[error(
+        "only {intervals} intervals are left that the table was not learned from, less than a turn of {needed}; calibrate with --turns or \
+         --fraction, or verify on another recording"
+    )]
+    TooLittle {
+        /// Intervals that could be held against the turn about them.
+        intervals: u64,
+        /// Intervals of a turn.
+        needed: u64,
+    },
+    /// A reference of another run, ratio or clock.
+    #[error(
+        "the reference does not fit this recording: from turn to turn it wanders {wander_urad:.0} µrad off the encoder, whose own errors \
+         are {repeating_urad:.0} µrad; check --ratio and its sign, that time counts from the recording's tick 0, and that both were \
+         recorded together",
+        wander_urad = 1e6 * wander_rad,
+        repeating_urad = 1e6 * repeating_rad
+    )]
+    ReferenceMisfit {
+        /// RMS of the error that differs from turn to turn, rad.
+        wander_rad: f64,
+        /// RMS of what repeats, rad.
+        repeating_rad: f64,
+    },
 }
 
 impl From<ReadError> for VerifyError {
@@ -73,10 +102,14 @@ impl From<ReadError> for VerifyError {
 pub struct Verification {
     /// Whether the recording is the one that the table was learned from; then only later turns were looked at.
     pub same_recording: bool,
+    /// Intervals of a turn.
+    pub turn_intervals: u64,
     /// Scatter of the intervals.
     pub scatter: Scatter,
     /// Mean relative speed at every edge, before and after, and one turn of speed as it was.
     pub profile: Profile,
+    /// How much of the table's line pattern shows; none where it can't be told.
+    pub pattern: Option<PatternFound>,
     /// Errors against a reference, if there was one.
     pub reference: Option<ReferenceCheck>,
 }
@@ -90,6 +123,8 @@ pub struct ReferenceCheck {
     pub before_rad: f64,
     /// RMSE after correction, rad.
     pub after_rad: f64,
+    /// RMS of the part of the error before correction that differs from turn to turn, rad.
+    pub wander_rad: f64,
     /// Mean error of every edge before correction, rad.
     pub error_before_rad: Vec<f64>,
     /// Mean error of every edge after correction, rad.
@@ -105,9 +140,23 @@ pub enum Verdict {
     Same,
     /// Angles are worse with the table.
     Worse,
+    /// They are not, but the table's line pattern is not that of this disc.
+    OtherDisc,
 }
 
 impl Verification {
+    /// That it rests on a whole turn of intervals at the least.
+    ///
+    /// # Errors
+    /// [`VerifyError::TooLittle`].
+    pub fn check_whole_turn(&self) -> Result<(), VerifyError> {
+        let (intervals, needed) = (self.scatter.intervals, self.turn_intervals);
+        if intervals < needed {
+            return Err(VerifyError::TooLittle { intervals, needed });
+        }
+        Ok(())
+    }
+
     /// Better or worse, by the reference if there is one, else by the scatter of the intervals. A difference below the standard
     /// error of an RMS value of that many samples counts as none.
     #[must_use]
@@ -124,6 +173,8 @@ impl Verification {
         let chance = before / (2.0 * count.max(1) as f64).sqrt();
         if after > before + chance {
             Verdict::Worse
+        } else if self.pattern.is_some_and(|pattern| pattern.other_disc()) {
+            Verdict::OtherDisc
         } else if after < before - chance {
             Verdict::Better
         } else {
@@ -198,11 +249,33 @@ pub fn verify(
             comparison.push(step.edge, &before, &after);
         }
     }
+    let turn_intervals = u64::from(shape.edges() - plan.gap_edges().min(shape.edges()));
     let (scatter, profile) = meter.finish().ok_or(VerifyError::NothingLeft)?;
+    let reference = comparison.and_then(Comparison::finish);
+    if let Some(misfit) = reference.as_ref().and_then(|found| found.misfit(shape)) {
+        return Err(misfit);
+    }
     Ok(Verification {
         same_recording,
+        turn_intervals,
+        pattern: PatternFound::of(&profile, shape.classes() as usize),
         scatter,
         profile,
-        reference: comparison.and_then(Comparison::finish),
+        reference,
     })
+}
+
+impl ReferenceCheck {
+    /// The error of a reference that does not go with the recording: it differs from turn to turn by more than what repeats, and by more
+    /// than a tenth of the grid's step.
+    fn misfit(&self, shape: EncoderShape) -> Option<VerifyError> {
+        let step = TAU / f64::from(shape.edges());
+        let all = self.before_rad.powi(2);
+        let repeating_rad = (all - self.wander_rad.powi(2)).max(0.0).sqrt();
+        let wander_rad = self.wander_rad;
+        (wander_rad > repeating_rad.max(0.1 * step)).then_some(VerifyError::ReferenceMisfit {
+            wander_rad,
+            repeating_rad,
+        })
+    }
 }

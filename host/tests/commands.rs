@@ -208,6 +208,22 @@ fn one_speed_says_which_orders_it_leaves_and_what_would_decide_them() {
     assert!(!text.contains("Torque ripple,"), "{text}");
     let page = fs::read_to_string(at.join("t.html")).unwrap();
     assert!(page.contains("Orders left alone") && page.contains("--pole-pairs"));
+    // The order may be the encoder's: what is expected does not count it, and says so wherever it stands.
+    let besides = "besides order 3: up to ";
+    assert_eq!(text.matches(besides).count(), 2, "{text}");
+    assert!(
+        page.contains(besides) && page.contains("verdict warn"),
+        "{page}"
+    );
+    let found = json(&done(at, "calibrate slow.csv -o t.qct --json -"));
+    assert_eq!(found["expected_error_complete"], false);
+    let share = found["left_alone_up_to_rad"].as_f64().unwrap()
+        / found["orders_left_alone"][0]["amplitude_rad"]
+            .as_f64()
+            .unwrap();
+    assert!((share - 0.5_f64.sqrt()).abs() < 1e-9, "{share}");
+    let both = json(&done(at, "calibrate slow.csv fast.csv -o t.qct --json -"));
+    assert_eq!(both["expected_error_complete"], true);
     // A motor of three pole pairs makes torque at order 3 only, one of seven does not.
     let left = |pole_pairs: u32| {
         let found = json(&done(
@@ -309,6 +325,20 @@ fn the_demo_writes_its_folder_and_its_files_work() {
     let text = done(at, "demo");
     assert!(text.contains("demo.html"), "{text}");
     let page = fs::read_to_string(at.join("quadcal-demo/demo.html")).unwrap();
+    // What it says to try next works, and keeps most turns.
+    let next = text
+        .lines()
+        .filter_map(|line| line.split_once("quadcal calibrate "));
+    let next: Vec<&str> = next.map(|(_, arguments)| arguments).collect();
+    assert_eq!(next.len(), 1, "{text}");
+    let spindle = json(&done(at, &format!("calibrate {} --json -", next[0])));
+    let later = &spindle["recordings"][0]["later_turns"];
+    let scatter = |key: &str| later[key].as_f64().unwrap();
+    assert!(
+        scatter("scatter_after") < 0.2 * scatter("scatter_before"),
+        "{later}"
+    );
+    assert!(spindle["turns"]["used"].as_u64() > spindle["turns"]["disagrees"].as_u64());
     assert!(page.contains("137.50") && page.contains("hall-spindle") && !page.contains("NaN"));
     for name in ["paper-rig", "hall-spindle"] {
         let arguments =

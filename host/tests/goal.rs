@@ -58,6 +58,7 @@ fn recordings_of_two_discs_are_not_taken_together() {
         ("slow", "r_min = 300", "1"),
         ("same", "r_min = 1200", "1"),
         ("other", "r_min = 1200", "2"),
+        ("near", "r_min = 310", "2"),
     ] {
         let twin = twin("lines = 500", r_min, seed);
         fs::write(at.join(format!("{name}.toml")), twin).unwrap();
@@ -68,6 +69,11 @@ fn recordings_of_two_discs_are_not_taken_together() {
     }
     done(at, "calibrate slow.csv same.csv -o t.qct");
     fs::remove_file(at.join("t.qct")).unwrap();
-    let message = refused(&folder, "calibrate slow.csv other.csv -o t.qct", 2);
-    assert!(message.contains("not of one disc"), "{message}");
+    for other in ["other", "near"] {
+        let arguments = format!("calibrate slow.csv same.csv {other}.csv -o t.qct");
+        let message = refused(&folder, &arguments, 2);
+        let start = format!("quadcal: slow.csv and {other}.csv: ");
+        assert!(message.starts_with(&start), "{message}");
+        assert!(message.contains("not of one disc"), "{message}");
+    }
 }

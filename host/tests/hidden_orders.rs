@@ -39,3 +39,40 @@ fn a_loop_hides_orders_by_the_slowest_turn_learned_from() {
     let found = learned("");
     assert_eq!(found["orders_left_alone_for_loop_up_to"], 0);
 }
+
+#[test]
+fn a_loop_that_nobody_spoke_of_is_asked_about_and_nothing_is_promised() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let twin = done(at, "simulate --example speed-loop");
+    fs::write(at.join("loop.toml"), twin).unwrap();
+    done(at, "simulate loop.toml -o loop.csv");
+    let text = done(at, "calibrate loop.csv -o t.qct --report t.html");
+    let question = text
+        .lines()
+        .find(|line| line.starts_with("Was a speed loop on?"));
+    assert!(
+        question.is_some_and(
+            |line| line.contains("orders 5 to ") && line.contains("torque or voltage mode")
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains("if no speed loop ran") && !text.contains("% off"),
+        "{text}"
+    );
+    let page = fs::read_to_string(at.join("t.html")).unwrap();
+    assert!(
+        page.contains("Was a speed loop on?")
+            && page.contains("not known: was a speed loop on?")
+            && !page.contains("% off")
+    );
+    let found = json(&done(at, "calibrate loop.csv -o t.qct --json -"));
+    assert_eq!(found["speed_loop_suspected"]["first_order"], 5);
+    // Told of the loop, there is nothing to ask.
+    let undone = json(&done(
+        at,
+        "calibrate loop.csv --twin loop.toml -o t.qct --json -",
+    ));
+    assert!(undone["speed_loop_suspected"].is_null());
+}

@@ -82,3 +82,62 @@ fn of_many_broken_turns_the_terminal_names_five_and_the_json_all() {
     assert_eq!(text.matches("    Turn ").count(), 5, "{text}");
     assert!(text.contains("    and 4 more"), "{text}");
 }
+
+#[test]
+fn turns_that_a_coarse_clock_makes_disagree_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let example = done(at, "simulate --example hall");
+    for (clock_hz, coarse) in [("30_000", true), ("3_000_000", false)] {
+        fs::write(at.join("hall.toml"), example.replace("30_000", clock_hz)).unwrap();
+        done(at, "simulate hall.toml -o hall.csv");
+        let text = done(at, "calibrate hall.csv -o t.qct");
+        assert_eq!(text.contains("by its rounding alone"), coarse, "{text}");
+        // The header says two pole pairs; the intervals seem to repeat after others.
+        assert!(
+            text.contains("three Hall sensors, 2 pole pairs, counted"),
+            "{text}"
+        );
+    }
+    let recording = fs::read_to_string(at.join("hall.csv")).unwrap();
+    fs::write(
+        at.join("silent.csv"),
+        recording.replace("# pole_pairs = 2\n", ""),
+    )
+    .unwrap();
+    let text = done(at, "calibrate silent.csv -o t.qct");
+    assert!(
+        text.contains("guessed from how the intervals repeat; --lines says it"),
+        "{text}"
+    );
+}
+
+#[test]
+fn the_step_of_a_logic_analyser_s_times_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let example = done(at, "simulate --example hall");
+    fs::write(
+        at.join("hall.toml"),
+        example.replace("30_000", "24_000_000"),
+    )
+    .unwrap();
+    done(at, "simulate hall.toml -o hall.csv");
+    // The same as an analyser of 24 MHz exports it.
+    let recording = fs::read_to_string(at.join("hall.csv")).unwrap();
+    let rows = recording.lines().filter_map(|line| line.split_once(','));
+    let logic = rows.filter_map(|(ticks, levels)| {
+        let seconds = ticks.parse::<f64>().ok()? / 24e6;
+        Some(format!("{seconds:.9},{levels}\n"))
+    });
+    let logic: String = logic.collect();
+    fs::write(at.join("logic.csv"), format!("Time [s],A,B,C\n{logic}")).unwrap();
+    let text = done(at, "info logic.csv");
+    assert!(
+        text.contains("a step of 41.7 ns, as if sampled at 24.0 MHz"),
+        "{text}"
+    );
+    let found = json(&done(at, "info logic.csv --json -"));
+    assert!((found["time_step_s"].as_f64().unwrap() * 24e6 - 1.0).abs() < 1e-9);
+    assert!(!done(at, "info hall.csv").contains("a step of"));
+}

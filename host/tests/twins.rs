@@ -34,7 +34,10 @@ fn every_file_in_the_folder_is_tried_here() {
         [
             "delays.toml",
             "hall.toml",
+            "keys.txt",
             "load-step.toml",
+            "pair-fast.toml",
+            "pair-slow.toml",
             "paper.toml",
             "run-down.toml",
             "speed-loop.toml",

@@ -78,7 +78,7 @@ impl Rig {
             let clock_hz = survey.header.clock_hz;
             let learner = match &mut learner {
                 Some(learner) => learner,
-                none => none.insert(Learner::new(plan, clock_hz, options.drive)?),
+                none => none.insert(Learner::new(plan, clock_hz, options.drive)?.comparing_discs()),
             };
             learner.add(survey, free_run::rows(free.as_ref(), rows()), &options)?;
             runs.push(free);

@@ -3,6 +3,7 @@
 use quadcal::estimate::Totals;
 use thiserror::Error;
 
+use super::Likeness;
 use crate::recording::ReadError;
 use crate::sensor::PlanError;
 
@@ -58,12 +59,19 @@ pub enum CalibrateError {
         disagrees = .0.disagrees
     )]
     TooFewTurns(Totals),
-    /// The recordings show different patterns.
+    /// Two recordings show different patterns.
     #[error(
-        "the recordings differ at {0} % of all orders, which torque never does: they are not of one disc, or its coupling moved \
-         between them; calibrate each by itself, or check with `quadcal locate`"
+        "the line patterns of the two agree to {found:.0} %, where those of one disc would agree to {expected:.0} %: they are not of one \
+         disc, or its index moved between them; calibrate each by itself, or check with `quadcal locate`",
+        found = 100.0 * likeness.found.max(0.0),
+        expected = 100.0 * likeness.of_one_disc
     )]
-    OtherDisc(u32),
+    OtherDisc {
+        /// Which of the recordings added before this one it does not go with, 0 the first.
+        other: usize,
+        /// How much of the patterns is alike.
+        likeness: Likeness,
+    },
     /// The core can't take such an encoder.
     #[error(transparent)]
     Plan(#[from] PlanError),

@@ -3,8 +3,11 @@
 use quadcal::estimate::{Anchor, DriveKnowledge, Estimator, Goal, Progress, Totals};
 use quadcal::step::Faults;
 
+use super::one_disc::{Likeness, Pattern};
 use super::turns::TurnClock;
-use super::{CalibrateError, CalibrateOptions, Calibration, LearningProgress, RecordingUse};
+use super::{
+    CalibrateError, CalibrateOptions, Calibration, LearningProgress, LinesFrom, RecordingUse,
+};
 use crate::buffers::HeapBuffers;
 use crate::recording::{ReadError, Row};
 use crate::sensor::{PlanError, SensorPlan};
@@ -22,6 +25,8 @@ pub struct Learner {
     progress: LearningProgress,
     goal: Option<Goal>,
     recordings: Vec<RecordingUse>,
+    /// What each recording shows of the disc by itself, where it shows enough; none where they are not compared.
+    patterns: Option<Vec<Option<Pattern>>>,
 }
 
 impl Learner {
@@ -34,20 +39,25 @@ impl Learner {
         clock_hz: u64,
         drive: DriveKnowledge,
     ) -> Result<Self, CalibrateError> {
-        let shape = plan.shape()?;
-        let buffers = HeapBuffers::new(shape.edges() as usize);
-        let estimator = Estimator::new(shape, plan.anchor(), buffers)
-            .map_err(|_| PlanError::Lines(plan.lines))?
-            .with_knowledge(drive);
         Ok(Self {
             plan,
             clock_hz,
             drive,
-            estimator,
+            estimator: estimator(plan, drive)?,
             progress: LearningProgress::default(),
             goal: None,
             recordings: Vec::new(),
+            patterns: None,
         })
+    }
+
+    /// The same, which refuses a recording of another disc than those before. Takes as long again, so not for a single recording.
+    #[must_use]
+    pub fn comparing_discs(self) -> Self {
+        Self {
+            patterns: Some(Vec::new()),
+            ..self
+        }
     }
 
     /// Learns from the `rows` of a recording, as far as the options' `turns`, `until` and `goal` go. It must agree with those before,
@@ -55,7 +65,7 @@ impl Learner {
     ///
     /// # Errors
     /// [`CalibrateError::Read`] when the recording can't be read, [`CalibrateError::TooFewTurns`] when none of its turns can be
-    /// used.
+    /// used, [`CalibrateError::OtherDisc`] where discs are compared.
     pub fn add(
         &mut self,
         survey: Survey,
@@ -69,6 +79,10 @@ impl Learner {
         let edges = self.estimator.shape().edges();
         let mut clock = TurnClock::new(edges, self.plan.anchor() == Anchor::Index);
         let mut learned_until = 0;
+        let mut alone = match &self.patterns {
+            Some(_) => Some(estimator(self.plan, self.drive)?),
+            None => None,
+        };
         for row in rows {
             let row = row?;
             if options.until.is_some_and(|until| row.ticks > until) {
@@ -76,6 +90,9 @@ impl Learner {
             }
             let outcome = decoder.push(row);
             clock.push(&outcome);
+            if let Some(alone) = &mut alone {
+                alone.push(&outcome);
+            }
             match self.estimator.push(&outcome) {
                 Progress::Running => {}
                 Progress::TurnRejected(reason) => clock.reject(reason, &outcome),
@@ -106,13 +123,34 @@ impl Learner {
         if totals.turns == 0 {
             return Err(CalibrateError::TooFewTurns(totals));
         }
+        self.compare(alone)?;
         self.recordings.push(RecordingUse {
+            lines_from: LinesFrom::of(&survey, options),
             survey,
             totals,
             rejected: clock.into_rejected(),
             faults: decoder.faults(),
             learned_until,
         });
+        Ok(())
+    }
+
+    /// Holds a recording that was learned from by itself against those before.
+    fn compare(&mut self, alone: Option<Estimator<HeapBuffers>>) -> Result<(), CalibrateError> {
+        let Some(patterns) = &mut self.patterns else {
+            return Ok(());
+        };
+        // With a turn or two there is nothing to compare.
+        let solved = alone.and_then(|estimator| estimator.solve().ok());
+        let pattern = solved.map(|solution| Pattern::of(&solution));
+        for (other, before) in patterns.iter().enumerate() {
+            let pair = pattern.as_ref().zip(before.as_ref());
+            let likeness = pair.and_then(|(this, before)| this.likeness(before));
+            if let Some(likeness) = likeness.filter(Likeness::two_discs) {
+                return Err(CalibrateError::OtherDisc { other, likeness });
+            }
+        }
+        patterns.push(pattern);
         Ok(())
     }
 
@@ -148,6 +186,7 @@ impl Learner {
             drive: self.drive,
             solution,
             loop_error_rad: 0.0,
+            loops_undone: false,
             progress: self.progress,
             goal: self.goal,
             totals,
@@ -155,6 +194,17 @@ impl Learner {
             recordings: self.recordings,
         })
     }
+}
+
+fn estimator(
+    plan: SensorPlan,
+    drive: DriveKnowledge,
+) -> Result<Estimator<HeapBuffers>, CalibrateError> {
+    let shape = plan.shape()?;
+    let buffers = HeapBuffers::new(shape.edges() as usize);
+    let estimator =
+        Estimator::new(shape, plan.anchor(), buffers).map_err(|_| PlanError::Lines(plan.lines))?;
+    Ok(estimator.with_knowledge(drive))
 }
 
 fn sum_of(one: Faults, other: Faults) -> Faults {

@@ -154,8 +154,12 @@ impl Calibrate {
             Some(_) => Some(self.page(&calibrated)?),
             None => None,
         };
-        self.output
-            .write(&table_file::bytes_of(&calibration, source))?;
+        let sources = surveyed.iter().map(|one| one.source);
+        let learned = calibration.recordings.iter().map(|used| used.learned_until);
+        let marks: Vec<(u32, u64)> = sources.zip(learned).collect();
+        let mut table = table_file::bytes_of(&calibration, source);
+        table.extend_from_slice(&table_file::marks_of(&marks));
+        self.output.write(&table)?;
         if let Some(target) = &self.csv {
             target.write(table_file::csv_of(&findings).as_bytes())?;
         }
@@ -180,21 +184,19 @@ impl Calibrate {
         };
         let mut learner =
             Learner::new(first.plan, clock_hz, drive).map_err(|error| self.failed(&all, error))?;
+        if surveyed.len() > 1 {
+            learner = learner.comparing_discs();
+        }
         let mut pass = self.pass("Learning", globals);
         for one in surveyed {
             let rows = free_run::rows(one.free.as_ref(), pass.watch(one.input.open()?));
             learner
                 .add(one.survey.clone(), rows, &one.options)
-                .map_err(|error| self.failed(&one.input.recording, error))?;
+                .map_err(|error| self.not_learned(&one.input.recording, error))?;
         }
         learner.leave_alone_up_to(self.hidden_up_to(surveyed, &learner));
         let runs: Vec<Option<&FreeRun>> = surveyed.iter().map(|one| one.free.as_ref()).collect();
         let solved = learner.solve().map_err(|error| self.failed(&all, error))?;
-        if runs.iter().all(Option::is_none) {
-            solved
-                .check_one_disc()
-                .map_err(|error| self.failed(&all, error))?;
-        }
         Ok(solved.with_loops_undone(&runs))
     }
 
@@ -214,6 +216,19 @@ impl Calibrate {
     fn names(&self) -> Vec<String> {
         let names = self.recordings.iter();
         names.map(|path| path.display().to_string()).collect()
+    }
+
+    /// An error of one recording, or of it and one before it.
+    fn not_learned(&self, recording: &Path, error: CalibrateError) -> Failure {
+        let other = match &error {
+            CalibrateError::OtherDisc { other, .. } => self.recordings.get(*other),
+            _ => None,
+        };
+        let Some(other) = other else {
+            return self.failed(recording, error);
+        };
+        let both = format!("{} and {}", other.display(), recording.display());
+        self.failed(Path::new(&both), error)
     }
 
     fn failed(&self, recording: &Path, error: CalibrateError) -> Failure {

@@ -3,6 +3,7 @@
 use crate::calibrate::RecordingUse;
 use crate::report::si;
 use crate::reports::calibrate::Calibrated;
+use crate::reports::expected::{self, LeftOut};
 use crate::reports::{separation, words};
 
 use super::output::{Facts, Target};
@@ -16,12 +17,14 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
         ..
     } = *calibrated;
     let plan = calibration.plan;
+    let left_out = LeftOut::of(calibration, findings);
     let mut facts = Facts::default();
     let encoder = format!(
-        "{}, {} {}, counted from {}",
+        "{}, {} {}{}, counted from {}",
         words::sensor(plan.kind),
         plan.lines,
         plan.kind.line_name(),
+        words::lines_guessed(calibration),
         words::origin(plan)
     );
     recording_facts(&mut facts, calibrated);
@@ -40,9 +43,11 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
         .push(
             "Expected error, RMS",
             format!(
-                "{} before, {} after",
+                "{} before, {} after{}{}",
                 si(findings.before_rad, "rad"),
-                si(findings.after_rad, "rad")
+                si(findings.after_rad, "rad"),
+                left_out.besides(),
+                expected::proviso(findings)
             ),
         );
     if let Some(progress) = words::progress(calibration, findings.after_rad) {
@@ -65,6 +70,12 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     if calibration.two_speeds() && findings.torques.is_empty() {
         facts.push("Torque ripple", "none that stands out");
     }
+    if inertia_kg_m2.is_some() && !calibration.two_speeds() && !calibration.loops_undone {
+        facts.push(
+            "--inertia",
+            "has no use here: all turns ran at one speed, where torque can't be told from the disc; give a recording at another speed too",
+        );
+    }
     for delay in findings.delays.found() {
         let size = [delay.seconds, delay.standard_error_s].map(|seconds| si(seconds, "s"));
         facts.push(delay.name, size.join(" ± "));
@@ -82,8 +93,12 @@ pub(super) fn facts(calibrated: &Calibrated<'_>, table: &Target) -> Facts {
     if let Some(hidden) = separation::hidden(calibration) {
         facts.push("Hidden orders", hidden);
     }
-    let outlook = words::outlook(findings.before_rad, findings.after_rad);
-    facts.push("Table", table).push("", outlook);
+    if let Some(hump) = &findings.loop_suspicion {
+        facts.push("Was a speed loop on?", separation::loop_suspected(hump));
+    }
+    facts
+        .push("Table", table)
+        .push("", expected::outlook(findings, &left_out));
     facts
 }
 
@@ -107,6 +122,10 @@ fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
             .push("  Turns used", taken)
             .push("  Turns rejected", words::rejected(totals));
         rejected_facts(&mut *facts, used);
+        let edges = calibration.solution.shape().edges();
+        if let Some(coarse) = words::coarse_clock(used, edges) {
+            facts.push("", coarse);
+        }
         if shown.later {
             let scatter = &shown.check.scatter;
             let remark = if shown.worse_later() {

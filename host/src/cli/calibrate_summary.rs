@@ -1,12 +1,14 @@
 //! What `quadcal calibrate` writes as JSON.
 
-use quadcal::estimate::Totals;
+mod recording;
+
 use serde::Serialize;
 
-use crate::calibrate::{self, RecordingUse};
+use crate::calibrate::LinesFrom;
 use crate::reports::calibrate::Calibrated;
+use crate::reports::expected::LeftOut;
 use crate::reports::words;
-use crate::showcase::Showcase;
+use recording::{Recording, Turns};
 
 /// The result, as in the JSON.
 #[derive(Debug, Serialize)]
@@ -15,6 +17,8 @@ pub(super) struct Summary {
     sensor: &'static str,
     counted: &'static str,
     lines: u32,
+    /// How the first recording's number of lines was found: `declared`, `index`, `header` or `pattern`, which is a guess.
+    lines_from: &'static str,
     edges_per_turn: u32,
     origin: &'static str,
     clock_hz: u64,
@@ -23,7 +27,12 @@ pub(super) struct Summary {
     parameters: Vec<Value>,
     eps_rms_rad: f64,
     expected_error_before_rad: f64,
+    /// Without the orders left alone.
     expected_error_after_rad: f64,
+    /// Whether no order was left alone.
+    expected_error_complete: bool,
+    /// What the orders left alone as torque or the disc may make them add at most, RMS.
+    left_alone_up_to_rad: f64,
     /// Of one edge's line position error.
     line_standard_error_rad: f64,
     /// What was to be expected after each turn.
@@ -39,6 +48,8 @@ pub(super) struct Summary {
     orders_hidden_up_to: u16,
     /// Orders 1 up to this are left alone for it.
     orders_left_alone_for_loop_up_to: u16,
+    /// Orders that look as if a speed loop had run; null where none do.
+    speed_loop_suspected: Option<Suspected>,
     /// The part of the line's standard error that undoing a speed loop made.
     loop_standard_error_rad: f64,
 }
@@ -51,54 +62,6 @@ struct AfterTurn {
     expected_error_rad: f64,
     /// After as many turns again.
     expected_after_twice_rad: f64,
-}
-
-/// What one recording gave.
-#[derive(Debug, Serialize)]
-struct Recording {
-    file: String,
-    seconds: f64,
-    turns: Turns,
-    /// The first thousand turns rejected, in their order.
-    turns_rejected: Vec<RejectedTurn>,
-    /// How many more were.
-    turns_rejected_not_listed: u64,
-    learned_until_tick: u64,
-    later_turns: Option<LaterTurns>,
-}
-
-/// The table on turns after those learned from.
-#[derive(Debug, Serialize)]
-struct LaterTurns {
-    scatter_before: f64,
-    scatter_after: f64,
-    worse: bool,
-}
-
-#[derive(Debug, Serialize)]
-struct Turns {
-    used: u32,
-    broken: u32,
-    irregular: u32,
-    speed_change: u32,
-    disagrees: u32,
-    slowest_rev_per_min: f64,
-    fastest_rev_per_min: f64,
-}
-
-/// A turn that was not learned from.
-#[derive(Debug, Serialize)]
-struct RejectedTurn {
-    /// Its number in the recording: 1 is the first whole turn.
-    turn: u64,
-    /// When it began, from the recording's first row on.
-    start_s: f64,
-    /// How long it took; null where the recording ends within it.
-    seconds: Option<f64>,
-    /// The key of its count in `turns`.
-    reason: &'static str,
-    /// The same in words.
-    why: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -136,53 +99,19 @@ struct Delay {
     standard_error_s: f64,
 }
 
+/// Orders that stand out broadly.
+#[derive(Debug, Serialize)]
+struct Suspected {
+    first_order: usize,
+    last_order: usize,
+    /// Over the orders above.
+    times: f64,
+}
+
 #[derive(Debug, Serialize)]
 struct Order {
     order: u16,
     amplitude_rad: f64,
-}
-
-impl Turns {
-    fn of(totals: &Totals, clock_hz: u64) -> Self {
-        let [slowest, fastest] = words::speeds_r_min(totals, clock_hz);
-        Self {
-            used: totals.turns,
-            broken: totals.broken,
-            irregular: totals.irregular,
-            speed_change: totals.speed_change,
-            disagrees: totals.disagrees,
-            slowest_rev_per_min: slowest,
-            fastest_rev_per_min: fastest,
-        }
-    }
-}
-
-impl Recording {
-    fn of(name: &str, used: &RecordingUse, shown: &Showcase) -> Self {
-        let rejected = |turn: &calibrate::RejectedTurn| {
-            let (start_s, seconds) = used.seconds_of(turn);
-            RejectedTurn {
-                turn: turn.number,
-                start_s,
-                seconds,
-                reason: words::reason_id(turn.reason),
-                why: words::reason(turn.reason),
-            }
-        };
-        Self {
-            file: name.to_owned(),
-            seconds: used.survey.seconds(),
-            turns: Turns::of(&used.totals, used.survey.header.clock_hz),
-            turns_rejected: used.rejected.listed().iter().map(rejected).collect(),
-            turns_rejected_not_listed: used.rejected.more(),
-            learned_until_tick: used.learned_until,
-            later_turns: shown.later.then(|| LaterTurns {
-                scatter_before: shown.check.scatter.before,
-                scatter_after: shown.check.scatter.after,
-                worse: shown.worse_later(),
-            }),
-        }
-    }
 }
 
 impl Summary {
@@ -194,6 +123,7 @@ impl Summary {
             shown,
             inertia_kg_m2,
         } = *calibrated;
+        let left_out = LeftOut::of(calibration, findings);
         let (plan, faults) = (calibration.plan, &calibration.faults);
         let recordings = names.iter().zip(&calibration.recordings).zip(shown);
         Self {
@@ -203,6 +133,11 @@ impl Summary {
             sensor: words::sensor(plan.kind),
             counted: plan.kind.line_name(),
             lines: plan.lines,
+            lines_from: calibration
+                .recordings
+                .first()
+                .map_or(LinesFrom::Declared, |used| used.lines_from)
+                .id(),
             edges_per_turn: calibration.solution.shape().edges(),
             origin: words::origin(plan),
             clock_hz: calibration.clock_hz,
@@ -225,6 +160,8 @@ impl Summary {
             eps_rms_rad: findings.eps_rms_rad(),
             expected_error_before_rad: findings.before_rad,
             expected_error_after_rad: findings.after_rad,
+            expected_error_complete: left_out.is_nothing(),
+            left_alone_up_to_rad: left_out.up_to_rad,
             line_standard_error_rad: findings.after_rad,
             progress: calibration
                 .progress
@@ -276,6 +213,11 @@ impl Summary {
                 .collect(),
             orders_hidden_up_to: calibration.drive.hidden_up_to,
             orders_left_alone_for_loop_up_to: calibration.left_alone_for_loop(),
+            speed_loop_suspected: findings.loop_suspicion.map(|hump| Suspected {
+                first_order: hump.first,
+                last_order: hump.last,
+                times: hump.times,
+            }),
             loop_standard_error_rad: calibration.loop_error_rad,
         }
     }

@@ -159,7 +159,7 @@ impl Demo {
             .push(
                 "",
                 format!(
-                    "quadcal calibrate {out}/hall-spindle.csv -o spindle.qct --report spindle.html"
+                    "quadcal calibrate {out}/hall-spindle.csv --fraction 0.5 -o spindle.qct --report spindle.html"
                 ),
             )
             .push(

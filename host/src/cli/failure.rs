@@ -1,6 +1,7 @@
 //! How a command ends when it cannot do what was asked: one line on stderr and an exit code.
 
 mod exit;
+mod of;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -84,6 +85,16 @@ pub enum Failure {
         "--torque: a torque moves a shaft by its inertia; give --inertia J in kg m^2, or --twin"
     )]
     NoInertia,
+    /// An option that says nothing of this recording.
+    #[error("{option}: {recording} {why}; leave the option out", recording = recording.display())]
+    Useless {
+        /// The option.
+        option: &'static str,
+        /// The recording.
+        recording: PathBuf,
+        /// What it is that makes the option useless.
+        why: &'static str,
+    },
     /// Two recordings can't be learned from together.
     #[error("{this}: does not go with {other}: {source}", this = this.display(), other = other.display())]
     Together {
@@ -155,6 +166,19 @@ pub enum Failure {
         before: String,
         /// With it.
         after: String,
+    },
+    /// A table's line pattern is not in a recording.
+    #[error(
+        "{table}: this table belongs to another disc than the one recorded, or the index moved ({share:.0} % of its line pattern shows); \
+         don't use it: calibrate this encoder",
+        table = table.display(),
+        share = 100.0 * share.max(0.0)
+    )]
+    OtherPattern {
+        /// The table.
+        table: PathBuf,
+        /// How much of its pattern the recording shows.
+        share: f64,
     },
     /// No place can be looked for in a table.
     #[error("{file}: {source}", file = match source { LocateError::NothingLeft | LocateError::Plan(_) => recording, _ => table }.display())]
@@ -232,60 +256,6 @@ pub enum Failure {
         /// The output.
         target: Target,
     },
-}
-
-impl From<ReadError> for Failure {
-    fn from(error: ReadError) -> Self {
-        Self::Read(Box::new(error))
-    }
-}
-
-impl Failure {
-    /// A calibration's error, on `recording` as `twin` declares it.
-    #[must_use]
-    pub fn calibrating(recording: &Path, twin: Option<&Path>, error: CalibrateError) -> Self {
-        match error {
-            CalibrateError::Read(error) => Self::Read(error),
-            source => Self::Calibrate {
-                recording: recording.to_owned(),
-                twin: twin.map(Path::to_owned),
-                source,
-            },
-        }
-    }
-
-    /// A check's error.
-    #[must_use]
-    pub fn verifying(recording: &Path, table: &Path, error: VerifyError) -> Self {
-        match error {
-            VerifyError::Read(error) => Self::Read(error),
-            source => Self::Verify {
-                recording: recording.to_owned(),
-                table: table.to_owned(),
-                source,
-            },
-        }
-    }
-
-    /// A search's error.
-    #[must_use]
-    pub fn locating(recording: &Path, table: &Path, source: LocateError) -> Self {
-        Self::Locate {
-            recording: recording.to_owned(),
-            table: table.to_owned(),
-            source,
-        }
-    }
-
-    /// Sorts a writer's error into the system's part and the format's.
-    #[must_use]
-    pub fn writing(target: &Target, error: WriteError) -> Self {
-        let target = target.clone();
-        match error {
-            WriteError::Io(source) => Self::Write { target, source },
-            source => Self::Unwritable { target, source },
-        }
-    }
 }
 
 /// The file that a check's error is about.

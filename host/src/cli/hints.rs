@@ -35,7 +35,7 @@ pub(super) fn twin_hint(error: &TwinError) -> &'static str {
             "; check the path (quadcal simulate --example paper > twin.toml writes one to start from)"
         }
         TwinError::Syntax { .. } => {
-            "; correct the line (quadcal simulate --example paper shows a complete twin)"
+            "; correct the line (quadcal simulate --keys lists every key, --example paper shows a complete twin)"
         }
         _ => "",
     }

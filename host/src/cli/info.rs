@@ -45,6 +45,8 @@ struct Summary {
     format: &'static str,
     list: Option<&'static str>,
     clock_hz: u64,
+    /// Step of the time stamps; null with few rows.
+    time_step_s: Option<f64>,
     channels: &'static str,
     rows: u64,
     repeated_rows: u64,
@@ -106,6 +108,7 @@ impl Info {
                 ListKind::Intervals | ListKind::Auto => "intervals",
             }),
             clock_hz: survey.header.clock_hz,
+            time_step_s: time_step_s(&survey),
             channels: match channels {
                 Channels::Quadrature { .. } => "quadrature",
                 Channels::Hall => "hall",
@@ -143,7 +146,7 @@ impl Summary {
         facts
             .push("File", &self.file)
             .push("Format", self.format_text())
-            .push("Clock", clock(self.clock_hz))
+            .push("Clock", self.clock_text())
             .push("Channels", self.channels_text())
             .push("Length", format!("{:.3} s", self.seconds));
         let repeated = match self.repeated_rows {
@@ -192,6 +195,20 @@ impl Summary {
         }
     }
 
+    /// The clock, and the step of the time stamps where it is not a tick.
+    #[allow(clippy::cast_precision_loss)]
+    fn clock_text(&self) -> String {
+        let clock = clock(self.clock_hz);
+        match self.time_step_s {
+            Some(step) if step * self.clock_hz as f64 > 1.5 => format!(
+                "{clock}; the times have a step of {}, as if sampled at {}",
+                report::si(step, "s"),
+                report::si(1.0 / step, "Hz")
+            ),
+            _ => clock,
+        }
+    }
+
     fn channels_text(&self) -> &'static str {
         match (self.channels, self.index_pulses) {
             ("quadrature", Some(_)) => "quadrature with index (A, B, Z)",
@@ -223,6 +240,12 @@ impl Rates {
         let [lowest, mean, highest] = [self.lowest, self.mean, self.highest].map(number);
         format!("{lowest} to {highest} {unit}, mean {mean} {unit}")
     }
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn time_step_s(survey: &Survey) -> Option<f64> {
+    let ticks = survey.time_step.ticks()?;
+    Some(ticks / survey.header.clock_hz as f64)
 }
 
 /// With as many digits as it takes, for a clock is exact.

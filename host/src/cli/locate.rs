@@ -71,13 +71,13 @@ impl Locate {
         }
         self.input.check_regular()?;
         let bytes = self.table.read()?;
-        let slot = self.table.parse(&bytes)?;
+        let source = self.input.source()?;
+        let slot = self.table.parse(&bytes, source)?;
         let rows = self.input.rows(globals)?;
         let header = rows.recording().header.clone();
         let survey = Survey::of(header, rows)?;
         let plan = self.plan(&survey, &slot)?;
         let rows: Vec<Row> = self.input.rows(globals)?.collect::<Result<_, _>>()?;
-        let source = self.input.source()?;
         let located = locate(&slot, plan, source, &rows, self.starts as usize)
             .map_err(|error| Failure::locating(&self.input.recording, self.table.path(), error))?;
         let summary = self.summary(&located);

@@ -1,6 +1,6 @@
 //! Options that say what sensor a recording is of.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
 
@@ -40,11 +40,22 @@ impl SensorArgs {
         twin.map_err(Failure::from)
     }
 
-    /// As the calibration takes them, checked against what `channels` were recorded.
+    /// As the calibration takes them, checked against what `channels` the `recording` has.
     ///
     /// # Errors
-    /// A twin that can't be used, or one of another kind of sensor.
-    pub fn options(&self, channels: Channels) -> Result<CalibrateOptions, Failure> {
+    /// A twin that can't be used, or one of another kind of sensor; missing teeth of a sensor that has none.
+    pub fn options(
+        &self,
+        recording: &Path,
+        channels: Channels,
+    ) -> Result<CalibrateOptions, Failure> {
+        if self.missing > 0 && !matches!(channels, Channels::Wheel | Channels::Pulses) {
+            return Err(Failure::Useless {
+                option: "--missing",
+                recording: recording.to_owned(),
+                why: "is not of a toothed wheel, so no teeth can be missing",
+            });
+        }
         let Some(path) = &self.twin else {
             return Ok(CalibrateOptions {
                 lines: self.lines,

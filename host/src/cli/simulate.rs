@@ -20,6 +20,7 @@ use super::{EXIT_CODES, Globals, verify};
 const EXAMPLES: &str = "\
 Examples:
   quadcal simulate --example paper > rig.toml     a twin to start from
+  quadcal simulate --keys                         every key that a twin may have
   quadcal simulate rig.toml -o rig.csv --turns 14
   quadcal simulate rig.toml -o rig.csv --truth truth.csv --reference ref.csv --ratio 8
 
@@ -33,10 +34,10 @@ encoder's true errors go to the file of --truth, only where that is asked for.
 #[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
 pub struct Simulate {
     /// Twin: encoder, shaft, drive and timer of the rig, as TOML
-    #[arg(required_unless_present = "example")]
+    #[arg(required_unless_present_any = ["example", "keys"])]
     twin: Option<PathBuf>,
     /// Recording to write, .csv or .vcd, '-' for CSV on stdout
-    #[arg(short, long, value_name = "REC", required_unless_present = "example")]
+    #[arg(short, long, value_name = "REC", required_unless_present_any = ["example", "keys"])]
     output: Option<Target>,
     /// Seed of all random numbers, in place of the twin's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..1 << 63))]
@@ -47,6 +48,9 @@ pub struct Simulate {
     /// Print a twin to start from and do nothing else
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["twin", "output"])]
     example: Option<Example>,
+    /// Print every key that a twin may have, with its unit and default, and do nothing else
+    #[arg(long, conflicts_with_all = ["twin", "output", "example"])]
+    keys: bool,
     /// Write the encoder's true errors: CSV with edge,error_rad
     #[arg(long, value_name = "TRUTH", help_heading = "Truth")]
     truth: Option<Target>,
@@ -70,6 +74,9 @@ pub struct Simulate {
     json: JsonArg,
 }
 
+/// Every key of a twin: key, unit, default and what it is.
+const KEYS: &str = include_str!("../../twins/keys.txt");
+
 /// Twins shipped with the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Example {
@@ -85,6 +92,14 @@ enum Example {
     RunDown,
     /// The paper's encoder under a speed loop fed by its own edges
     SpeedLoop,
+    /// Slow optocouplers at two speeds: delays that grow with the speed
+    Delays,
+    /// A spindle whose load bites twice
+    LoadStep,
+    /// The slow one of a pair: one encoder, eccentric, with torque ripple, at two speeds
+    PairSlow,
+    /// The fast one of the pair
+    PairFast,
 }
 
 impl Example {
@@ -96,6 +111,10 @@ impl Example {
             Self::Wheel => include_str!("../../twins/wheel-60-2.toml"),
             Self::RunDown => include_str!("../../twins/run-down.toml"),
             Self::SpeedLoop => include_str!("../../twins/speed-loop.toml"),
+            Self::Delays => include_str!("../../twins/delays.toml"),
+            Self::LoadStep => include_str!("../../twins/load-step.toml"),
+            Self::PairSlow => include_str!("../../twins/pair-slow.toml"),
+            Self::PairFast => include_str!("../../twins/pair-fast.toml"),
         }
     }
 }
@@ -124,6 +143,9 @@ impl Simulate {
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
         if let Some(example) = self.example {
             return Target::Stdout.write(example.text().as_bytes());
+        }
+        if self.keys {
+            return Target::Stdout.write(KEYS.as_bytes());
         }
         // Both are there, as the command line was checked.
         let (Some(path), Some(output)) = (&self.twin, &self.output) else {

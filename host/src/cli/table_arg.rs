@@ -35,15 +35,17 @@ impl TableArg {
         })
     }
 
-    /// The table in the bytes of its file.
+    /// The table in the bytes of its file, marked with what it learned from the recording with the check sum `source`.
     ///
     /// # Errors
     /// [`Failure::Table`].
-    pub(super) fn parse<'a>(&self, bytes: &'a [u8]) -> Result<Slot<'a>, Failure> {
-        table_file::parse(bytes).map_err(|fault| Failure::Table {
+    pub(super) fn parse<'a>(&self, bytes: &'a [u8], source: u32) -> Result<Slot<'a>, Failure> {
+        let parsed = table_file::parse(bytes);
+        let slot = parsed.map_err(|fault| Failure::Table {
             table: self.path.clone(),
             fault,
-        })
+        })?;
+        Ok(table_file::marked(slot, bytes, source))
     }
 }
 

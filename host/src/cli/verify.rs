@@ -32,7 +32,8 @@ Examples:
 
 On the recording that the table was learned from, only later turns are looked at. Without a reference the scatter of the speed from
 edge to edge decides. A reference is CSV with time (s, on the recording's clock) and angle_rad, and turns RATIO times as fast
-as the encoder: equations (21) and (22). Exit code 1 means that the table makes the encoder worse.
+as the encoder: equations (21) and (22). Exit code 1 means that the table makes the encoder worse
+or is of another disc.
 
 ";
 
@@ -81,6 +82,8 @@ struct Summary {
     table: String,
     verdict: &'static str,
     same_recording: bool,
+    /// How much of the table's line pattern the recording shows: 1 for its disc, 0 for another; null where the pattern is too weak.
+    pattern_found: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     delays: Vec<ClassDelay>,
     intervals: u64,
@@ -103,17 +106,18 @@ impl Verify {
         spare(&outputs, &self.input.recording)?;
         self.input.check_regular()?;
         let bytes = self.table.read()?;
-        let slot = self.table.parse(&bytes)?;
+        let source = self.input.source()?;
+        let slot = self.table.parse(&bytes, source)?;
         let reference = self.read_reference()?;
         let path = &self.input.recording;
         let rows = self.input.rows(globals)?;
         let header = rows.recording().header.clone();
-        let source = self.input.source()?;
         let survey = Survey::of(header.clone(), rows)?;
         let plan = self.plan(&survey, &header, &slot.header)?;
         let rows = self.input.rows(globals)?;
         let check = verify(&slot, plan, source, header.clock_hz, rows, reference)
-            .map_err(|error| Failure::verifying(path, self.table.path(), error))?;
+            .and_then(|check| check.check_whole_turn().map(|()| check))
+            .map_err(|error| self.failed(error))?;
         if let (Some(reference), None) = (&self.reference, &check.reference) {
             return Err(Failure::Apart {
                 reference: reference.display().to_string(),
@@ -130,6 +134,15 @@ impl Verify {
         let facts = self.facts(&check, &delays);
         self.json.write(&self.summary(&check, delays), &facts)?;
         self.judge(&check)
+    }
+
+    /// A check's error, by the file that it is about.
+    fn failed(&self, error: VerifyError) -> Failure {
+        let file = match (&error, &self.reference) {
+            (VerifyError::ReferenceMisfit { .. }, Some(reference)) => reference,
+            _ => &self.input.recording,
+        };
+        Failure::verifying(file, self.table.path(), error)
     }
 
     fn read_reference(&self) -> Result<Option<Reference>, Failure> {
@@ -156,7 +169,7 @@ impl Verify {
         table: &SlotHeader,
     ) -> Result<SensorPlan, Failure> {
         let (path, twin) = (&self.input.recording, self.sensor.twin.as_deref());
-        let mut options = self.sensor.options(header.channels)?;
+        let mut options = self.sensor.options(path, header.channels)?;
         options.without_index |= !table.indexed;
         let declared = options.lines.is_some();
         options.lines = options.lines.or(Some(table.shape.lines()));
@@ -186,8 +199,10 @@ impl Verify {
                 Verdict::Better => "better",
                 Verdict::Same => "same",
                 Verdict::Worse => "worse",
+                Verdict::OtherDisc => "other_disc",
             },
             same_recording: check.same_recording,
+            pattern_found: check.pattern.map(|pattern| pattern.share),
             delays,
             intervals: check.scatter.intervals,
             scatter_before: check.scatter.before,
@@ -234,8 +249,15 @@ impl Verify {
     }
 
     fn judge(&self, check: &Verification) -> Result<(), Failure> {
-        if check.verdict() != Verdict::Worse {
-            return Ok(());
+        match (check.verdict(), check.pattern) {
+            (Verdict::Worse, _) => {}
+            (Verdict::OtherDisc, Some(pattern)) => {
+                return Err(Failure::OtherPattern {
+                    table: self.table.path().to_owned(),
+                    share: pattern.share,
+                });
+            }
+            _ => return Ok(()),
         }
         let (what, before, after) = page::compared(check);
         let text = |value: f64| match check.reference {

@@ -198,6 +198,21 @@ fn ten_figures_of_a_million_noisy_samples_stay_near_a_megabyte() {
 }
 
 #[test]
+fn a_line_over_a_dense_one_stands_out_from_it() {
+    let x: Vec<f64> = (0..10_000).map(f64::from).collect();
+    let page = |below: &[f64]| {
+        let plot = Xy::new(Axis::new("x", ""), Axis::new("y", ""))
+            .series(Series::line("before", below, below).colour(Colour::BEFORE))
+            .series(Series::line("after", &x, &x).colour(Colour::AFTER));
+        let mut report = Report::new("t", "t");
+        report.body().figure(plot, "c");
+        report.render()
+    };
+    let over = |page: &str| page.contains("line blue over") && page.contains("class=\"casing\"");
+    assert!(over(&page(&x)) && !over(&page(&x[..3])));
+}
+
+#[test]
 fn few_points_have_tool_tips_and_many_have_none() {
     let tips = |n: usize| {
         let x: Vec<f64> = (0..n).map(|i| i as f64).collect();

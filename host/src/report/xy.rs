@@ -130,6 +130,11 @@ pub struct Xy {
     rules: Vec<(bool, f64, String)>,
 }
 
+/// Whether a series has more points than can be told apart.
+fn is_dense(series: &Series, frame: &Frame) -> bool {
+    series.points.len() as f64 > 2.0 * frame.width
+}
+
 impl Xy {
     /// An empty figure.
     pub fn new(x: Axis, y: Axis) -> Self {
@@ -211,17 +216,20 @@ impl Xy {
         let frame = Frame::new(canvas, x, Scale::fit(&self.y, y, 0.06, 6));
         let inside = html! {
             @for band in &self.bands { (band.draw(&frame)) }
-            @for series in &self.series { (self.draw_series(&frame, series)) }
+            @for (index, series) in self.series.iter().enumerate() {
+                (self.draw_series(&frame, series, self.series[..index].iter().any(|below| is_dense(below, &frame))))
+            }
             @for (vertical, at, text) in &self.rules { (rule(&frame, *at, *vertical, text)) }
         };
         frame.render(label, inside, html! {})
     }
 
-    fn draw_series(&self, frame: &Frame, series: &Series) -> Markup {
+    /// Draws a series; one `over` a dense one stands out from it.
+    fn draw_series(&self, frame: &Frame, series: &Series, over: bool) -> Markup {
         let colour = series.colour.unwrap_or(Colour::Blue).class();
         let places = series.points.iter().map(|p| frame.at(p.0, p.1));
         let few = series.points.len() <= FEW;
-        let dense = series.points.len() as f64 > 2.0 * frame.width;
+        let dense = is_dense(series, frame) && !over;
         match series.style {
             Style::Points if few => html! { (self.dots(frame, series, colour, "dot")) },
             Style::Points => {
@@ -244,7 +252,8 @@ impl Xy {
                 let lines = polyline(places, frame.width);
                 let dashed = series.style == Style::Dashed;
                 html! {
-                    path.line.dash[dashed].dense[dense].(colour) d=(path(&lines)) {}
+                    @if over { path.casing d=(path(&lines)) {} }
+                    path.line.dash[dashed].dense[dense].over[over].(colour) d=(path(&lines)) {}
                     @if few { (self.dots(frame, series, colour, "touch")) }
                 }
             }

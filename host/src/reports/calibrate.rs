@@ -6,6 +6,7 @@ use crate::report::{Body, Cell, Footer, Level, Report, Tile};
 use crate::sensor::SensorKind;
 use crate::showcase::Showcase;
 
+use super::expected::{self, LeftOut};
 use super::{figures, separation, turns, words};
 
 /// A calibration as the report takes it.
@@ -36,11 +37,12 @@ pub fn report(calibrated: &Calibrated<'_>, footer: Footer) -> Report {
     let mut report = Report::new(
         "Encoder calibration",
         format!(
-            "{}: {}, {} {}",
+            "{}: {}, {} {}{}",
             names.join(" and "),
             words::sensor(plan.kind),
             plan.lines,
-            plan.kind.line_name()
+            plan.kind.line_name(),
+            words::lines_guessed(calibration)
         ),
     );
     verdict(&mut report, calibration, findings, shown);
@@ -69,18 +71,30 @@ fn verdict(
 ) {
     let (before, after) = (findings.before_rad, findings.after_rad);
     let gain = words::reduction_percent(before, after);
-    let outlook = words::outlook(before, after);
+    let left_out = LeftOut::of(calibration, findings);
+    let outlook = expected::outlook(findings, &left_out);
     let mut headline = outlook.clone();
     if let Some(first) = outlook.get(..1) {
         headline = first.to_uppercase() + &outlook[1..];
     }
-    let mut level = if gain < 5.0 { Level::Warn } else { Level::Good };
+    let doubtful = gain < 5.0 || findings.loop_suspicion.is_some() || !left_out.is_nothing();
+    let mut level = if doubtful { Level::Warn } else { Level::Good };
     if let Some(worse) = shown.iter().find(|shown| shown.worse_later()) {
         level = Level::Bad;
         headline = words::worse_later(worse);
     }
     let totals = &calibration.totals;
     let rejected: u32 = words::rejections(totals).iter().map(|(_, n, _)| n).sum();
+    let reduction = match (&findings.loop_suspicion, left_out.is_nothing()) {
+        (Some(_), _) => Tile::new("Reduction", "?", "", "not known: was a speed loop on?"),
+        (None, true) => Tile::new("Reduction", format!("{gain:.1}"), "%", "of the RMS error"),
+        (None, false) => Tile::new(
+            "Reduction",
+            format!("{gain:.1}"),
+            "%",
+            "of the RMS error, without the orders left alone",
+        ),
+    };
     report.verdict(
         level,
         format!("{headline}."),
@@ -95,9 +109,13 @@ fn verdict(
                 "Error after",
                 after,
                 "rad",
-                "RMS expected with it: its standard error",
+                format!(
+                    "RMS expected with it: its standard error{}{}",
+                    left_out.besides(),
+                    expected::proviso(findings)
+                ),
             ),
-            Tile::new("Reduction", format!("{gain:.1}"), "%", "of the RMS error"),
+            reduction,
             Tile::new(
                 "Turns used",
                 totals.turns.to_string(),

@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod demo;
+pub mod expected;
 mod figures;
 pub mod separation;
 pub mod simulate;

@@ -3,7 +3,7 @@
 use quadcal::estimate::DriveKnowledge;
 
 use crate::calibrate::Calibration;
-use crate::findings::{DelayFindings, Findings, LeftAlone, Torque};
+use crate::findings::{DelayFindings, Findings, LeftAlone, LoopSuspicion, Torque};
 use crate::report::{Body, Cell, si};
 
 use super::words;
@@ -108,6 +108,17 @@ fn hidden_words(left: u16, last: u16) -> Option<String> {
     ))
 }
 
+/// What a broad hump of low orders means, and what to do.
+#[must_use]
+pub fn loop_suspected(hump: &LoopSuspicion) -> String {
+    let LoopSuspicion { first, last, times } = hump;
+    format!(
+        "orders {first} to {last} repeat every turn up to {times:.0} times as large as the orders above; a disc hardly does that, a speed \
+         loop that ran while recording does, and then the table makes the angle worse: record again in torque or voltage mode, or say \
+         what the loop did (--twin with its gains, --torque COLUMN), or leave these orders alone (--hidden-up-to {last})"
+    )
+}
+
 /// The report's sections on torque, delays and orders left alone.
 pub(super) fn sections(
     body: &mut Body,
@@ -122,6 +133,9 @@ pub(super) fn sections(
     let hidden = hidden(calibration);
     if let Some(hidden) = &hidden {
         body.section("Orders hidden by a speed loop", &[&sentence(hidden)]);
+    }
+    if let Some(hump) = &findings.loop_suspicion {
+        body.section("Was a speed loop on?", &[&sentence(&loop_suspected(hump))]);
     }
     let Some(advice) = advice(findings, calibration.drive) else {
         return;

@@ -18,6 +18,12 @@ pub fn headline(check: &Verification) -> String {
             "The table makes the {what} worse by {:.1} %: don't use it",
             -gain
         ),
+        Verdict::OtherDisc => format!(
+            "The table is of another disc, or the index moved: {:.0} % of its line pattern shows, so don't use it, though the {what} \
+             changes by {:.1} %",
+            100.0 * check.pattern.map_or(0.0, |pattern| pattern.share.max(0.0)),
+            -gain
+        ),
     }
 }
 
@@ -55,7 +61,7 @@ pub fn report(name: &str, table: &str, check: &Verification, footer: Footer) -> 
     let level = match check.verdict() {
         Verdict::Better => Level::Good,
         Verdict::Same => Level::Warn,
-        Verdict::Worse => Level::Bad,
+        Verdict::Worse | Verdict::OtherDisc => Level::Bad,
     };
     let scatter = &check.scatter;
     let percent = |share: f64| format!("{:.3}", 100.0 * share);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use quadcal::estimate::{Advice, Anchor, Goal, Rejection, Totals};
 use quadcal::units::RAD_PER_TURN32;
 
-use crate::calibrate::Calibration;
+use crate::calibrate::{Calibration, LinesFrom, RecordingUse};
 use crate::report::{si, si_digits};
 use crate::sensor::{SensorKind, SensorPlan};
 use crate::showcase::Showcase;
@@ -21,6 +21,17 @@ pub const fn sensor(kind: SensorKind) -> &'static str {
         SensorKind::Hall => "three Hall sensors",
         SensorKind::Wheel { missing: 1.., .. } => "toothed wheel with a gap",
         SensorKind::Wheel { .. } => "one channel",
+    }
+}
+
+/// Says so where the number of lines was guessed, after it.
+#[must_use]
+pub fn lines_guessed(calibration: &Calibration) -> &'static str {
+    let guess = |used: &RecordingUse| used.lines_from == LinesFrom::Pattern;
+    if calibration.recordings.iter().any(guess) {
+        " (guessed from how the intervals repeat; --lines says it)"
+    } else {
+        ""
     }
 }
 
@@ -150,6 +161,25 @@ pub fn rejected(totals: &Totals) -> String {
     }
 }
 
+/// Why so many turns disagree, where the clock is too coarse for its rounding not to count; nothing else.
+#[must_use]
+#[allow(clippy::cast_precision_loss)]
+pub fn coarse_clock(used: &RecordingUse, edges: u32) -> Option<String> {
+    // Below so many steps an edge, rounding alone makes turns disagree.
+    const STEPS_AN_EDGE: f64 = 200.0;
+    let totals = &used.totals;
+    let many = 10 * totals.disagrees > totals.turns + totals.disagrees;
+    let step = used.survey.time_step.ticks().unwrap_or(1.0);
+    let coarse = (totals.shortest as f64) < STEPS_AN_EDGE * step * f64::from(edges);
+    (many && coarse && totals.shortest > 0).then(|| {
+        let degrees = si_digits(360.0 * step / totals.shortest as f64, "", 2).0;
+        format!(
+            "a step of the clock is {degrees} degrees at the fastest turn, so many of these turns disagree by its rounding alone; a faster \
+             clock keeps them, or learn from slower turns (--fraction, --turns)"
+        )
+    })
+}
+
 /// Five digits with a prefix.
 #[must_use]
 pub fn precise(rad: f64) -> String {
@@ -222,21 +252,6 @@ pub fn goal_id(calibration: &Calibration, after_rad: f64) -> Option<&'static str
         Advice::GoOn | Advice::GoalMet => "go_on",
         Advice::NoFurtherGain => "no_further_gain",
     })
-}
-
-/// What the table is expected to do.
-#[must_use]
-pub fn outlook(before_rad: f64, after_rad: f64) -> String {
-    let gain = reduction_percent(before_rad, after_rad);
-    if gain < 5.0 {
-        "little was found that could be corrected: the turns differ by more than they have in common".to_owned()
-    } else {
-        format!(
-            "at the speeds it was learned from, the table is expected to take {gain:.1} % off the angle error: {} are left of {}",
-            arc_seconds(after_rad),
-            arc_seconds(before_rad)
-        )
-    }
 }
 
 /// An angle as data sheets give it: arc seconds, or degrees where it is large.

@@ -270,8 +270,12 @@ impl Comparison {
                 .map(|edge| edge.0[which] / edge.1.max(1.0))
                 .collect()
         };
+        let of_edges = all.edges.iter().filter(|edge| edge.1 > 0.0);
+        let repeating: f64 = of_edges.map(|edge| edge.0[0].powi(2) / edge.1).sum();
+        let wander = (all.squares[0] - repeating).max(0.0) / all.count;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         Some(ReferenceCheck {
+            wander_rad: wander.sqrt(),
             edges: all.count as u64,
             before_rad: rmse(0),
             after_rad: rmse(1),

@@ -6,6 +6,7 @@ use crate::cli::failure::Failure;
 use crate::cli::input::InputArgs;
 use crate::cli::progress::Pass;
 use crate::free_run::FreeRun;
+use crate::recording::Channels;
 use crate::sensor::SensorPlan;
 use crate::survey::Survey;
 
@@ -43,6 +44,7 @@ impl Calibrate {
             }
             surveyed.push(one);
         }
+        self.check_no_index(&surveyed)?;
         Ok(surveyed)
     }
 
@@ -50,7 +52,7 @@ impl Calibrate {
         let rows = pass.watch(input.open()?);
         let header = rows.recording().header.clone();
         let source = input.source()?;
-        let mut options = self.sensor.options(header.channels)?;
+        let mut options = self.sensor.options(&input.recording, header.channels)?;
         options.turns = self.turns;
         options.goal = self.goal.map(calibrate::goal_of);
         options.without_index |= self.no_index;
@@ -76,6 +78,32 @@ impl Calibrate {
             source,
             free,
         })
+    }
+}
+
+impl Calibrate {
+    /// Refuses `--no-index` where every recording ties its edges to the disc, or never could.
+    fn check_no_index(&self, surveyed: &[Surveyed]) -> Result<(), Failure> {
+        let useless = |one: &Surveyed| {
+            let survey = &one.survey;
+            let quadrature = matches!(survey.header.channels, Channels::Quadrature { .. });
+            match (quadrature, survey.index_pulses) {
+                (true, 0) => None,
+                (true, _) => {
+                    Some("has an index, and a table that rests on it holds for every recording")
+                }
+                (false, _) => Some("is not of a quadrature encoder, which alone may have an index"),
+            }
+        };
+        let all: Option<Vec<&str>> = surveyed.iter().map(useless).collect();
+        match (self.no_index, surveyed.first(), all.as_deref()) {
+            (true, Some(first), Some([why, ..])) => Err(Failure::Useless {
+                option: "--no-index",
+                recording: first.input.recording.clone(),
+                why,
+            }),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -26,6 +26,7 @@ impl Failure {
             Self::Write { .. }
             | Self::Worse { .. }
             | Self::OtherDisc { .. }
+            | Self::OtherPattern { .. }
             | Self::IndexMoved { .. }
             | Self::NoPlace { .. }
             | Self::Demo(_) => 1,
@@ -35,6 +36,7 @@ impl Failure {
             | Self::Calibrate { .. }
             | Self::Loop { .. }
             | Self::NoInertia
+            | Self::Useless { .. }
             | Self::Together { .. }
             | Self::Open { .. }
             | Self::NotAFile { .. }
