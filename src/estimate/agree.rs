@@ -3,7 +3,7 @@
 //! Geometry is the same in both, and torque locked to the shaft goes with the square of the durations. What differs beyond that
 //! is noise, whose usual size the pairs of turns so far show, or a disturbance: a load step, a shock.
 
-use super::low::{LOW_ORDERS, LowOrder};
+use super::low::{LOW_BITS, LOW_ORDERS, LowOrder};
 use super::speeds::Speeds;
 use crate::edge::Direction;
 use crate::recip::Recip;
@@ -83,6 +83,9 @@ impl Limit {
         u128::from(turn) * pairs * pairs * wary > most
     }
 }
+
+/// 1 / n, Q16.
+const INVERSE_Q16: [u64; LOW_ORDERS] = [65_536, 32_768, 21_845, 16_384, 13_107, 10_923];
 
 /// The limits are smaller by this after a turn that disagreed: what disturbed one may be in the next.
 const WARY: u128 = 3;
@@ -168,11 +171,23 @@ impl Seen {
             self.take_locked(other, &mut squares);
         }
         let level = weighed(&squares);
-        let far = usual(self.bin, other.bin, speeds).is_some_and(|(usual, pairs)| {
+        let far = usual(self.bin, other.bin, speeds).is_some_and(|(mut usual, pairs)| {
+            for (usual, floor) in usual.iter_mut().zip(self.tick_squares()) {
+                *usual = (*usual).max(floor.saturating_mul(pairs.into()));
+            }
             WEIGHED.is_passed(level, weighed(&usual), pairs, wary)
                 || PLAIN.is_passed(plain(&squares), plain(&usual), pairs, wary)
         });
         Off { level, far }
+    }
+
+    /// What turns may differ by at least, as time stamps are whole ticks: a tick between a turn's ends tilts it, which has 1 / (2 pi n)
+    /// of a tick at order n. A steady shaft and a coarse clock make turns alike for a while, and then not.
+    fn tick_squares(&self) -> [u64; LOW_ORDERS] {
+        let tick = Recip::of_u64(self.duration).times(1 << (32 + LOW_BITS));
+        // 1 / (2 pi), Q16.
+        let order_1 = (tick * 10_430) >> 16;
+        INVERSE_Q16.map(|inverse| ((order_1 * inverse) >> 16).saturating_pow(2))
     }
 
     /// Takes from squared differences what a change of speed may make of locked torque: with q the ratio of the durations' squares,

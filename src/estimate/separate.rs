@@ -11,8 +11,6 @@ use super::spectrum::Coefficient;
 pub(super) struct Torques {
     /// The strongest orders.
     pub strongest: heapless::Vec<TorqueOrder, TORQUES_MAX>,
-    /// Orders at which it is certain, and no less than a quarter of what the fast turns show.
-    pub count: u16,
     /// Orders that torque might make whole, and no turns of different speed would show it.
     pub untold: OrderSet,
 }
@@ -65,8 +63,6 @@ pub(super) fn separate(
                 re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
                 im: 0,
             };
-            let small = difference[index].power().saturating_mul(16) < coefficients[index].power();
-            torques.count += u16::from(!small);
             keep_strongest(
                 &mut torques.strongest,
                 TorqueOrder {

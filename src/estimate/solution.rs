@@ -143,13 +143,6 @@ impl<B: EdgeBuffers> Solution<B> {
         &self.found.torques.strongest
     }
 
-    /// Share of the orders looked at one by one at which fast and slow turns differ for certain and by much, per cent. Torque is at a few of
-    /// them; where most differ, the turns are not of one disc.
-    #[must_use]
-    pub fn torque_share_percent(&self) -> u32 {
-        100 * u32::from(self.found.torques.count) / (self.found.single_count.max(1) as u32)
-    }
-
     /// Duration of the first turn taken, ticks: the speed that [`TorqueOrder::amplitude`] holds for.
     #[must_use]
     pub fn reference_duration(&self) -> u64 {

@@ -182,13 +182,14 @@ fn mounting_weight(power: u64, noise: u64) -> u32 {
 }
 
 /// Expected power left of orders 1 and 2. Nothing is known of their size beforehand: as far as the estimate is believed its noise
-/// stays, and as far as it is not, what shows: within a tenth of the mean where they are four times the noise or more.
+/// stays, as far as it is not, what shows, and in between the noise counts twice more, as it moves the weight too: w (4 - 3 w) N +
+/// (1 - w)^2 P. That is within a tenth of the mean where they are as large as the noise or larger.
 fn left_of_mounting(weight: u32, power: u64, noise: u64) -> u64 {
-    let rest = WEIGHT_ONE - weight.min(WEIGHT_ONE);
-    let not_believed = u128::from(rest * rest);
-    let believed = (1 << 30) - not_believed;
-    u64::try_from((believed * u128::from(noise) + not_believed * u128::from(power)) >> 30)
-        .unwrap_or(u64::MAX)
+    let weight = weight.min(WEIGHT_ONE);
+    let rest = WEIGHT_ONE - weight;
+    let believed = u128::from(weight) * u128::from(WEIGHT_ONE + 3 * rest);
+    let left = believed * u128::from(noise) + u128::from(rest * rest) * u128::from(power);
+    u64::try_from(left >> 30).unwrap_or(u64::MAX)
 }
 
 /// Wiener's weight, Q15, drawn linearly to zero at 0.3.

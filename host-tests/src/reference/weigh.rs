@@ -125,8 +125,9 @@ impl Estimate<'_> {
                 single[order] = wiener(sizes[order] - product, doubt).max(least) * gate;
                 residual += 2.0
                     * if mounting {
-                        let rest = (1.0 - single[order]).powi(2);
-                        (1.0 - rest) * doubt + rest * self.power(order)
+                        let weight = single[order];
+                        let believed = weight * (4.0 - 3.0 * weight);
+                        believed * doubt + (1.0 - weight).powi(2) * self.power(order)
                     } else {
                         left_over(single[order], sizes[order], doubt)
                     };

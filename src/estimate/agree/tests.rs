@@ -1,6 +1,6 @@
 use super::*;
 
-const TURN: u64 = 1_000_000;
+const TURN: u64 = 1_000_000_000;
 
 /// Turns as they come, noise of their own.
 struct Run {
@@ -115,4 +115,23 @@ fn turns_that_stay_rough_are_taken_in_the_end_and_said_to_scatter() {
     let level_after = run.speeds.bins.map(|bin| weighed(&bin.scatter));
     let grown = level_after.iter().sum::<u64>() / level_before.iter().sum::<u64>();
     assert!(grown > 300, "{grown}");
+}
+
+#[test]
+fn a_coarse_clock_makes_turns_alike_for_a_while_and_then_a_tick_apart() {
+    // 2000 ticks a turn: a tick has 2^36 / 2000 / (2 pi n) at order n.
+    let duration = 2000;
+    let tick: [i32; LOW_ORDERS] =
+        core::array::from_fn(|index| (34_359_738.0 / (6.2832 * (index + 1) as f64)) as i32);
+    let mut run = Run {
+        agreement: Agreement::NONE,
+        speeds: Speeds::NONE,
+        random: 1,
+    };
+    for turn in 0..12 {
+        let tilted = turn % 6 == 5;
+        assert!(run.take(duration, 1000, if tilted { tick } else { [0; LOW_ORDERS] }));
+    }
+    let load = tick.map(|part| 30 * part);
+    assert!(!run.take(duration, 1000, load));
 }
