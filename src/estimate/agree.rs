@@ -3,7 +3,7 @@
 //! Geometry is the same in both, and torque locked to the shaft goes with the square of the durations. What differs beyond that
 //! is noise, whose usual size the pairs of turns so far show, or a disturbance: a load step, a shock.
 
-use super::low::{LOW_BITS, LOW_ORDERS, LowOrder};
+use super::low::{LOW_ORDERS, LowOrder};
 use super::speeds::Speeds;
 use crate::edge::Direction;
 use crate::recip::Recip;
@@ -22,7 +22,7 @@ pub(super) struct Seen {
 #[derive(Clone, Copy)]
 pub(super) struct Off {
     /// Sum of the squared differences.
-    pub level: u64,
+    pub level: u128,
     /// Whether that is far more than usual.
     pub far: bool,
 }
@@ -77,15 +77,11 @@ const PLAIN: Limit = Limit {
 
 impl Limit {
     /// Whether a turn is beyond the limit, where so many pairs have come to a sum of `usual`.
-    fn is_passed(&self, turn: u64, usual: u64, pairs: u16, wary: u128) -> bool {
+    fn is_passed(&self, turn: u128, usual: u128, pairs: u16, wary: u128) -> bool {
         let pairs = u128::from(pairs);
-        let most = u128::from(usual) * (self.of_many * pairs + self.of_few);
-        u128::from(turn) * pairs * pairs * wary > most
+        turn * pairs * pairs * wary > usual * (self.of_many * pairs + self.of_few)
     }
 }
-
-/// 1 / n, Q16.
-const INVERSE_Q16: [u64; LOW_ORDERS] = [65_536, 32_768, 21_845, 16_384, 13_107, 10_923];
 
 /// The limits are smaller by this after a turn that disagreed: what disturbed one may be in the next.
 const WARY: u128 = 3;
@@ -171,23 +167,11 @@ impl Seen {
             self.take_locked(other, &mut squares);
         }
         let level = weighed(&squares);
-        let far = usual(self.bin, other.bin, speeds).is_some_and(|(mut usual, pairs)| {
-            for (usual, floor) in usual.iter_mut().zip(self.tick_squares()) {
-                *usual = (*usual).max(floor.saturating_mul(pairs.into()));
-            }
+        let far = usual(self.bin, other.bin, speeds).is_some_and(|(usual, pairs)| {
             WEIGHED.is_passed(level, weighed(&usual), pairs, wary)
                 || PLAIN.is_passed(plain(&squares), plain(&usual), pairs, wary)
         });
         Off { level, far }
-    }
-
-    /// What turns may differ by at least, as time stamps are whole ticks: a tick between a turn's ends tilts it, which has 1 / (2 pi n)
-    /// of a tick at order n. A steady shaft and a coarse clock make turns alike for a while, and then not.
-    fn tick_squares(&self) -> [u64; LOW_ORDERS] {
-        let tick = Recip::of_u64(self.duration).times(1 << (32 + LOW_BITS));
-        // 1 / (2 pi), Q16.
-        let order_1 = (tick * 10_430) >> 16;
-        INVERSE_Q16.map(|inverse| ((order_1 * inverse) >> 16).saturating_pow(2))
     }
 
     /// Takes from squared differences what a change of speed may make of locked torque: with q the ratio of the durations' squares,
@@ -222,16 +206,16 @@ fn usual(bin: usize, other: usize, speeds: &Speeds) -> Option<([u64; LOW_ORDERS]
 }
 
 /// Squares of all orders together, each of which torque noise makes alike: it falls with the fourth power of the order.
-fn weighed(squares: &[u64; LOW_ORDERS]) -> u64 {
-    squares.iter().zip(1_u64..).fold(0, |sum, (square, n)| {
-        sum.saturating_add(square.saturating_mul(n.pow(4)))
-    })
+fn weighed(squares: &[u64; LOW_ORDERS]) -> u128 {
+    let weighed = squares.iter().zip(1_u128..);
+    weighed
+        .map(|(&square, n)| u128::from(square) * n.pow(4))
+        .sum()
 }
 
 /// Squares of all orders together.
-fn plain(squares: &[u64; LOW_ORDERS]) -> u64 {
-    let squares = squares.iter();
-    squares.fold(0, |sum, square| sum.saturating_add(*square))
+fn plain(squares: &[u64; LOW_ORDERS]) -> u128 {
+    squares.iter().map(|&square| u128::from(square)).sum()
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! Whether a turn agrees with those before it, by its lowest orders.
 
-use std::f64::consts::TAU;
-
 use realfft::num_complex::Complex64;
 
 /// Lowest orders, compared from turn to turn.
@@ -102,14 +100,10 @@ impl Seen {
             return (level_of, false);
         }
         let count = pairs.len() as f64;
-        // A tick between a turn's ends is the least that turns may differ by.
-        let least = |n: usize| (1.0 / (TAU * n as f64 * self.duration)).powi(2);
-        let usual: Squares = std::array::from_fn(|index| {
-            let mean = pairs.iter().map(|pair| pair[index]).sum::<f64>() / count;
-            (slower * mean).max(least(index + 1))
-        });
-        let passed =
-            |level: fn(&Squares) -> f64, limit: f64| wary * level(&squares) > limit * level(&usual);
+        let passed = |level: fn(&Squares) -> f64, limit: f64| {
+            let mean = pairs.iter().map(level).sum::<f64>() / count;
+            wary * level(&squares) > limit * slower * mean
+        };
         let far = passed(level, 6.0 + 24.0 / count)
             || passed(|squares| squares.iter().sum(), 10.0 + 60.0 / count);
         (level_of, far)

@@ -122,10 +122,6 @@ fn recording_facts(facts: &mut Facts, calibrated: &Calibrated<'_>) {
             .push("  Turns used", taken)
             .push("  Turns rejected", words::rejected(totals));
         rejected_facts(&mut *facts, used);
-        let edges = calibration.solution.shape().edges();
-        if let Some(coarse) = words::coarse_clock(used, edges) {
-            facts.push("", coarse);
-        }
         if shown.later {
             let scatter = &shown.check.scatter;
             let remark = if shown.worse_later() {

@@ -161,25 +161,6 @@ pub fn rejected(totals: &Totals) -> String {
     }
 }
 
-/// Why so many turns disagree, where the clock is too coarse for its rounding not to count; nothing else.
-#[must_use]
-#[allow(clippy::cast_precision_loss)]
-pub fn coarse_clock(used: &RecordingUse, edges: u32) -> Option<String> {
-    // Below so many steps an edge, rounding alone makes turns disagree.
-    const STEPS_AN_EDGE: f64 = 200.0;
-    let totals = &used.totals;
-    let many = 10 * totals.disagrees > totals.turns + totals.disagrees;
-    let step = used.survey.time_step.ticks().unwrap_or(1.0);
-    let coarse = (totals.shortest as f64) < STEPS_AN_EDGE * step * f64::from(edges);
-    (many && coarse && totals.shortest > 0).then(|| {
-        let degrees = si_digits(360.0 * step / totals.shortest as f64, "", 2).0;
-        format!(
-            "a step of the clock is {degrees} degrees at the fastest turn, so many of these turns disagree by its rounding alone; a faster \
-             clock keeps them, or learn from slower turns (--fraction, --turns)"
-        )
-    })
-}
-
 /// Five digits with a prefix.
 #[must_use]
 pub fn precise(rad: f64) -> String {
