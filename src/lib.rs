@@ -39,6 +39,8 @@ pub mod log2;
 mod motion;
 #[cfg(feature = "embedded-hal")]
 pub mod pins;
+#[cfg(feature = "device")]
+pub mod recalibrate;
 pub mod recip;
 pub mod replay;
 pub mod savgol;
@@ -53,6 +55,8 @@ pub mod timebase;
 pub mod trig;
 pub mod units;
 pub mod wheel;
+#[cfg(feature = "device")]
+pub mod wire;
 
 #[cfg(test)]
 extern crate std;

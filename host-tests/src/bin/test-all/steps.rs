@@ -63,7 +63,7 @@ pub const STEPS: &[Step] = &[
                 "quadcal",
                 "--lib",
                 "--features",
-                "summary,embedded-hal",
+                "summary,embedded-hal,device",
             ])
         },
     },
@@ -123,7 +123,7 @@ fn cargo(args: &[&str]) -> Result<(), Failure> {
 fn defmt() -> Result<(), Failure> {
     let mut check = Command::new("cargo");
     check.current_dir(firmware::workspace());
-    let features = "defmt,summary,embedded-hal";
+    let features = "defmt,summary,embedded-hal,device";
     check.args(["check", "-p", "quadcal", "--lib", "--features", features]);
     check.args(["--profile", "firmware", "--target", TARGET]);
     check.args(["--target-dir", "target-firmware"]);
