@@ -27,6 +27,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "device")]
+pub mod access;
 pub mod corrector;
 pub mod counter;
 pub mod decoder;
