@@ -18,6 +18,8 @@ pub struct Options {
     pub hidden_up_to: u16,
     /// Speeds to learn at.
     pub window: SpeedWindow,
+    /// When it is, seconds since 1970, for the table; 0: not given.
+    pub date: u64,
 }
 
 /// Fewest turns that learning ends with on its own.
@@ -35,6 +37,7 @@ impl Default for Options {
             torque_base: 0,
             hidden_up_to: 0,
             window: SpeedWindow::ANY,
+            date: 0,
         }
     }
 }

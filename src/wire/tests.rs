@@ -21,6 +21,7 @@ fn requests() -> Vec<(&'static str, Request)> {
             from: 10_000,
             to: 3_000_000,
         },
+        date: 1_800_000_000,
     };
     std::vec![
         ("identify", Request::Identify),
