@@ -32,6 +32,8 @@ pub mod access;
 pub mod corrector;
 pub mod counter;
 pub mod decoder;
+#[cfg(feature = "device")]
+pub mod device;
 pub mod edge;
 pub mod estimate;
 pub mod fingerprint;

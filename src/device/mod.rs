@@ -1,0 +1,4 @@
+//! A drive's calibration service.
+
+mod proof;
+pub use proof::{Corrected, Proof};
