@@ -19,7 +19,7 @@ mod layout;
 mod place;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 
@@ -134,6 +134,26 @@ impl<F: ReadNorFlash> Store<F> {
         Ok(wear.map_err(StoreError::Flash)?.unwrap_or(0))
     }
 
+    /// Reads bytes of a table's slot, from byte `offset` of the slot on. Both `offset` and the length are multiples of what the flash is
+    /// read in; [`MARK_BYTES`] is one.
+    ///
+    /// # Errors
+    /// [`StoreError::Flash`] when reading fails.
+    pub fn read(
+        &mut self,
+        found: &Found,
+        offset: u32,
+        bytes: &mut [u8],
+    ) -> Result<(), StoreError<F::Error>> {
+        let at = found.offset.saturating_add(offset);
+        self.flash.read(at, bytes).map_err(StoreError::Flash)
+    }
+
+    /// Times that a place may be erased.
+    pub const fn erasures_max(&self) -> u32 {
+        self.layout.erasures_max
+    }
+
     /// Wear of a place; one whose count was lost to a power cut has been erased about as often as the other.
     fn wear_to_count_from(&mut self, place: Place) -> Result<u32, StoreError<F::Error>> {
         let wear = place::wear(&mut self.flash, &self.layout.of(place));
@@ -232,7 +252,10 @@ impl<F: NorFlash> Store<F> {
         for place in [newest.other(), newest] {
             let range = self.layout.of(place);
             let wear = self.wear_to_count_from(place)?;
-            place::withdraw(&mut self.flash, &range)?;
+            // What does not count is not withdrawn again: a mark is written once.
+            if self.found(place)?.is_some() {
+                place::withdraw(&mut self.flash, &range)?;
+            }
             place::Writer::erase(&mut self.flash, range)?.wear(wear + 1)?;
         }
         Ok(())

@@ -14,18 +14,18 @@
 //!
 //! The work an edge is constant: a reciprocal once a turn, then two multiplications and five sums for each table.
 
+mod sums;
+
 use crate::edge::Direction;
 use crate::recalibrate::{Figures, Scatter};
 use crate::recip::Recip;
 use crate::shape::EncoderShape;
 use crate::step::{Flags, Step};
 use crate::units::{TICK_FRACTION_BITS, TickDelta8, Ticks, TurnDelta32};
+use sums::{Powers, Sums};
 
 /// Least gain in the intervals' power, as a share of both (Q30): one part in 64.
-const GAIN_LEAST: i64 = 1 << 24;
-
-/// Farthest that an edge may be off, 2^-32 turn: a sixteenth of a turn. A turn with more is not used.
-const OFF_MOST: i64 = 1 << 28;
+pub const GAIN_LEAST: i64 = 1 << 24;
 
 /// Flags that spoil a turn.
 const SPOILED: Flags = Flags::FIRST
@@ -42,32 +42,6 @@ pub struct Corrected {
     pub moved: TurnDelta32,
     /// How late it was captured.
     pub late: TickDelta8,
-}
-
-/// One turn with one table.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// How late the turn's first edge was, 2^-8 tick.
-    late: i64,
-    /// Way since then, in the direction of motion, 2^-32 turn.
-    way: i64,
-    /// r at the last edge.
-    last: i64,
-    /// Sum of r, the sum of those sums, and the sum of these.
-    first: i128,
-    second: i128,
-    third: i128,
-    /// Sum of r^2.
-    squares: u128,
-    /// Sum of (r(k) - r(k - 1))^2.
-    interval_squares: u128,
-}
-
-/// Mean powers over a turn, (2^-32 turn)^2 in Q8.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Powers {
-    interval: u128,
-    angle: u128,
 }
 
 /// A mean of shares that says how sure it is.
@@ -181,10 +155,7 @@ impl Proof {
             self.turn = None;
             return;
         }
-        let sums = |edge: Corrected| Sums {
-            late: edge.late.0.into(),
-            ..Sums::default()
-        };
+        let sums = |edge: Corrected| Sums::from(edge.late);
         let before_q8 = before.map(|ticks| ticks.min(1 << 48) << TICK_FRACTION_BITS);
         // One digit less than 32, so that a turn may take up to twice as long.
         let down = before_q8.map_or(0, |time| 33_u32.saturating_sub(time.leading_zeros()));
@@ -238,62 +209,6 @@ impl Turn {
         }
         taken
     }
-}
-
-impl Sums {
-    fn add(&mut self, off: i64) -> bool {
-        if off.abs() > OFF_MOST {
-            return false;
-        }
-        let step = off - self.last;
-        self.last = off;
-        self.first += i128::from(off);
-        self.second += self.first;
-        self.third += self.second;
-        // Both are below 2^29.
-        self.squares += u128::from((off * off).unsigned_abs());
-        self.interval_squares += u128::from((step * step).unsigned_abs());
-        true
-    }
-
-    /// Powers over a turn of `edges`: the sums of squares less what falls on a constant, a slope and a bend.
-    fn powers(&self, edges: u32) -> Powers {
-        let n = i128::from(edges);
-        // The sums of w r and of w^2 r with w = n + 1 - k, which the running sums are.
-        let weighed = self.second;
-        let weighed_twice = 2 * self.third - self.second;
-        // The same with x = n + 1 - 2 w, which runs from 1 - n to n - 1, and with 3 x^2 - (n^2 - 1), whose sum is zero.
-        let slope = (n + 1) * self.first - 2 * weighed;
-        let square = (n + 1) * (n + 1) * self.first - 4 * (n + 1) * weighed + 4 * weighed_twice;
-        let bend = 3 * square - (n * n - 1) * self.first;
-        let n = u128::from(edges);
-        // The sums of the squares of 1, of x and of that.
-        let slope_norm = n * (n * n - 1) / 3;
-        let bend_norm = 4 * n * (n * n - 1) * (n * n - 4) / 5;
-        let angle = self
-            .squares
-            .saturating_sub(share(self.first, n))
-            .saturating_sub(share(slope, slope_norm))
-            .saturating_sub(share(bend, bend_norm));
-        let last = i128::from(self.last);
-        let interval_slope = (i128::from(edges) + 1) * last - 2 * self.first;
-        let interval = self
-            .interval_squares
-            .saturating_sub(share(last, n))
-            .saturating_sub(share(interval_slope, slope_norm));
-        Powers {
-            interval: (interval << 8) / n,
-            angle: (angle << 8) / n,
-        }
-    }
-}
-
-/// `sum`^2 / `norm`.
-fn share(sum: i128, norm: u128) -> u128 {
-    let size = sum.unsigned_abs();
-    let down = 66_u32.saturating_sub(size.leading_zeros());
-    let top = size >> down;
-    ((top * top) / norm.max(1)) << (2 * down)
 }
 
 impl Shares {

@@ -26,8 +26,6 @@ pub struct WearConfig {
     pub burst: u8,
     /// Time until one more is allowed while flash is new, milliseconds. Half worn it is twice that, three quarters worn four times.
     pub refill_ms: u32,
-    /// Erasures that each place may see.
-    pub erasures_max: u32,
 }
 
 impl Default for WearConfig {
@@ -36,7 +34,6 @@ impl Default for WearConfig {
         Self {
             burst: 8,
             refill_ms: 3_600_000,
-            erasures_max: 10_000,
         }
     }
 }
@@ -45,6 +42,8 @@ impl Default for WearConfig {
 #[derive(Clone, Copy, Debug)]
 pub struct WearBudget {
     config: WearConfig,
+    /// Erasures that each place may see.
+    erasures_max: u32,
     /// Erasures allowed now.
     left: u8,
     /// When one was added last.
@@ -52,11 +51,12 @@ pub struct WearBudget {
 }
 
 impl WearBudget {
-    /// After a start one erasure is allowed, however often it starts.
+    /// For places that may be erased `erasures_max` times. After a start one erasure is allowed, however often it starts.
     #[must_use]
-    pub const fn new(config: WearConfig, now_ms: u64) -> Self {
+    pub const fn new(config: WearConfig, erasures_max: u32, now_ms: u64) -> Self {
         Self {
             config,
+            erasures_max,
             left: if config.burst == 0 { 0 } else { 1 },
             added_ms: now_ms,
         }
@@ -67,7 +67,7 @@ impl WearBudget {
     /// # Errors
     /// Milliseconds until it may; none where it may never.
     pub fn check(&mut self, wear: u32, now_ms: u64) -> Result<(), Option<u64>> {
-        let life = self.config.erasures_max;
+        let life = self.erasures_max;
         let left = life
             .checked_sub(wear)
             .filter(|left| *left != 0)
@@ -106,12 +106,11 @@ mod tests {
     const CONFIG: WearConfig = WearConfig {
         burst: 3,
         refill_ms: 1000,
-        erasures_max: 100,
     };
 
     #[test]
     fn one_at_the_start_then_one_a_while_and_a_burst_after_a_rest() {
-        let mut budget = WearBudget::new(CONFIG, 500);
+        let mut budget = WearBudget::new(CONFIG, 100, 500);
         assert_eq!(budget.check(0, 500), Ok(()));
         budget.spend();
         assert_eq!(budget.check(0, 900), Err(Some(600)));
@@ -126,20 +125,20 @@ mod tests {
 
     #[test]
     fn worn_flash_is_written_less_often_and_at_last_not_at_all() {
-        let mut budget = WearBudget::new(CONFIG, 0);
+        let mut budget = WearBudget::new(CONFIG, 100, 0);
         budget.spend();
         assert_eq!(budget.check(50, 0), Err(Some(2000)));
         assert_eq!(budget.check(99, 0), Err(Some(100_000)));
         assert_eq!(budget.check(99, 100_000), Ok(()));
         assert_eq!(budget.check(100, 100_000), Err(None));
         let none = WearConfig { burst: 0, ..CONFIG };
-        assert_eq!(WearBudget::new(none, 0).check(0, 9), Err(None));
+        assert_eq!(WearBudget::new(none, 100, 0).check(0, 9), Err(None));
     }
 
     #[test]
     fn ten_years_of_committing_without_end_do_not_wear_it_out() {
         let hours = 10 * 365 * 24;
-        let (mut budget, mut wear) = (WearBudget::new(WearConfig::default(), 0), 0);
+        let (mut budget, mut wear) = (WearBudget::new(WearConfig::default(), 10_000, 0), 0);
         for minute in 0..60 * hours {
             if budget.check(wear, minute * 60_000) == Ok(()) {
                 budget.spend();

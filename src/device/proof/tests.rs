@@ -142,8 +142,8 @@ fn reference(turned: &Turned, table: &[f64]) -> [f64; 2] {
         let before = time(start) - time(start - n);
         let mut way = 0.0;
         let mut off = Vec::from([0.0]);
-        for k in start + 1..=start + n {
-            way += f64::from(ways[k] * turned.steps[k].direction.sign());
+        for (k, moved) in ways.iter().enumerate().skip(start + 1).take(n) {
+            way += f64::from(moved * turned.steps[k].direction.sign());
             off.push((time(k) - time(start)) / before * TURN - way);
         }
         let steps: Vec<f64> = off.windows(2).map(|pair| pair[1] - pair[0]).collect();

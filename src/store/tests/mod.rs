@@ -2,7 +2,7 @@
 
 extern crate std;
 
-mod flash;
+pub(crate) mod flash;
 
 use super::*;
 use crate::shape::{CLASSES_MAX, EncoderShape};
@@ -99,6 +99,16 @@ fn the_newest_table_counts_and_rolling_back_gives_the_one_before() {
         [Place::A, Place::B].map(|place| store.wear(place).unwrap()),
         [5, 4]
     );
+}
+
+#[test]
+fn a_table_that_was_rolled_back_is_erased_with_the_other() {
+    let mut store = store::<4>();
+    commit(&mut store, 1).unwrap();
+    commit(&mut store, 2).unwrap();
+    store.roll_back().unwrap();
+    store.erase().unwrap();
+    assert_eq!(counting(&mut store), None);
 }
 
 #[test]
