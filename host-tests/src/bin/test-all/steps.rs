@@ -68,6 +68,23 @@ pub const STEPS: &[Step] = &[
         },
     },
     Step {
+        name: "fuzz",
+        about: "a device under two million arbitrary inputs",
+        run: || {
+            cargo(&[
+                "run",
+                "--release",
+                "-p",
+                "quadcal-host-tests",
+                "--bin",
+                "fuzz-device",
+                "--",
+                "--inputs",
+                "2000000",
+            ])
+        },
+    },
+    Step {
         name: "test",
         about: "every test, firmware in QEMU included",
         run: || cargo(&["test", "--workspace", "--release", "--no-fail-fast"]),
