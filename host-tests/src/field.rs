@@ -11,10 +11,10 @@ use quadcal::device::{
     Device, DeviceConfig, Learner, Learning, MappedFlash, Workbench, WorkbenchConfig,
 };
 use quadcal::edge::Sample;
-use quadcal::estimate::{Anchor, DriveKnowledge, Estimator, Goal, Progress, Solution, SolveError};
-use quadcal::recalibrate::{
-    Interlock, Limits, Obstacle, SolveInSlices, Solving, Taken, WearConfig,
+use quadcal::estimate::{
+    Advice, Anchor, DriveKnowledge, Estimator, Goal, Progress, Solution, SolveError,
 };
+use quadcal::recalibrate::{Interlock, Limits, Obstacle, SolveInSlices, Solving, WearConfig};
 use quadcal::shape::EncoderShape;
 use quadcal::slot::SlotHeader;
 use quadcal::step::{Flags, Outcome};
@@ -170,21 +170,25 @@ impl Learner for HeapLearner {
     }
 
     fn learning(&mut self) -> Learning {
-        let (mut taken, mut rejected) = (
-            Taken {
+        let State::Learning(estimator) = &self.state else {
+            return Learning {
                 turns: 0,
-                advice: None,
-            },
-            0,
-        );
-        if let State::Learning(estimator) = &mut self.state {
-            let totals = estimator.totals();
-            taken.turns = totals.turns;
-            rejected = totals.broken + totals.irregular + totals.speed_change + totals.disagrees;
-            let outlook = estimator.outlook();
-            taken.advice = outlook.map(|outlook| outlook.advice(self.goal));
+                rejected: 0,
+            };
+        };
+        let totals = estimator.totals();
+        Learning {
+            turns: totals.turns,
+            rejected: totals.broken + totals.irregular + totals.speed_change + totals.disagrees,
         }
-        Learning { taken, rejected }
+    }
+
+    fn advice(&mut self) -> Option<Advice> {
+        let State::Learning(estimator) = &mut self.state else {
+            return None;
+        };
+        let outlook = estimator.outlook();
+        outlook.map(|outlook| outlook.advice(self.goal))
     }
 
     fn header(&self) -> Option<SlotHeader> {

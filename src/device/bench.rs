@@ -1,7 +1,7 @@
 //! What a device needs of the firmware's part that sees the edges.
 
-use crate::estimate::{DriveKnowledge, Goal};
-use crate::recalibrate::{Action, Figures, SolveInSlices, Taken};
+use crate::estimate::{Advice, DriveKnowledge, Goal};
+use crate::recalibrate::{Action, Figures, SolveInSlices};
 use crate::slot::SlotHeader;
 use crate::step::Outcome;
 use crate::store::Found;
@@ -11,8 +11,8 @@ use crate::wire::Live;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Learning {
-    /// Turns taken, and whether more would help.
-    pub taken: Taken,
+    /// Turns taken since the calibration began.
+    pub turns: u32,
     /// Turns that could not be used.
     pub rejected: u32,
 }
@@ -29,8 +29,11 @@ pub trait Bench: SolveInSlices {
     /// Mean speed over a part of a turn, either way, thousandths of a revolution a minute; 0 where it stands still.
     fn speed(&mut self) -> u32;
 
-    /// How learning goes.
+    /// How learning goes; asked at every poll.
     fn learning(&mut self) -> Learning;
+
+    /// Whether more turns would help, where that is known; asked once after every turn that was taken.
+    fn advice(&mut self) -> Option<Advice>;
 
     /// What fresh turns say so far.
     fn figures(&self) -> Figures;
@@ -61,8 +64,11 @@ pub trait Learner: SolveInSlices {
     /// Edges will be missing: what comes next may have another speed or direction.
     fn interrupt(&mut self);
 
-    /// How it goes. Not on the edge path.
+    /// As [`Bench::learning`].
     fn learning(&mut self) -> Learning;
+
+    /// As [`Bench::advice`].
+    fn advice(&mut self) -> Option<Advice>;
 
     /// What the table says of itself, once it is solved for.
     fn header(&self) -> Option<SlotHeader>;

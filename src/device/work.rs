@@ -5,7 +5,9 @@ use embedded_storage::nor_flash::NorFlash;
 use super::bench::{Bench, Learning};
 use super::service::{Service, write_failure};
 use crate::access::Nonces;
-use crate::recalibrate::{Action, Candidate, Event, Interlock, Solving, Stage, WriteFailure};
+use crate::recalibrate::{
+    Action, Candidate, Event, Interlock, Solving, Stage, Taken, WriteFailure,
+};
 use crate::slot::{SlotHeader, Stamp};
 use crate::units::{TickDelta8, TurnDelta32};
 use crate::wire::{Learned, Refusal};
@@ -61,13 +63,14 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
     }
 
     fn look_at_learning(&mut self, now_ms: u64, bench: &mut impl Bench) -> Result<(), Refusal> {
-        let Learning { taken, rejected } = bench.learning();
+        let Learning { turns, rejected } = bench.learning();
         self.rejected = rejected;
-        if taken.turns == self.turns {
+        if turns == self.turns {
             return Ok(());
         }
-        self.turns = taken.turns;
-        self.tell(Event::Turn(taken), now_ms, bench)
+        self.turns = turns;
+        let advice = bench.advice();
+        self.tell(Event::Turn(Taken { turns, advice }), now_ms, bench)
     }
 
     /// Does what the machine says. Writing waits for the next poll, so that the reply goes out first.

@@ -6,7 +6,7 @@ use super::proof::{Corrected, Proof};
 use super::trial::Trial;
 use crate::corrector::{CorrectedEdge, Corrector};
 use crate::edge::Direction;
-use crate::estimate::{Anchor, DriveKnowledge, Goal};
+use crate::estimate::{Advice, Anchor, DriveKnowledge, Goal};
 use crate::interval::{SPEED_FRACTION_BITS, Speed};
 use crate::recalibrate::{Action, Figures, SolveInSlices, Solving};
 use crate::shape::{EncoderShape, Grid};
@@ -217,6 +217,10 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
 
     fn learning(&mut self) -> Learning {
         self.learner.learning()
+    }
+
+    fn advice(&mut self) -> Option<Advice> {
+        self.learner.advice()
     }
 
     fn figures(&self) -> Figures {

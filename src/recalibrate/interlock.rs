@@ -11,7 +11,7 @@ pub trait Interlock {
     fn may_calibrate(&self) -> Result<(), Obstacle>;
 
     /// Whether the table in use may be exchanged and flash written, which on many chips halts the processor: as a rule with the shaft
-    /// at rest and the supply sure to stay.
+    /// at rest and the supply sure to stay. Asked when the command comes; a table is written at the next poll.
     ///
     /// # Errors
     /// What is in the way.

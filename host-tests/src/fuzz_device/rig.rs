@@ -6,9 +6,7 @@ use std::rc::Rc;
 use quadcal::access::Nonces;
 use quadcal::device::{Bench, Learning};
 use quadcal::estimate::Advice;
-use quadcal::recalibrate::{
-    Action, Figures, Interlock, Obstacle, Scatter, SolveInSlices, Solving, Taken,
-};
+use quadcal::recalibrate::{Action, Figures, Interlock, Obstacle, Scatter, SolveInSlices, Solving};
 use quadcal::shape::{CLASSES_MAX, EncoderShape};
 use quadcal::slot::{Delays, SlotHeader, Stamp};
 use quadcal::store::Found;
@@ -106,17 +104,17 @@ impl Bench for AnyBench {
 
     fn learning(&mut self) -> Learning {
         self.turns += self.dice.below(4) as u32;
-        let advice = match self.dice.below(4) {
+        Learning {
+            turns: self.turns,
+            rejected: 0,
+        }
+    }
+
+    fn advice(&mut self) -> Option<Advice> {
+        match self.dice.below(4) {
             0 => Some(Advice::GoalMet),
             1 => Some(Advice::GoOn),
             _ => None,
-        };
-        Learning {
-            taken: Taken {
-                turns: self.turns,
-                advice,
-            },
-            rejected: 0,
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::access::KeyHolder;
-use crate::estimate::{DriveKnowledge, Goal};
-use crate::recalibrate::{SolveInSlices, Solving, Taken};
+use crate::estimate::{Advice, DriveKnowledge, Goal};
+use crate::recalibrate::{SolveInSlices, Solving};
 use crate::shape::CLASSES_MAX;
 use crate::slot::{Delays, SlotHeader, Stamp};
 use crate::step::{Faults, Flags, Outcome, Step};
@@ -110,12 +110,13 @@ impl Learner for Knows {
 
     fn learning(&mut self) -> Learning {
         Learning {
-            taken: Taken {
-                turns: self.turns,
-                advice: None,
-            },
+            turns: self.turns,
             rejected: 1,
         }
+    }
+
+    fn advice(&mut self) -> Option<Advice> {
+        None
     }
 
     fn header(&self) -> Option<SlotHeader> {
