@@ -12,7 +12,7 @@
 //!
 //! Both calls belong to the main loop, and each is bounded: a poll looks at the shaft, does a slice of solving, or writes the table.
 //! Only the last takes long, and on chips that execute from the flash they write it halts everything; the
-//! [`Interlock`](crate::recalibrate::Interlock) says when that may be. Edges are the workbench's and go on all the while: the table in use
+//! [`Interlock`] says when that may be. Edges are the workbench's and go on all the while: the table in use
 //! corrects them until [`Bench::adopt`] exchanges it.
 
 mod bench;
@@ -32,6 +32,7 @@ pub use bench::{Bench, Learner, Learning};
 pub use proof::{Corrected, GAIN_LEAST, Proof};
 pub use workbench::{MappedFlash, Workbench, WorkbenchConfig};
 
+use embedded_io::{Read, ReadReady, Write};
 use embedded_storage::nor_flash::NorFlash;
 
 use crate::access::{Access, AccessConfig, Key, Nonces};
@@ -42,6 +43,9 @@ use crate::wire::{
     FrameError, Kind, LogLevel, Parser, Refusal, Reply, VERSION, WireBytes, reply_frame,
 };
 use service::Service;
+
+/// Bytes that [`Device::serve`] takes in one call.
+pub const SERVED_BYTES: usize = 64;
 
 /// What a device is told once.
 #[derive(Clone, Copy, Debug)]
@@ -129,6 +133,30 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Device<F, N, I> {
             }
         };
         Some(reply_frame(number, &reply))
+    }
+
+    /// Takes what has come in at a port, at most [`SERVED_BYTES`] bytes, and sends what there is to send. Reading never waits; writing
+    /// may, until the port has taken a frame.
+    ///
+    /// # Errors
+    /// The port's.
+    pub fn serve<P: Read + ReadReady + Write>(
+        &mut self,
+        port: &mut P,
+        now_ms: u64,
+        bench: &mut impl Bench,
+    ) -> Result<(), P::Error> {
+        for _ in 0..SERVED_BYTES {
+            let mut byte = [0];
+            if !port.read_ready()? || port.read(&mut byte)? == 0 {
+                break;
+            }
+            if let Some(reply) = self.receive(byte[0], now_ms, bench) {
+                port.write_all(&reply)?;
+                port.flush()?;
+            }
+        }
+        Ok(())
     }
 
     /// Does one piece of work; to be called over and over from the main loop.

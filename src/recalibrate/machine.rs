@@ -117,7 +117,12 @@ impl Machine {
             return Err(Refused::Window);
         }
         interlock.may_calibrate().map_err(Refused::Interlock)?;
-        self.options = Options { window, ..options };
+        self.options = Options {
+            window,
+            turns: options.turns.max(TURNS_LEAST),
+            proof_turns: options.proof_turns.max(PROOF_TURNS_LEAST),
+            ..options
+        };
         self.began_ms = now_ms;
         self.candidate = Candidate::Learned;
         let action = Some(Action::Prepare(self.options));
@@ -187,8 +192,12 @@ impl Machine {
         }
         self.since_ms = now_ms;
         let advised = taken.advice.is_some_and(|advice| advice != Advice::GoOn);
-        let most = u32::from(self.options.turns).max(TURNS_LEAST);
-        if taken.turns >= most || (advised && taken.turns >= TURNS_LEAST) {
+        let least = if advised {
+            TURNS_LEAST
+        } else {
+            self.options.turns
+        };
+        if taken.turns >= least.into() {
             self.enter(Stage::Solving, now_ms, Some(Action::Solve))
         } else {
             None
@@ -212,8 +221,7 @@ impl Machine {
             return None;
         }
         self.since_ms = now_ms;
-        let wanted = u32::from(self.options.proof_turns).max(PROOF_TURNS_LEAST);
-        if figures.turns < wanted {
+        if figures.turns < self.options.proof_turns.into() {
             None
         } else if figures.better {
             self.enter(Stage::ReadyToCommit, now_ms, Some(Action::Keep))

@@ -28,6 +28,9 @@
 //! whoever owns it does what the actions say. The table in use goes on correcting from the start to the moment that another one
 //! is in flash.
 //!
+//! A learned table has to be better than the one in use on turns that it was not learned from. One that is handed over is not held
+//! against anything: whoever has the key vouches for it.
+//!
 //! Every state that waits for something has a limit in [`Limits`]; where turns come and go, the whole has one too.
 
 mod event;

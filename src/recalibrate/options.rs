@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Options {
-    /// Turns to learn from at the most; 0 counts as [`TURNS_LEAST`].
+    /// Turns to learn from at the most; fewer than [`TURNS_LEAST`] count as so many.
     pub turns: u16,
     /// Error RMS that is good enough, 2^-32 turn; 0: as good as it gets.
     pub goal: u32,
@@ -22,11 +22,11 @@ pub struct Options {
     pub date: u64,
 }
 
-/// Fewest turns that learning ends with on its own.
-pub const TURNS_LEAST: u32 = 6;
+/// Fewest turns that a table is learned from.
+pub const TURNS_LEAST: u16 = 6;
 
 /// Fewest fresh turns that a table is judged by.
-pub const PROOF_TURNS_LEAST: u32 = 4;
+pub const PROOF_TURNS_LEAST: u8 = 4;
 
 impl Default for Options {
     fn default() -> Self {

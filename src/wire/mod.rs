@@ -39,7 +39,7 @@ mod request;
 mod stream;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use frame::{Draft, Frame, FrameError, Kind, Seal, WireBytes, reply_frame, request_frame};
 pub use parser::Parser;

@@ -337,10 +337,16 @@ fn any_single_bit_flipped_costs_the_frame() {
 }
 
 /// A stream that gives the bytes it was made of and keeps what is written.
-struct Wires {
-    given: Vec<u8>,
-    at: usize,
-    written: Vec<u8>,
+pub(crate) struct Wires {
+    pub given: Vec<u8>,
+    pub at: usize,
+    pub written: Vec<u8>,
+}
+
+impl embedded_io::ReadReady for Wires {
+    fn read_ready(&mut self) -> Result<bool, Self::Error> {
+        Ok(self.at < self.given.len())
+    }
 }
 
 impl embedded_io::ErrorType for Wires {

@@ -4,7 +4,8 @@ mod drive;
 
 use super::*;
 use crate::recalibrate::{Failure, Obstacle, Options, SpeedWindow, Waiting};
-use crate::wire::{Piece, Request, Status, TableFault};
+use crate::wire::tests::Wires;
+use crate::wire::{Piece, Request, Status, TableFault, request_frame};
 use drive::{Drive, EDGES, disc};
 use std::vec::Vec;
 
@@ -314,4 +315,28 @@ fn frames_of_other_versions_are_answered_and_broken_ones_counted() {
     wire[4] ^= 1;
     assert_eq!(drive.bytes(&wire[..length]), None);
     assert_eq!(drive.status().bad_frames, 2);
+}
+
+#[test]
+fn a_port_is_served_in_bounded_pieces_without_waiting() {
+    let mut drive = Drive::new(&Drive::flash(), &disc(1), blank());
+    let mut given = std::vec![0x55; 2 * SERVED_BYTES];
+    given.extend(request_frame(5, &Request::Identify));
+    let mut port = Wires {
+        given,
+        at: 0,
+        written: Vec::new(),
+    };
+    for served in 1..=3 {
+        let Ok(()) = drive.device.serve(&mut port, 0, &mut drive.bench);
+        assert_eq!(port.at, port.given.len().min(served * SERVED_BYTES));
+    }
+    let Reply::Identity(identity) = drive.ask(&Request::Identify) else {
+        panic!("no identity")
+    };
+    assert_eq!((identity.edges, identity.serial), (EDGES, 77));
+    assert_eq!(
+        port.written,
+        reply_frame(5, &Reply::Identity(identity)).as_slice()
+    );
 }
