@@ -8,9 +8,12 @@
 //! - *Interval*: the power of r(k) - r(k - 1) about its best straight line.
 //! - *Angle*: the power of r(k) about its best parabola, which takes a steady change of speed out, and where the turn began.
 //!
-//! Each turn gives for each of the two one number, (old - new) / (old + new), between -1 and 1 however fast it was. A table is better
-//! if the mean of the first stands more than twice its standard error above zero, and above [`GAIN_LEAST`], and that of the second does not
-//! stand as far below.
+//! Each turn gives for each of the two one number, (old - new) / (old + new), between -1 and 1 however fast it was. A mean more than
+//! twice its standard error away from zero is certain. A table is better if one mean is above zero for certain, and above
+//! [`GAIN_LEAST`], and neither is below for certain: a disc that was mounted anew shows in the angle, worn marks show in the intervals.
+//!
+//! What the shaft does at the same angle of every turn, as cogging makes it, looks like the encoder's to both tables. It is the
+//! estimator that leaves such orders alone.
 //!
 //! The work an edge is constant: a reciprocal once a turn, then two multiplications and five sums for each table.
 
@@ -24,7 +27,7 @@ use crate::step::{Flags, Step};
 use crate::units::{TICK_FRACTION_BITS, TickDelta8, Ticks, TurnDelta32};
 use sums::{Powers, Sums};
 
-/// Least gain in the intervals' power, as a share of both (Q30): one part in 64.
+/// Least gain in power, as a share of both (Q30): one part in 64.
 pub const GAIN_LEAST: i64 = 1 << 24;
 
 /// Flags that spoil a turn.
@@ -108,15 +111,14 @@ impl Proof {
             interval: root(powers.interval),
             angle: root(powers.angle),
         };
-        let interval = &self.interval;
+        let both = [&self.interval, &self.angle];
         Figures {
             turns: self.turns,
             rejected: self.rejected,
             old: scatter(&self.old),
             new: scatter(&self.new),
-            better: interval.sum_q30 > interval.count * GAIN_LEAST
-                && interval.is_certain()
-                && !(self.angle.sum_q30 < 0 && self.angle.is_certain()),
+            better: both.iter().any(|shares| shares.gain())
+                && !both.iter().any(|shares| shares.lose()),
         }
     }
 
@@ -221,6 +223,16 @@ impl Shares {
         self.count += 1;
         self.sum_q30 += share;
         self.squares_q30 += (share * share) >> 30;
+    }
+
+    /// Whether there is less with the new table, for certain.
+    fn gain(&self) -> bool {
+        self.sum_q30 > self.count * GAIN_LEAST && self.is_certain()
+    }
+
+    /// Whether there is more with the new table, for certain.
+    fn lose(&self) -> bool {
+        self.sum_q30 < 0 && self.is_certain()
     }
 
     /// Whether the mean is more than two standard errors away from zero.

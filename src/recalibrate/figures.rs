@@ -24,6 +24,6 @@ pub struct Figures {
     pub old: Scatter,
     /// With the new one.
     pub new: Scatter,
-    /// Whether the new one is better for certain: its intervals scatter less, and its angle not more, by more than chance.
+    /// Whether the new one is better for certain: intervals or angle scatter less, and neither more, by more than chance.
     pub better: bool,
 }

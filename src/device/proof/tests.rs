@@ -256,6 +256,31 @@ fn a_smoother_speed_does_not_make_up_for_an_angle_that_is_worse() {
 }
 
 #[test]
+fn a_disc_that_was_mounted_anew_shows_in_the_angle() {
+    let run = Run {
+        edges: 1440,
+        turns: 9,
+        drift: 0.001,
+        swing: 1e-7,
+        seed: 4,
+        direction: Direction::Forward,
+    };
+    let turned = run.turned();
+    // The table in use has all but the new eccentricity, a fifth of a step.
+    let before: Vec<f64> = (0..1440)
+        .zip(&turned.errors)
+        .map(|(k, e)| {
+            let order = std::f64::consts::TAU * f64::from(k) / 1440.0;
+            (e + TURN / 1440.0 / 5.0 * order.sin()).round()
+        })
+        .collect();
+    let figures = prove(&turned, &before, &turned.errors);
+    assert!(figures.new.angle * 3 < figures.old.angle);
+    assert!(figures.better);
+    assert!(!prove(&turned, &turned.errors, &before).better);
+}
+
+#[test]
 fn turns_with_an_edge_that_is_wrong_are_left_out() {
     let run = Run {
         edges: 240,
