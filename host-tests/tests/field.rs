@@ -1,6 +1,6 @@
 //! A simulated drive, calibrated over its port with the core's own estimator, committed, and started again from flash.
 
-use quadcal::recalibrate::{Options, Stage};
+use quadcal::recalibrate::{Failure, Options, Stage};
 use quadcal::wire::{Reply, Request};
 use quadcal_host::sim::{Event, Simulation};
 use quadcal_host::twin::{Duration, Encoder, Errors, Noise, Per, Position, Twin};
@@ -89,4 +89,38 @@ fn a_drive_learns_by_command_and_starts_again_with_what_it_learned() {
         assert!(corrected < raw / 10.0, "{corrected:.2e} {raw:.2e}");
         assert!(other > raw / 2.0);
     }
+}
+
+/// Starts a calibration and turns until it has come to its end.
+fn calibrate(field: &mut Field, events: &mut impl Iterator<Item = Event>) -> Stage {
+    let options = Options {
+        turns: 16,
+        ..Options::default()
+    };
+    assert_eq!(field.demand(&Request::Start(options)), Reply::Done);
+    while !matches!(
+        field.device.stage(),
+        Stage::ReadyToCommit | Stage::Failed(_)
+    ) {
+        let _ = error(field, events, 4 * LINES);
+    }
+    field.device.stage()
+}
+
+#[test]
+fn a_table_no_better_than_the_one_in_use_is_refused() {
+    let turn = 4 * LINES + 2;
+    let refused = (11..=30)
+        .filter(|seed| {
+            let mut field = Field::new(&Flash::default(), LINES);
+            let mut events = Simulation::new(&twin(*seed, 100.0)).unwrap();
+            assert_eq!(calibrate(&mut field, &mut events), Stage::ReadyToCommit);
+            assert_eq!(field.demand(&Request::Commit), Reply::Done);
+            let _ = error(&mut field, &mut events, turn);
+            // The same encoder, learned again from as many turns.
+            calibrate(&mut field, &mut events) == Stage::Failed(Failure::NotBetter)
+        })
+        .count();
+    println!("{refused} of 20 refused");
+    assert!(refused >= 18);
 }

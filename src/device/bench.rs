@@ -42,6 +42,7 @@ pub trait Bench: SolveInSlices {
     fn candidate(&self) -> Option<(SlotHeader, &[i16])>;
 
     /// Room for the entries of a table that is handed over, one an edge; what was learned is given up for it. None while it is needed.
+    /// What was put there stays until [`Action::Prepare`] or [`Action::Release`].
     fn room(&mut self) -> Option<&mut [i16]>;
 
     /// Corrects with a table of the store from now on, or with none. False where it can't be used, and then there is none.
