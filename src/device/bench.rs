@@ -36,7 +36,7 @@ pub trait Bench: SolveInSlices {
     fn advice(&mut self) -> Option<Advice>;
 
     /// What fresh turns say so far.
-    fn figures(&self) -> Figures;
+    fn figures(&mut self) -> Figures;
 
     /// The table that was solved for: what it says of itself, and its entries.
     fn candidate(&self) -> Option<(SlotHeader, &[i16])>;

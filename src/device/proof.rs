@@ -15,7 +15,8 @@
 //! What the shaft does at the same angle of every turn, as cogging makes it, looks like the encoder's to both tables. It is the
 //! estimator that leaves such orders alone.
 //!
-//! The work an edge is constant: a reciprocal once a turn, then two multiplications and five sums for each table.
+//! The work an edge is constant and divides nothing: a reciprocal once a turn, then three multiplications and six sums for each table.
+//! What a whole turn says is worked out in the main loop.
 
 mod sums;
 
@@ -74,6 +75,8 @@ struct Turn {
 pub struct Proof {
     edges: u32,
     turn: Option<Turn>,
+    /// A whole turn that was not yet settled: old and new.
+    whole: Option<[Sums; 2]>,
     turns: u32,
     rejected: u32,
     old: Powers,
@@ -89,6 +92,7 @@ impl Proof {
         Self {
             edges: shape.edges(),
             turn: None,
+            whole: None,
             turns: 0,
             rejected: 0,
             old: Powers::default(),
@@ -98,7 +102,25 @@ impl Proof {
         }
     }
 
-    /// What the turns so far say.
+    /// Works out a turn that has come to its end; to be called from the main loop, as it divides. A turn that ends before the one before
+    /// was worked out is passed over.
+    pub fn settle(&mut self) {
+        let Some([old, new]) = self.whole.take() else {
+            return;
+        };
+        let (old, new) = (old.powers(self.edges), new.powers(self.edges));
+        let add = |sum: &mut Powers, turn: Powers| {
+            sum.interval += turn.interval;
+            sum.angle += turn.angle;
+        };
+        add(&mut self.old, old);
+        add(&mut self.new, new);
+        self.interval.add(old.interval, new.interval);
+        self.angle.add(old.angle, new.angle);
+        self.turns = self.turns.saturating_add(1);
+    }
+
+    /// What the turns settled so far say.
     #[must_use]
     pub fn figures(&self) -> Figures {
         let turns = u128::from(self.turns.max(1));
@@ -122,7 +144,7 @@ impl Proof {
         }
     }
 
-    /// Takes an accepted edge with what both tables make of it.
+    /// Takes an accepted edge with what both tables make of it. On the edge path while proving.
     pub fn push(&mut self, step: &Step, old: Corrected, new: Corrected) {
         if step.flags.intersects(SPOILED) || step.resync != 0 || step.advance != 1 {
             return self.spoil();
@@ -138,7 +160,9 @@ impl Proof {
         }
         if whole {
             let turn = *turn;
-            self.close(&turn);
+            if turn.per_turn.is_some() && self.whole.is_none() {
+                self.whole = Some([turn.old, turn.new]);
+            }
             let duration = step.ticks.saturating_sub(turn.start);
             self.open(step, Some(duration), old, new);
         }
@@ -172,22 +196,6 @@ impl Proof {
             old: sums(old),
             new: sums(new),
         });
-    }
-
-    fn close(&mut self, turn: &Turn) {
-        if turn.per_turn.is_none() {
-            return;
-        }
-        let (old, new) = (turn.old.powers(self.edges), turn.new.powers(self.edges));
-        let add = |sum: &mut Powers, turn: Powers| {
-            sum.interval += turn.interval;
-            sum.angle += turn.angle;
-        };
-        add(&mut self.old, old);
-        add(&mut self.new, new);
-        self.interval.add(old.interval, new.interval);
-        self.angle.add(old.angle, new.angle);
-        self.turns = self.turns.saturating_add(1);
     }
 }
 

@@ -223,7 +223,8 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
         self.learner.advice()
     }
 
-    fn figures(&self) -> Figures {
+    fn figures(&mut self) -> Figures {
+        self.proof.settle();
         self.proof.figures()
     }
 

@@ -98,6 +98,7 @@ fn prove(turned: &Turned, old: &[f64], new: &[f64]) -> Figures {
         .zip(ways(turned, new))
     {
         proof.push(step, edge(old), edge(new));
+        proof.settle();
     }
     proof.figures()
 }
@@ -189,6 +190,34 @@ fn figures_agree_with_double_precision() {
         }
         assert!(figures.better);
     }
+}
+
+#[test]
+fn turns_that_the_main_loop_has_no_time_for_are_passed_over() {
+    let shape = EncoderShape::new(4, 4).unwrap();
+    let mut proof = Proof::new(shape);
+    let edge = Corrected {
+        moved: TurnDelta32(1 << 30),
+        late: TickDelta8::ZERO,
+    };
+    let run = Run {
+        edges: 4,
+        turns: 9,
+        drift: 0.0,
+        swing: 0.0,
+        seed: 1,
+        direction: Direction::Forward,
+    };
+    for (step, k) in run.turned().steps.iter().zip(0..) {
+        proof.push(step, edge, edge);
+        if k == 20 {
+            proof.settle();
+        }
+    }
+    assert_eq!(proof.figures().turns, 1);
+    proof.settle();
+    proof.settle();
+    assert_eq!((proof.figures().turns, proof.figures().rejected), (2, 0));
 }
 
 #[test]
