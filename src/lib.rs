@@ -27,9 +27,13 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "device")]
+pub mod access;
 pub mod corrector;
 pub mod counter;
 pub mod decoder;
+#[cfg(feature = "device")]
+pub mod device;
 pub mod edge;
 pub mod estimate;
 pub mod fingerprint;
@@ -39,6 +43,8 @@ pub mod log2;
 mod motion;
 #[cfg(feature = "embedded-hal")]
 pub mod pins;
+#[cfg(feature = "device")]
+pub mod recalibrate;
 pub mod recip;
 pub mod replay;
 pub mod savgol;
@@ -55,6 +61,8 @@ pub mod timebase;
 pub mod trig;
 pub mod units;
 pub mod wheel;
+#[cfg(feature = "device")]
+pub mod wire;
 
 #[cfg(test)]
 extern crate std;

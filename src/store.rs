@@ -19,7 +19,7 @@ mod layout;
 mod place;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 
@@ -132,6 +132,26 @@ impl<F: ReadNorFlash> Store<F> {
     pub fn wear(&mut self, place: Place) -> Result<u32, StoreError<F::Error>> {
         let wear = place::wear(&mut self.flash, &self.layout.of(place));
         Ok(wear.map_err(StoreError::Flash)?.unwrap_or(0))
+    }
+
+    /// Reads bytes of a table's slot, from byte `offset` of the slot on. Both `offset` and the length are multiples of what the flash is
+    /// read in; [`MARK_BYTES`] is one.
+    ///
+    /// # Errors
+    /// [`StoreError::Flash`] when reading fails.
+    pub fn read(
+        &mut self,
+        found: &Found,
+        offset: u32,
+        bytes: &mut [u8],
+    ) -> Result<(), StoreError<F::Error>> {
+        let at = found.offset.saturating_add(offset);
+        self.flash.read(at, bytes).map_err(StoreError::Flash)
+    }
+
+    /// Times that a place may be erased.
+    pub const fn erasures_max(&self) -> u32 {
+        self.layout.erasures_max
     }
 
     /// Wear of a place; one whose count was lost to a power cut has been erased about as often as the other.

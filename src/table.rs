@@ -135,6 +135,19 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         self
     }
 
+    /// The same without its entries, for those who hand them to [`Self::angle_with`].
+    #[cfg(feature = "device")]
+    pub(crate) const fn without_entries(&self) -> ErrorTable<'static, i16> {
+        ErrorTable {
+            grid: self.grid,
+            class_offsets: self.class_offsets,
+            class_delays: self.class_delays,
+            has_delays: self.has_delays,
+            entries: &[],
+            scale: self.scale,
+        }
+    }
+
     /// A table that corrects nothing.
     pub(crate) const fn of_grid(grid: Grid) -> Self {
         Self {

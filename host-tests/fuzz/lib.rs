@@ -1,7 +1,7 @@
 //! What every fuzz target asks of a reader.
 //!
 //! `cargo install cargo-fuzz`, then in `host-tests`: `cargo +nightly fuzz run read_native fuzz/corpus/read_native
-//! fuzz/seeds/read_native`, and likewise `read_logic`, `read_vcd`, `read_list` and `read_any`. What is found goes to `corpus`, which
+//! fuzz/seeds/read_native`, and likewise `read_logic`, `read_vcd`, `read_list`, `read_any` and `device`. What is found goes to `corpus`, which
 //! is not kept in the repository; `seeds` is.
 #![forbid(unsafe_code)]
 

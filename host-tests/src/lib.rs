@@ -15,7 +15,9 @@ pub mod peer_bladesight;
 pub mod reference;
 
 pub mod events;
+pub mod field;
 pub mod firmware;
+pub mod fuzz_device;
 pub mod locate;
 pub mod power_cut;
 pub mod rig;

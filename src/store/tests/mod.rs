@@ -2,7 +2,7 @@
 
 extern crate std;
 
-mod flash;
+pub(crate) mod flash;
 
 use super::*;
 use crate::shape::{CLASSES_MAX, EncoderShape};

@@ -63,7 +63,24 @@ pub const STEPS: &[Step] = &[
                 "quadcal",
                 "--lib",
                 "--features",
-                "summary,embedded-hal",
+                "summary,embedded-hal,device",
+            ])
+        },
+    },
+    Step {
+        name: "fuzz",
+        about: "a device under two million arbitrary inputs",
+        run: || {
+            cargo(&[
+                "run",
+                "--release",
+                "-p",
+                "quadcal-host-tests",
+                "--bin",
+                "fuzz-device",
+                "--",
+                "--inputs",
+                "2000000",
             ])
         },
     },
@@ -123,7 +140,7 @@ fn cargo(args: &[&str]) -> Result<(), Failure> {
 fn defmt() -> Result<(), Failure> {
     let mut check = Command::new("cargo");
     check.current_dir(firmware::workspace());
-    let features = "defmt,summary,embedded-hal,stm32f405";
+    let features = "defmt,summary,embedded-hal,device,stm32f405";
     check.args(["check", "-p", "quadcal", "--lib", "--features", features]);
     check.args(["--profile", "firmware", "--target", TARGET]);
     check.args(["--target-dir", "target-firmware"]);

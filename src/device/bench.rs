@@ -1,0 +1,85 @@
+//! What a device needs of the firmware's part that sees the edges.
+
+use crate::estimate::{Advice, DriveKnowledge, Goal};
+use crate::recalibrate::{Action, Figures, SolveInSlices};
+use crate::slot::SlotHeader;
+use crate::step::Outcome;
+use crate::store::Found;
+use crate::wire::Live;
+
+/// How learning goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Learning {
+    /// Turns taken since the calibration began.
+    pub turns: u32,
+    /// Turns that could not be used.
+    pub rejected: u32,
+}
+
+/// The part that sees the edges, as the main loop sees it. [`super::Workbench`] is one; firmware whose edges come in an interrupt
+/// wraps that in whatever it shares state with, and holds edges up no longer than one of these calls takes.
+pub trait Bench: SolveInSlices {
+    /// Does what the machine says; all but writing, which is the store's.
+    fn perform(&mut self, action: &Action);
+
+    /// The shaft now.
+    fn live(&mut self) -> Live;
+
+    /// Mean speed over a part of a turn, either way, thousandths of a revolution a minute; 0 where it stands still.
+    fn speed(&mut self) -> u32;
+
+    /// How learning goes; asked at every poll.
+    fn learning(&mut self) -> Learning;
+
+    /// Whether more turns would help, where that is known; asked once after every turn that was taken.
+    fn advice(&mut self) -> Option<Advice>;
+
+    /// What fresh turns say so far.
+    fn figures(&mut self) -> Figures;
+
+    /// The table that was solved for: what it says of itself, and its entries.
+    fn candidate(&self) -> Option<(SlotHeader, &[i16])>;
+
+    /// Room for the entries of a table that is handed over, one an edge; what was learned is given up for it. None while it is needed.
+    /// What was put there stays until [`Action::Prepare`] or [`Action::Release`].
+    fn room(&mut self) -> Option<&mut [i16]>;
+
+    /// Corrects with a table of the store from now on, or with none. False where it can't be used, and then there is none.
+    fn adopt(&mut self, found: Option<&Found>) -> bool;
+
+    /// Temperature of the encoder, 1/16 degree Celsius.
+    fn temperature_q4(&mut self) -> Option<i16> {
+        None
+    }
+}
+
+/// What learns: an estimator with its memory, through all that becomes of it.
+pub trait Learner: SolveInSlices {
+    /// Forgets everything and gets ready to learn.
+    fn prepare(&mut self, knowledge: DriveKnowledge, goal: Goal);
+
+    /// Takes what a decoder made of a sample. On the edge path.
+    fn push(&mut self, outcome: &Outcome);
+
+    /// Edges will be missing: what comes next may have another speed or direction.
+    fn interrupt(&mut self);
+
+    /// As [`Bench::learning`].
+    fn learning(&mut self) -> Learning;
+
+    /// As [`Bench::advice`].
+    fn advice(&mut self) -> Option<Advice>;
+
+    /// What the table says of itself, once it is solved for.
+    fn header(&self) -> Option<SlotHeader>;
+
+    /// Its entries then.
+    fn entries(&self) -> &[i16];
+
+    /// As [`Bench::room`].
+    fn room(&mut self) -> Option<&mut [i16]>;
+
+    /// Gives up what was learned.
+    fn release(&mut self);
+}

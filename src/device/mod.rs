@@ -1,0 +1,191 @@
+//! A drive's calibration service: frames come in and go out, the encoder is learned again by command, and tables are kept in flash.
+//!
+//! ```text
+//!   port --byte--> Device::receive --reply--> port         edges --> Workbench::push --> corrected edges
+//!                     |  wire: is it a frame?                             ^      |
+//!                     |  access: may it change anything?                  |      +--> Learner, Proof
+//!                     |  recalibrate: does it fit the stage?              |
+//!   main loop -> Device::poll --one piece of work-------------------------+ Bench
+//!                     |
+//!                     +--> store: two places in flash
+//! ```
+//!
+//! Both calls belong to the main loop, and each is bounded: a poll looks at the shaft, does a slice of solving, or writes the table.
+//! Only the last takes long, and on chips that execute from the flash they write it halts everything; the
+//! [`Interlock`] says when that may be. Edges are the workbench's and go on all the while: the table in use
+//! corrects them until [`Bench::adopt`] exchanges it.
+
+mod bench;
+mod pace;
+mod proof;
+mod service;
+mod tables;
+mod trial;
+mod upload;
+mod work;
+mod workbench;
+
+#[cfg(test)]
+mod tests;
+
+pub use bench::{Bench, Learner, Learning};
+pub use proof::{Corrected, GAIN_LEAST, Proof};
+pub use workbench::{MappedFlash, Workbench, WorkbenchConfig};
+
+use embedded_io::{Read, ReadReady, Write};
+use embedded_storage::nor_flash::NorFlash;
+
+use crate::access::{Access, AccessConfig, Key, Nonces};
+use crate::recalibrate::{Interlock, Limits, Machine, Stage, WearBudget, WearConfig};
+use crate::shape::EncoderShape;
+use crate::store::{Found, Store};
+use crate::wire::{
+    FrameError, Kind, LogLevel, Parser, Refusal, Reply, VERSION, WireBytes, reply_frame,
+};
+use service::Service;
+
+/// Bytes that [`Device::serve`] takes in one call.
+pub const SERVED_BYTES: usize = 64;
+
+/// What a device is told once.
+#[derive(Clone, Copy, Debug)]
+pub struct DeviceConfig {
+    /// Version of the firmware: major, minor, patch.
+    pub firmware: [u8; 3],
+    /// The encoder's shape.
+    pub shape: EncoderShape,
+    /// Ticks a second.
+    pub clock_hz: u64,
+    /// Serial number of the encoder, 0: not given. A table of another one is refused.
+    pub serial: u64,
+    /// How long a calibration waits, and at which speeds it learns.
+    pub limits: Limits,
+    /// How sessions end.
+    pub access: AccessConfig,
+    /// How often flash is erased.
+    pub wear: WearConfig,
+}
+
+/// The service; see the module's head. Times are milliseconds of a clock that does not go back.
+pub struct Device<F, N, I> {
+    parser: Parser,
+    service: Service<F, N, I>,
+}
+
+impl<F: NorFlash, N: Nonces, I: Interlock> Device<F, N, I> {
+    /// A device that has just started; what it corrects with comes with [`Self::begin`].
+    pub fn new(
+        config: DeviceConfig,
+        key: Key,
+        store: Store<F>,
+        nonces: N,
+        interlock: I,
+        now_ms: u64,
+    ) -> Self {
+        let wear = WearBudget::new(config.wear, store.erasures_max(), now_ms);
+        Self {
+            parser: Parser::new(),
+            service: Service {
+                config,
+                store,
+                nonces,
+                interlock,
+                access: Access::new(config.access, key),
+                machine: Machine::new(config.limits),
+                wear,
+                upload: None,
+                loaded: None,
+                due: None,
+                in_use: None,
+                learned: None,
+                preview: None,
+                turns: 0,
+                rejected: 0,
+                solved_percent: 0,
+                log_level: LogLevel::default(),
+                bad_frames: 0,
+                started_ms: now_ms,
+            },
+        }
+    }
+
+    /// Corrects with the newest table in flash from now on; none where there is none, and then the encoder runs uncorrected.
+    ///
+    /// # Errors
+    /// [`Refusal::Flash`] when it can't be read.
+    pub fn begin(&mut self, bench: &mut impl Bench) -> Result<Option<Found>, Refusal> {
+        self.service.adopt_newest(bench)?;
+        Ok(self.service.in_use)
+    }
+
+    /// Takes a byte from the port; `Some` when there is something to send.
+    pub fn receive(&mut self, byte: u8, now_ms: u64, bench: &mut impl Bench) -> Option<WireBytes> {
+        let service = &mut self.service;
+        let (number, reply) = match self.parser.push(byte)? {
+            Ok(frame) if frame.kind == Kind::Reply => return None,
+            Ok(frame) => (frame.number, service.answer(&frame, now_ms, bench)),
+            Err(error) => {
+                service.bad_frames = service.bad_frames.saturating_add(1);
+                let FrameError::Version { number, .. } = error else {
+                    return None;
+                };
+                (number, Reply::Refused(Refusal::Version(VERSION)))
+            }
+        };
+        Some(reply_frame(number, &reply))
+    }
+
+    /// Takes what has come in at a port, at most [`SERVED_BYTES`] bytes, and sends what there is to send. Reading never waits; writing
+    /// may, until the port has taken a frame.
+    ///
+    /// # Errors
+    /// The port's.
+    pub fn serve<P: Read + ReadReady + Write>(
+        &mut self,
+        port: &mut P,
+        now_ms: u64,
+        bench: &mut impl Bench,
+    ) -> Result<(), P::Error> {
+        for _ in 0..SERVED_BYTES {
+            let mut byte = [0];
+            if !port.read_ready()? || port.read(&mut byte)? == 0 {
+                break;
+            }
+            if let Some(reply) = self.receive(byte[0], now_ms, bench) {
+                port.write_all(&reply)?;
+                port.flush()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Does one piece of work; to be called over and over from the main loop.
+    pub fn poll(&mut self, now_ms: u64, bench: &mut impl Bench) {
+        self.service.poll(now_ms, bench);
+    }
+
+    /// Where the calibration stands.
+    pub const fn stage(&self) -> Stage {
+        self.service.machine.stage()
+    }
+
+    /// The table that is corrected with.
+    pub const fn in_use(&self) -> Option<&Found> {
+        self.service.in_use.as_ref()
+    }
+
+    /// How much is to be logged.
+    pub const fn log_level(&self) -> LogLevel {
+        self.service.log_level
+    }
+
+    /// What the firmware allows, to be told of changes.
+    pub const fn interlock(&mut self) -> &mut I {
+        &mut self.service.interlock
+    }
+
+    /// Gives the flash back.
+    pub fn into_flash(self) -> F {
+        self.service.store.into_flash()
+    }
+}

@@ -1,0 +1,99 @@
+//! One turn with one table: running sums, and at its end what they leave of the power.
+
+use crate::units::TickDelta8;
+
+/// Farthest that an edge may be off, 2^-32 turn: a sixteenth of a turn. A turn with more is not used.
+const OFF_MOST: i64 = 1 << 28;
+
+/// One turn with one table.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    /// How late the turn's first edge was, 2^-8 tick.
+    pub late: i64,
+    /// Way since then, in the direction of motion, 2^-32 turn.
+    pub way: i64,
+    /// r at the last edge.
+    last: i64,
+    /// Sum of r, the sum of those sums, and the sum of these.
+    first: i128,
+    second: i128,
+    third: i128,
+    /// Sum of r^2.
+    squares: u128,
+    /// Sum of (r(k) - r(k - 1))^2.
+    interval_squares: u128,
+}
+
+/// Mean powers over a turn, (2^-32 turn)^2 in Q8.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Powers {
+    pub interval: u128,
+    pub angle: u128,
+}
+
+impl From<TickDelta8> for Sums {
+    /// A turn whose first edge was so late.
+    fn from(late: TickDelta8) -> Self {
+        Self {
+            late: late.0.into(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Sums {
+    /// Adds an edge; false where it is too far off.
+    pub fn add(&mut self, off: i64) -> bool {
+        if off.abs() > OFF_MOST {
+            return false;
+        }
+        let step = off - self.last;
+        self.last = off;
+        self.first += i128::from(off);
+        self.second += self.first;
+        self.third += self.second;
+        // Both are below 2^29.
+        self.squares += u128::from((off * off).unsigned_abs());
+        self.interval_squares += u128::from((step * step).unsigned_abs());
+        true
+    }
+
+    /// Powers over a turn of `edges`: the sums of squares less what falls on a constant, a slope and a bend.
+    pub fn powers(&self, edges: u32) -> Powers {
+        let n = i128::from(edges);
+        // The sums of w r and of w^2 r with w = n + 1 - k, which the running sums are.
+        let weighed = self.second;
+        let weighed_twice = 2 * self.third - self.second;
+        // The same with x = n + 1 - 2 w, which runs from 1 - n to n - 1, and with 3 x^2 - (n^2 - 1), whose sum is zero.
+        let slope = (n + 1) * self.first - 2 * weighed;
+        let square = (n + 1) * (n + 1) * self.first - 4 * (n + 1) * weighed + 4 * weighed_twice;
+        let bend = 3 * square - (n * n - 1) * self.first;
+        let n = u128::from(edges);
+        // The sums of the squares of 1, of x and of that.
+        let slope_norm = n * (n * n - 1) / 3;
+        let bend_norm = 4 * n * (n * n - 1) * (n * n - 4) / 5;
+        let angle = self
+            .squares
+            .saturating_sub(share(self.first, n))
+            .saturating_sub(share(slope, slope_norm))
+            .saturating_sub(share(bend, bend_norm));
+        let last = i128::from(self.last);
+        let interval_slope = (i128::from(edges) + 1) * last - 2 * self.first;
+        let interval = self
+            .interval_squares
+            .saturating_sub(share(last, n))
+            .saturating_sub(share(interval_slope, slope_norm));
+        Powers {
+            interval: (interval << 8) / n,
+            angle: (angle << 8) / n,
+        }
+    }
+}
+
+/// `sum`^2 / `norm`.
+fn share(sum: i128, norm: u128) -> u128 {
+    let size = sum.unsigned_abs();
+    let down = 66_u32.saturating_sub(size.leading_zeros());
+    let top = size >> down;
+    ((top * top) / norm.max(1)) << (2 * down)
+}
