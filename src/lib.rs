@@ -12,14 +12,14 @@
 //! | stage | instructions |
 //! |---|---|
 //! | [`decoder::QuadratureDecoder::push`], outcome written to memory | 48 |
-//! | the same where every tenth edge is a reversal without slowing down | 197 |
-//! | [`corrector::Corrector::push`]: table, angle, way and time since the edge before | 49 |
-//! | the same where the caller uses the delays too | 56 |
-//! | decoder and corrector in a row | 97 |
-//! | [`interval::Interval::push`] | 42 |
-//! | [`interval::Interval::speed_at`], for the control loop | 103 |
-//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 138 |
-//! | [`fingerprint::Trail::push`], its call included | 28 |
+//! | the same where every tenth edge is a reversal without slowing down | 193 |
+//! | [`corrector::Corrector::push`]: table, angle, way and time since the edge before | 50 |
+//! | the same where the caller uses the delays too | 57 |
+//! | decoder and corrector in a row | 98 |
+//! | [`interval::Interval::push`] | 39 |
+//! | [`interval::Interval::speed_at`], for the control loop | 96 |
+//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 124 |
+//! | [`fingerprint::Trail::push`], its call included | 25 |
 //!
 //! These paths divide nothing, use no floating point and hold no panic. Anything but one more edge of settled motion, Z low,
 //! goes out of line: at most a few edges a turn, sixteen after a start or a reversal, and every edge of three Hall sensors in

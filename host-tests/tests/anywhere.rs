@@ -2,7 +2,7 @@
 #![allow(clippy::cast_precision_loss, missing_docs)]
 
 use quadcal_host_tests::accuracy::rms;
-use quadcal_host_tests::anywhere::{GivenGains, Judged, Rig, Scenario};
+use quadcal_host_tests::anywhere::{ByOrder, GivenGains, Judged, Rig, Scenario};
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 
 const SEEDS: std::ops::Range<u64> = 9_000..9_024;
@@ -59,6 +59,38 @@ fn one_speed_leaves_little_more_than_the_bound() {
     };
     let [_, of_bound] = left(rig, LockedTorque::None);
     assert!(of_bound < 1.35, "{of_bound}");
+}
+
+/// With cogging too, whose side bands at the orders beside it are no geometry.
+#[test]
+fn one_speed_makes_no_order_worse() {
+    for scenario in [Scenario::OneSpeed, Scenario::OneSpeedCogging] {
+        let rig = Rig {
+            scenario,
+            lines: 2500,
+        };
+        let mut by_order = ByOrder::default();
+        for seed in SEEDS {
+            let run = rig.run(seed).unwrap();
+            let calibration = rig.calibrate(&run, seed, GivenGains::EXACT).unwrap();
+            by_order.add(&calibration, &run);
+        }
+        let worst = by_order.worst().unwrap();
+        assert!(worst.ratio < 1.02, "{scenario:?}: {worst:?}");
+    }
+}
+
+/// Cogging of a coarse disc's size at a motor's orders: some stand out, others do not and are doubted with them.
+#[test]
+fn a_coarse_disc_at_one_speed_says_what_cogging_leaves() {
+    let rig = Rig {
+        scenario: Scenario::OneSpeedCogging,
+        lines: 60,
+    };
+    let judged = judged(rig);
+    let over = |pick: fn(&Judged) -> f64| rms(&judged.iter().map(pick).collect::<Vec<_>>());
+    let stated = over(|run| run.left) / over(|run| run.standard_error);
+    assert!((0.75..1.15).contains(&stated), "{stated}");
 }
 
 #[test]
