@@ -85,7 +85,7 @@ pub(super) struct LowNoise {
 /// Noise at one of the lowest orders of the estimate whose turns have `shares`; `expected` of a turn of a bin where no pairs tell.
 ///
 /// Few pairs are no exact measure of noise, and intervals must be as much wider as Student's are: by 1 + 2 / pairs, with so many pairs
-/// as the speeds together are worth (Satterthwaite).
+/// as the speeds together are worth (Satterthwaite). Neighbouring pairs share a turn, so three are worth two.
 pub(super) fn low_noise(
     speeds: &Speeds,
     shares: &Shares,
@@ -103,7 +103,8 @@ pub(super) fn low_noise(
         let power = low_power(bin, index, expected(b), fine);
         let noise = shares.of_power(speeds, b, power) >> 32;
         sum += noise;
-        if let Some(part) = noise.saturating_mul(noise).checked_div(bin.pairs.into()) {
+        let square = noise.saturating_mul(noise).saturating_mul(3);
+        if let Some(part) = square.checked_div(2 * u128::from(bin.pairs)) {
             spread = spread.saturating_add(part);
         }
     }

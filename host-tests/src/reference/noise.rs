@@ -77,7 +77,7 @@ fn smooth(plan: Plan, shown: &[f64], floor: f64) -> Vec<f64> {
 }
 
 /// Noise at a low order of the estimate with `shares` of the turns, as much wider as Student's intervals are: each speed by its own
-/// pairs, all together by Satterthwaite's rule; and the pairs that it is worth.
+/// pairs, of which three are worth two, all together by Satterthwaite's rule; and the pairs that it is worth.
 fn low_noise(
     turns: &[Turn],
     shares: &[f64],
@@ -99,7 +99,7 @@ fn low_noise(
         let count = pairs(turns, bin).count() as f64;
         sum += noise;
         spread += if count > 0.0 {
-            noise * noise / count
+            noise * noise * 1.5 / count
         } else {
             0.0
         };

@@ -52,7 +52,10 @@ impl Pattern {
         let shape = solution.shape();
         let edges = shape.edges() as usize;
         let lines = edges / shape.classes() as usize;
-        let mut entries: Vec<f64> = solution.entries().iter().map(|&e| f64::from(e)).collect();
+        // Solutions differ in the shift of their entries.
+        let unit = f64::from(1_u32 << solution.shift());
+        let entries = solution.entries().iter();
+        let mut entries: Vec<f64> = entries.map(|&entry| unit * f64::from(entry)).collect();
         let fft = RealFftPlanner::<f64>::new().plan_fft_forward(edges);
         let mut spectrum = fft.make_output_vec();
         // The lengths fit, so nothing can go wrong; zeroes would be left out.
@@ -71,8 +74,7 @@ impl Pattern {
         let orders: Vec<_> = spectrum.iter().enumerate().map(known).collect();
         let powers = orders.iter().flatten().map(|(value, _)| value.norm_sqr());
         // Each order stands for its mirror image too.
-        let scale = f64::from(1_u32 << solution.shift()) / edges as f64;
-        let size = scale * (2.0 * powers.sum::<f64>()).sqrt();
+        let size = (2.0 * powers.sum::<f64>()).sqrt() / edges as f64;
         if size < SIZE_LEAST * offsets_rms(solution) {
             return Self { orders: Vec::new() };
         }
