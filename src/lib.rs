@@ -51,6 +51,8 @@ pub mod savgol;
 pub mod shape;
 pub mod slot;
 pub mod step;
+#[cfg(any(test, feature = "stm32f405"))]
+pub mod stm32f405;
 pub mod store;
 #[cfg(feature = "summary")]
 pub mod summary;

@@ -252,10 +252,7 @@ impl<F: NorFlash> Store<F> {
         for place in [newest.other(), newest] {
             let range = self.layout.of(place);
             let wear = self.wear_to_count_from(place)?;
-            // What does not count is not withdrawn again: a mark is written once.
-            if self.found(place)?.is_some() {
-                place::withdraw(&mut self.flash, &range)?;
-            }
+            place::withdraw(&mut self.flash, &range)?;
             place::Writer::erase(&mut self.flash, range)?.wear(wear + 1)?;
         }
         Ok(())

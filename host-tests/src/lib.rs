@@ -17,6 +17,8 @@ pub mod reference;
 pub mod events;
 pub mod firmware;
 pub mod locate;
+pub mod power_cut;
 pub mod rig;
 pub mod session;
+pub mod slot_check;
 pub mod speed_loop;

@@ -177,13 +177,10 @@ impl Calibration {
         Ok(())
     }
 
-    /// Whether the turns' speeds differ enough to tell torque from geometry: one took half as long again as another.
+    /// Whether the turns' speeds differ enough to tell torque from geometry: see [`Totals::two_speeds`].
     #[must_use]
     pub fn two_speeds(&self) -> bool {
-        let Totals {
-            shortest, longest, ..
-        } = self.totals;
-        longest >= shortest + shortest / 2
+        self.totals.two_speeds()
     }
 }
 

@@ -130,6 +130,13 @@ pub struct Totals {
 }
 
 impl Totals {
+    /// Whether the turns' speeds differ enough to tell torque, whose angle goes with 1 / speed^2, from geometry: one took longer
+    /// than another by a quarter. How well that tells goes into every order's doubt.
+    #[must_use]
+    pub fn two_speeds(&self) -> bool {
+        self.longest >= self.shortest.saturating_add(self.shortest / 4)
+    }
+
     fn take(&mut self, duration: u64) {
         self.shortest = if self.turns == 0 {
             duration

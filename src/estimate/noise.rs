@@ -19,7 +19,7 @@ use crate::units::STEP_FRACTION_BITS;
 
 /// Turns the powers of a contrast, in `noise`, into the noise of the estimate whose turns have `shares` where they have
 /// `contrast` there, in 2^-[`POWER_BITS`] of the squared fine unit; order n at n - 1. Logarithms of what the contrast showed at
-/// each order itself over its level go to `own`.
+/// each order itself over its level go to `own`. Returns how many pairs of turns the noise of the lowest orders rests on.
 #[inline(never)]
 pub(super) fn settle_noise(
     plan: OrderPlan,
@@ -29,20 +29,23 @@ pub(super) fn settle_noise(
     shares: &Shares,
     contrast: &Shares,
     fine: Fine,
-) {
+) -> u32 {
     // Where blocks begin, jitter shows with all its orders on those that blocks can tell.
     let jitter = jitter_power(plan, speeds, shares, fine);
     let folded = jitter.saturating_mul((plan.edges / plan.blocks) as u64);
     smooth_noise(plan, noise, own, folded);
     let norm = contrast.of_powers(speeds, torque_power_q24);
     let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
+    let mut pairs = u32::MAX;
     for (index, (power, own)) in noise.iter_mut().zip(own).take(plan.single).enumerate() {
         *own = own.saturating_sub(log2_q8(*power));
         let level = *power - folded.saturating_sub(jitter).min(*power / 8 * 7);
         *power = if index < LOW_ORDERS {
-            low_noise(speeds, shares, index, fine, |b| {
+            let low = low_noise(speeds, shares, index, fine, |b| {
                 Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(level)
-            })
+            });
+            pairs = pairs.min(low.pairs);
+            low.power
         } else {
             ratio.times(level)
         };
@@ -50,6 +53,7 @@ pub(super) fn settle_noise(
     for power in noise {
         *power = (*power).max(1);
     }
+    pairs
 }
 
 /// A quotient of two large numbers, as a factor.
@@ -71,6 +75,14 @@ impl Ratio128 {
     }
 }
 
+/// Noise of one of the lowest orders.
+pub(super) struct LowNoise {
+    /// Expected.
+    pub power: u64,
+    /// Pairs of turns that it is worth; all there can be where none were compared.
+    pub pairs: u32,
+}
+
 /// Noise at one of the lowest orders of the estimate whose turns have `shares`; `expected` of a turn of a bin where no pairs tell.
 ///
 /// Few pairs are no exact measure of noise, and intervals must be as much wider as Student's are: by 1 + 2 / pairs, with so many pairs
@@ -81,7 +93,7 @@ pub(super) fn low_noise(
     index: usize,
     fine: Fine,
     expected: impl Fn(usize) -> u64,
-) -> u64 {
+) -> LowNoise {
     let (mut sum, mut spread) = (0_u128, 0_u128);
     for (b, bin) in speeds
         .bins
@@ -96,7 +108,11 @@ pub(super) fn low_noise(
             spread = spread.saturating_add(part);
         }
     }
-    u64::try_from(sum + 2 * (spread / sum.max(1))).unwrap_or(u64::MAX)
+    let pairs = sum.checked_div(spread / sum.max(1)).unwrap_or(u128::MAX);
+    LowNoise {
+        power: u64::try_from(sum + 2 * (spread / sum.max(1))).unwrap_or(u64::MAX),
+        pairs: u32::try_from(pairs).unwrap_or(u32::MAX),
+    }
 }
 
 /// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
@@ -209,11 +225,12 @@ fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
 }
 
 /// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
-/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. One standard error
-/// of that is taken off, and where jitter of the time stamps rules the orders above nothing is known of it.
+/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. Two standard errors
+/// of that are taken off, and where jitter of the time stamps rules the orders above nothing is known of it. What does not show may
+/// be there all the same.
 pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
     let slowest = speeds.bins.iter().rfind(|bin| bin.pairs >= 3);
-    slowest.map_or(0, |bin| {
+    let shown = slowest.map_or(0, |bin| {
         let [middle, upper] = [3..=3, 6..=6].map(|order| slope_of(&bin.scatter, order));
         if upper / 4 > middle {
             return 0;
@@ -221,13 +238,17 @@ pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
         let ratio_q16 =
             (u128::from(slope_of(&bin.scatter, 4..=6)) << 16) / u128::from(bin.scatter[0].max(1));
         let root_q8 = u128::from((u64::from(bin.pairs) << 16).isqrt());
-        let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 256);
+        let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 2 * 256);
         u64::try_from(ratio_q16)
             .unwrap_or(u64::MAX)
             .clamp(1 << 16, 17 << 16)
             - (1 << 16)
-    })
+    });
+    shown.max(HIDDEN_DAMPING_SQUARE_Q16)
 }
+
+/// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
+const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 16;
 
 /// Replaces the noise at every single order by its level; the logarithms of what was there go to `own`. The level is the
 /// geometric mean over the neighbours, with a slope of the fourth power that ends in `floor` taken out, and not below the same

@@ -33,6 +33,28 @@ pub struct TorqueOrder {
     pub standard_error: u32,
 }
 
+/// A set of single orders.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct OrderSet([u32; ORDERS_MAX.div_ceil(32)]);
+
+impl OrderSet {
+    /// All of them.
+    pub(super) const ALL: Self = Self([u32::MAX; ORDERS_MAX.div_ceil(32)]);
+
+    /// Adds an order, from 1 on.
+    pub(super) fn insert(&mut self, order: usize) {
+        if let Some(word) = self.0.get_mut((order - 1) / 32) {
+            *word |= 1 << ((order - 1) % 32);
+        }
+    }
+
+    /// Whether an order is among them.
+    pub(super) fn contains(self, order: usize) -> bool {
+        let word = self.0.get((order - 1) / 32);
+        word.is_some_and(|word| word >> ((order - 1) % 32) & 1 == 1)
+    }
+}
+
 /// How an encoder's orders are split.
 #[derive(Clone, Copy)]
 pub(super) struct OrderPlan {
@@ -125,6 +147,17 @@ mod tests {
                 "{edges} {lines}"
             );
         }
+    }
+
+    #[test]
+    fn a_set_holds_what_was_put_in() {
+        let mut set = OrderSet::default();
+        for order in [1, 32, 33, ORDERS_MAX] {
+            set.insert(order);
+        }
+        let held = (1..=ORDERS_MAX).filter(|&n| set.contains(n));
+        assert!(held.eq([1, 32, 33, ORDERS_MAX]));
+        assert!((1..=ORDERS_MAX).all(|n| OrderSet::ALL.contains(n)));
     }
 
     #[test]

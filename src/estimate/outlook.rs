@@ -73,7 +73,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     #[inline(never)]
     pub fn outlook(&mut self) -> Option<Outlook> {
         let plan = self.plan();
-        let moments = Moments::of(&self.speeds, &self.weighing, self.two_speeds());
+        let moments = Moments::of(&self.speeds, &self.weighing, self.totals.two_speeds());
         let shares = moments.shares(Mean::Weighed);
         let jitter = jitter_power(plan, &self.speeds, &shares, FINE);
         let geometry = self.geometry_power(&moments).saturating_sub(jitter);
@@ -115,7 +115,7 @@ impl<B: EdgeBuffers> Estimator<B> {
     /// Whether torque may make an order, which one speed does not tell.
     fn may_be_torque(&self, order: usize) -> bool {
         let base = usize::from(self.knowledge.torque_base);
-        !self.two_speeds() && (base == 0 || order.is_multiple_of(base))
+        !self.totals.two_speeds() && (base == 0 || order.is_multiple_of(base))
     }
 
     /// Power at every order of what repeats from edge to edge beside the classes' means, time stamps' jitter included: the sum's
@@ -176,8 +176,9 @@ fn order_power(speeds: &Speeds, shares: &Shares, index: usize) -> Option<u64> {
         torque += u128::from(torque_power_q24(b)) * pairs;
     }
     let level_q24 = (seen << 24) / torque.max(1);
-    Some(low_noise(speeds, shares, index, FINE, |b| {
+    let noise = low_noise(speeds, shares, index, FINE, |b| {
         let expected = (level_q24 * u128::from(torque_power_q24(b))) >> 24;
         u64::try_from(expected).unwrap_or(u64::MAX)
-    }))
+    });
+    Some(noise.power)
 }

@@ -62,6 +62,16 @@ pub(super) fn product(list: &StandingOrders, mounting: [u64; 2], turn: u64, orde
 
 const FOUR_PI_Q8: u128 = 3217;
 
+/// Power at an order of a torque there that swings the speed as much as the strongest of the standing orders: where one order of a
+/// motor's torque stands out, others may be there that do not.
+pub(super) fn strongest_swing(list: &StandingOrders, order: usize) -> u64 {
+    let square = |n: u64| u128::from(n * n);
+    let swings = list
+        .iter()
+        .map(|standing| u128::from(standing.power) * square(standing.order.into()));
+    u64::try_from(swings.max().unwrap_or(0) / square(order as u64)).unwrap_or(u64::MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,6 +136,19 @@ mod tests {
                 "{order}"
             );
         }
+    }
+
+    #[test]
+    fn the_strongest_swing_falls_with_the_order() {
+        let mut list = StandingOrders::new();
+        assert_eq!(strongest_swing(&list, 7), 0);
+        for (order, power) in [(5, 1000), (20, 900)] {
+            keep_strongest(&mut list, Standing { order, power });
+        }
+        assert_eq!(
+            [5, 20, 60].map(|n| strongest_swing(&list, n)),
+            [14_400, 900, 100]
+        );
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! of the speed, so the plain mean over turns holds more of it than the mean weighed by the speed squared.
 
 use super::moments::Moments;
-use super::order::{ORDERS_MAX, OrderPlan, TORQUES_MAX, TorqueOrder};
+use super::order::{ORDERS_MAX, OrderPlan, OrderSet, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
 use super::spectrum::Coefficient;
 
@@ -13,6 +13,8 @@ pub(super) struct Torques {
     pub strongest: heapless::Vec<TorqueOrder, TORQUES_MAX>,
     /// Orders at which it is certain, and no less than a quarter of what the fast turns show.
     pub count: u16,
+    /// Orders that torque might make whole, and no turns of different speed would show it.
+    pub untold: OrderSet,
 }
 
 /// From so many times the noise on what is not certain counts as doubt: noise alone is five times its mean once in 150 orders.
@@ -46,9 +48,11 @@ pub(super) fn separate(
     let mut torques = Torques::default();
     let Some(share_q30) = moments.separation else {
         difference.fill(Coefficient::default());
+        torques.untold = OrderSet::ALL;
         return torques;
     };
     let scale_q30 = moments.torque_scale_q30();
+    let share_square_q30 = u128::from(share_q30.unsigned_abs()).pow(2) >> 30;
     for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
         let index = order - 1;
         let noise_here = doubt.noise[index];
@@ -72,6 +76,12 @@ pub(super) fn separate(
                     standard_error: peak(error.scaled(scale_q30), fine),
                 },
             );
+        }
+        // The difference that the order shows if it is all torque, against one that would be certain.
+        let all_torque_q30 = u128::from(coefficients[index].power()) << 30;
+        let certain = u128::from(noise_here) * u128::from(CERTAIN);
+        if belief < half && all_torque_q30 < certain * share_square_q30 {
+            torques.untold.insert(order);
         }
         let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
         let taken_q30 = of_share(belief);

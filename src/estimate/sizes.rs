@@ -1,6 +1,7 @@
 //! How large geometry is at every order, as far as it stands above the noise: judged by the order's neighbours, and where noise
 //! drowns it, carried down from the higher orders.
 
+use super::low::LOW_ORDERS;
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::weigh::Estimate;
 use crate::log2::{LOG2_BITS, exp2, log2};
@@ -36,7 +37,12 @@ pub(super) fn find_sizes(
         (size, carried) = if plan.has_neighbours() {
             let (level, count) = levels.of_neighbourhood(plan, order);
             let own = if trusted {
-                excess(power, noise, OWN_MARGIN_Q8)
+                let pairs = if order <= LOW_ORDERS {
+                    estimate.low_pairs
+                } else {
+                    u32::MAX
+                };
+                excess(power, noise, own_margin_q8(pairs))
             } else {
                 0
             };
@@ -53,9 +59,18 @@ pub(super) fn find_sizes(
     }
 }
 
-/// An order that torque can't make, to count by itself, must stand so far above the noise: noise alone is twelve times its
-/// mean once in 160,000.
-const OWN_MARGIN_Q8: u64 = 12 << 8;
+/// An order that torque can't make, to count by itself, must stand so far above the noise that noise alone does once in 160,000
+/// orders: twelve times its mean where that is known, n (e^(12 / n) - 1) times where it is judged by n pairs of turns (the tail of
+/// Fisher's F with 2 and 2 n degrees of freedom).
+fn own_margin_q8(pairs: u32) -> u64 {
+    const TWELVE_OVER_LN_2: u32 = 1_134_573;
+    let pairs = pairs.clamp(1, MANY);
+    let exponent = (TWELVE_OVER_LN_2 / pairs).cast_signed();
+    u64::from(pairs) * (exp2(exponent + 8 * Q) - (1 << 8))
+}
+
+/// From so many pairs on more of them make no difference.
+const MANY: u32 = 256;
 
 /// An order without neighbours must stand four times above the noise.
 const LONE_MARGIN_Q8: u64 = 4 << 8;

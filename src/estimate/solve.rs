@@ -42,7 +42,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         let classes = self.shape.classes() as usize;
         let plan = self.plan();
-        let moments = Moments::of(&self.speeds, &self.weighing, self.two_speeds());
+        let moments = Moments::of(&self.speeds, &self.weighing, self.totals.two_speeds());
         let mut parts = self.buffers.parts();
         let unit_shift = self.fold.shape.unit_shift;
         let fine = close(&mut parts, plan, &moments, &self.speeds, unit_shift);
@@ -61,7 +61,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         single_sizes(even, plan, &mut difference);
         let speeds = &self.speeds;
-        let common_noise = settle(
+        let (common_noise, low_pairs) = settle(
             plan, &moments, speeds, &mut noise, &mut doubt, &mut own, fine,
         );
         let mut coefficients = [Coefficient::default(); ORDERS_MAX];
@@ -89,10 +89,9 @@ impl<B: EdgeBuffers> Estimator<B> {
             noise: &noise,
             own: &own,
             common_noise,
-            one_speed_turn: moments
-                .separation
-                .is_none()
-                .then_some(1 << (32 + fine.bits)),
+            low_pairs,
+            turn: 1 << (32 + fine.bits),
+            untold: torques.untold,
             knowledge: self.knowledge,
         };
         // The doubt about torque has been used.
@@ -175,16 +174,10 @@ impl<B> Estimator<B> {
         let block = self.fold.shape.block as usize;
         OrderPlan::new(edges, self.shape.lines() as usize, edges / block)
     }
-
-    /// Whether torque can be told from geometry: its angle goes with 1 / speed^2, and turns of which one took half as long again as
-    /// another tell.
-    pub(super) fn two_speeds(&self) -> bool {
-        self.totals.longest >= self.totals.shortest + self.totals.shortest / 2
-    }
 }
 
 /// From the powers of both contrasts to the noise of the weighed mean and of what the plain mean differs from it; returns
-/// the noise of the orders above.
+/// the noise of the orders above, and how many pairs of turns that of the lowest rests on.
 #[inline(never)]
 fn settle(
     plan: OrderPlan,
@@ -194,14 +187,15 @@ fn settle(
     doubt: &mut [u64; ORDERS_MAX],
     own: &mut [i16; ORDERS_MAX],
     fine: Fine,
-) -> u64 {
+) -> (u64, u32) {
     let shares = moments.shares(Mean::Weighed);
     let signed = moments.contrast(Mean::Weighed, speeds);
     let more = moments.shares(Mean::Plain).minus(&shares);
     let more_signed = moments.contrast(Mean::Plain, speeds).minus(&signed);
     settle_noise(plan, doubt, own, speeds, &more, &more_signed, fine);
-    settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
-    common_noise(plan, speeds, &shares, noise[plan.single - 1], fine)
+    let low_pairs = settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
+    let common = common_noise(plan, speeds, &shares, noise[plan.single - 1], fine);
+    (common, low_pairs)
 }
 
 /// The coarse sums of the blocks there are.

@@ -6,8 +6,8 @@
 //! decisions are continuous, so that no rounding can flip one.
 
 use super::DriveKnowledge;
-use super::order::{ORDERS_MAX, OrderPlan};
-use super::ripple::{Standing, StandingOrders, keep_strongest, product};
+use super::order::{ORDERS_MAX, OrderPlan, OrderSet};
+use super::ripple::{Standing, StandingOrders, keep_strongest, product, strongest_swing};
 use super::sizes::{excess, find_sizes, margin};
 use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
@@ -40,8 +40,12 @@ pub(super) struct Estimate<'a> {
     /// Logarithms of what the contrast showed at each order itself over its level, Q8.
     pub own: &'a [i16; ORDERS_MAX],
     pub common_noise: u64,
-    /// Length of a turn in the sequence's unit where all turns were too alike in speed to tell torque from geometry.
-    pub one_speed_turn: Option<u64>,
+    /// Pairs of turns that the noise of the lowest orders rests on.
+    pub low_pairs: u32,
+    /// Length of a turn in the sequence's unit.
+    pub turn: u64,
+    /// Orders at which the turns' speeds do not tell torque from geometry.
+    pub untold: OrderSet,
     pub knowledge: DriveKnowledge,
 }
 
@@ -49,7 +53,7 @@ impl Estimate<'_> {
     /// Whether torque may make an order.
     pub(super) fn suspect(&self, plan: OrderPlan, order: usize) -> bool {
         let base = usize::from(self.knowledge.torque_base);
-        self.one_speed_turn.is_some()
+        self.untold.contains(order)
             && plan.has_neighbours()
             && (base == 0 || order.is_multiple_of(base))
     }
@@ -88,8 +92,11 @@ pub(super) fn weigh(
             );
         }
     }
-    let turn = estimate.one_speed_turn.unwrap_or(0);
-    let mounting = core::array::from_fn(|index| estimate.coefficients[index].power());
+    // By two standard errors more than what shows, which noise may have made small.
+    let mounting = core::array::from_fn(|index| {
+        let shown = estimate.coefficients[index].power();
+        shown.saturating_add(estimate.noise[index].saturating_mul(4))
+    });
 
     // Geometry that the margin hides may be there all the same.
     let hidden = margin(estimate.common_noise, COMMON_MARGIN_Q8 - 256);
@@ -109,11 +116,15 @@ pub(super) fn weigh(
         let own = log2(noise.into())
             .saturating_add(i32::from(estimate.own[index]) << (LOG2_BITS - 8))
             - Q;
-        let product = u64::from(product(&weights.standing, mounting, turn, order));
-        let doubt = noise.max(exp2(own)).saturating_add(product.pow(2));
+        let product = u64::from(product(&weights.standing, mounting, estimate.turn, order)).pow(2);
+        let mut doubt = noise.max(exp2(own)).saturating_add(product);
+        if estimate.suspect(plan, order) && estimate.knowledge.torque_base > 0 {
+            doubt = doubt.saturating_add(strongest_swing(&weights.standing, order));
+        }
         let of_mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
         let shown = estimate.coefficients[index].power();
-        let mut weight = wiener(size, doubt);
+        // What a product may have made is no sign of geometry.
+        let mut weight = wiener(size.saturating_sub(product), doubt);
         if of_mounting {
             weight = weight.max(mounting_weight(shown, doubt));
         }

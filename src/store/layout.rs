@@ -27,7 +27,7 @@ pub enum LayoutError {
     Unaligned {
         /// Which place.
         place: usize,
-        /// Bytes that the flash is erased in.
+        /// Bytes that the flash is erased in, the smallest sector's where they differ.
         erase: usize,
     },
     /// A place goes beyond the flash.
@@ -73,6 +73,21 @@ impl Layout {
         places: [Range<u32>; 2],
         erasures_max: u32,
     ) -> Result<Self, LayoutError> {
+        let border = |at: u32| (at as usize).is_multiple_of(F::ERASE_SIZE);
+        Self::on_sectors(flash, places, erasures_max, border)
+    }
+
+    /// The same for a flash whose sectors differ in size, `ERASE_SIZE` being the smallest: `border` says whether a sector begins
+    /// or ends at an offset.
+    ///
+    /// # Errors
+    /// [`LayoutError`] says which place is wrong and why.
+    pub fn on_sectors<F: NorFlash>(
+        flash: &F,
+        places: [Range<u32>; 2],
+        erasures_max: u32,
+        border: impl Fn(u32) -> bool,
+    ) -> Result<Self, LayoutError> {
         let divides = |size: usize| size != 0 && MARK_BYTES.is_multiple_of(size);
         if !divides(F::READ_SIZE) || !divides(F::WRITE_SIZE) {
             return Err(LayoutError::Pieces {
@@ -81,8 +96,7 @@ impl Layout {
             });
         }
         for (place, range) in places.iter().enumerate() {
-            let aligned = |at: u32| (at as usize).is_multiple_of(F::ERASE_SIZE);
-            if range.is_empty() || !aligned(range.start) || !aligned(range.end) {
+            if range.is_empty() || !border(range.start) || !border(range.end) {
                 return Err(LayoutError::Unaligned {
                     place,
                     erase: F::ERASE_SIZE,

@@ -81,11 +81,14 @@ pub(super) fn wear<F: ReadNorFlash>(
     Ok((count == !complement).then_some(count))
 }
 
-/// Takes a place out of use.
+/// Takes a place out of use, if it is not out of use already: a mark is written once.
 pub(super) fn withdraw<F: NorFlash>(
     flash: &mut F,
     place: &PlaceRange,
 ) -> Result<(), StoreError<F::Error>> {
+    if read_mark(flash, place, WITHDRAWN_AT).map_err(StoreError::Flash)? != BLANK {
+        return Ok(());
+    }
     let at = place.start + WITHDRAWN_AT;
     flash.write(at, &WITHDRAWN).map_err(StoreError::Flash)
 }

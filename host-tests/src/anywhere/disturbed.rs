@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use quadcal::estimate::Rejection;
 use quadcal_host::calibrate::{CalibrateError, Calibration, RejectedTurn};
-use quadcal_host::twin::{Drive, LoadStep, Noise, Twin, TwinError};
+use quadcal_host::twin::{Drive, LoadStep, Noise, Ripple, Twin, TwinError};
 
 use super::{
     COGGING_SWING, GivenGains, MARGIN_TURNS, RAMP_END_R_MIN, RAMP_MARGIN_TURNS, Rig, Run,
@@ -22,6 +22,11 @@ pub const LOADS: [(f64, f64, f64); 2] = [(0.1, 5.3, 5.7), (0.2, 8.4, 9.7)];
 /// The same on the ramp.
 pub const RAMP_LOADS: [(f64, f64, f64); 2] = [(0.1, 20.3, 20.7), (0.2, 30.4, 31.7)];
 
+/// Speeds near each other, r/min.
+pub const NEAR_R_MIN: [f64; 2] = [100.0, 150.0];
+/// Torque once a turn at these: the swing of the speed that it makes at the slow speed of the others, a part of it.
+pub const UNBALANCE_SWING: f64 = 0.01;
+
 /// What disturbs a rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbance {
@@ -31,13 +36,21 @@ pub enum Disturbance {
     Wander,
     /// [`LOADS`] in each recording; 15 and 600 r/min, with the usual cogging.
     LoadSteps,
+    /// [`NEAR_R_MIN`] instead of 15 and 600 r/min, and torque at order 1 beside the usual cogging.
+    NearSpeeds,
     /// Strong cogging and [`RAMP_LOADS`] on the ramp from 15 to 1500 r/min.
     Ramp,
 }
 
 impl Disturbance {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Ripple, Self::Wander, Self::LoadSteps, Self::Ramp];
+    pub const ALL: [Self; 5] = [
+        Self::Ripple,
+        Self::Wander,
+        Self::LoadSteps,
+        Self::NearSpeeds,
+        Self::Ramp,
+    ];
 
     /// Its name in a table.
     #[must_use]
@@ -46,6 +59,7 @@ impl Disturbance {
             Self::Ripple => "15 and 600 r/min, 20 % ripple",
             Self::Wander => "15 and 600 r/min, cogging, 2 % wander",
             Self::LoadSteps => "15 and 600 r/min, cogging, load steps",
+            Self::NearSpeeds => "100 and 150 r/min, cogging and torque once a turn",
             Self::Ramp => "ramp 15 to 1500 r/min, 20 % ripple, load steps",
         }
     }
@@ -56,7 +70,7 @@ impl Disturbance {
 
     fn loads(self) -> &'static [(f64, f64, f64)] {
         match self {
-            Self::Ripple | Self::Wander => &[],
+            Self::Ripple | Self::Wander | Self::NearSpeeds => &[],
             Self::LoadSteps => &LOADS,
             Self::Ramp => &RAMP_LOADS,
         }
@@ -90,7 +104,10 @@ impl Disturbed {
     #[must_use]
     pub fn twins(self, seed: u64) -> Vec<Twin> {
         let mut twins = self.rig().twins(seed);
-        for twin in &mut twins {
+        for (twin, r_min) in twins.iter_mut().zip(NEAR_R_MIN) {
+            if self.by == Disturbance::NearSpeeds {
+                drive_at(twin, r_min);
+            }
             self.disturb(twin);
         }
         twins
@@ -162,6 +179,29 @@ impl Disturbed {
             .map(of)
             .collect()
     }
+}
+
+/// Drives a twin at another constant speed, with the same torques.
+fn drive_at(twin: &mut Twin, r_min: f64) {
+    let times = r_min * TAU / 60.0 / twin.drive.nominal_rad_s();
+    twin.drive = Drive::Constant { r_min };
+    if let Some(Noise::SpeedWander {
+        rms_fraction,
+        hold_s,
+        ..
+    }) = &mut twin.noise
+    {
+        *rms_fraction /= times;
+        *hold_s = hold_s.map(|hold| hold / times);
+    }
+    let inertia = twin.shaft.inertia_kg_m2;
+    let slow = slow_rad_s();
+    twin.ripple.push(Ripple {
+        order: 1.0,
+        phase_rad: -0.4,
+        torque_n_m: Some(inertia * UNBALANCE_SWING * slow * damping().hypot(slow)),
+        speed_fraction: None,
+    });
 }
 
 /// When a shaft that nothing disturbs is so many turns past its first index.

@@ -1,7 +1,9 @@
 //! What is in an image: its size and its symbols.
 
+use std::ops::Range;
 use std::path::Path;
 
+use object::read::elf::ProgramHeader;
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, elf};
 
 use super::FirmwareError;
@@ -73,6 +75,38 @@ pub fn symbols(path: &Path) -> Result<Vec<Symbol>, FirmwareError> {
             .collect();
         symbols.sort_by_key(|symbol| symbol.address);
         symbols
+    })
+}
+
+/// Addresses that image `path` fills with bytes of its own when it is loaded: the first values of statics count where they are
+/// stored.
+///
+/// # Errors
+/// The file can't be read or is not an ELF.
+pub fn loaded(path: &Path) -> Result<Vec<Range<u64>>, FirmwareError> {
+    with_elf(path, |file| {
+        let object::File::Elf32(file) = file else {
+            return Vec::new();
+        };
+        let pieces = file.elf_program_headers().iter();
+        pieces
+            .filter(|piece| piece.p_type(file.endian()) == elf::PT_LOAD)
+            .map(|piece| {
+                let start = u64::from(piece.p_paddr(file.endian()));
+                start..start + u64::from(piece.p_filesz(file.endian()))
+            })
+            .filter(|piece| !piece.is_empty())
+            .collect()
+    })
+}
+
+/// Value of a symbol, which the linker script may have set.
+///
+/// # Errors
+/// The file can't be read or is not an ELF.
+pub fn value(path: &Path, name: &str) -> Result<Option<u64>, FirmwareError> {
+    with_elf(path, |file| {
+        file.symbol_by_name(name).map(|symbol| symbol.address())
     })
 }
 

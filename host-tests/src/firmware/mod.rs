@@ -9,9 +9,9 @@ mod qemu;
 mod toolchain;
 
 pub use code::{Function, Offence, offences, reachable};
-pub use elf::{Size, Symbol, size, symbols};
+pub use elf::{Size, Symbol, loaded, size, symbols, value};
 pub use image::{build, images};
-pub use qemu::{Output, run_qemu};
+pub use qemu::{Output, run_qemu, start_qemu};
 pub use toolchain::{DEBIAN_PACKAGES, Toolchain, toolchain};
 
 /// The target of every image: Cortex-M4F.

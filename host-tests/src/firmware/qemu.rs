@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use process_control::{ChildExt, Control};
@@ -45,39 +45,10 @@ pub fn run_qemu(
     dir: &Path,
     limit: Duration,
 ) -> Result<Output, FirmwareError> {
-    let name = elf.file_stem().unwrap_or_default().to_string_lossy();
-    let mut config = OsString::from("enable=on,target=native");
-    for word in std::iter::once(name.as_ref()).chain(args.iter().copied()) {
-        // QEMU's own way to write a comma inside a value.
-        config.push(format!(",arg={}", word.replace(',', ",,")));
-    }
     // Files, not pipes: they can't fill up, and what was printed before a hang is still there.
     let (out, out_end) = stream()?;
     let (err, err_end) = stream()?;
-    let child = Command::new("qemu-system-arm")
-        .current_dir(dir)
-        .args([
-            "-M",
-            "netduinoplus2",
-            "-display",
-            "none",
-            "-serial",
-            "null",
-            "-monitor",
-            "none",
-        ])
-        .args(["-icount", "shift=3", "-semihosting-config"])
-        .arg(config)
-        .arg("-kernel")
-        .arg(elf)
-        .stdin(Stdio::null())
-        .stdout(out_end)
-        .stderr(err_end)
-        .spawn();
-    let mut child = child.map_err(|source| match source.kind() {
-        ErrorKind::NotFound => FirmwareError::NoQemu,
-        _ => FirmwareError::io("starting qemu-system-arm")(source),
-    })?;
+    let mut child = spawn(machine(elf, args, dir).stdout(out_end).stderr(err_end))?;
     let status = child
         .controlled()
         .time_limit(limit)
@@ -96,6 +67,54 @@ pub fn run_qemu(
             stderr,
         }),
     }
+}
+
+/// Starts `elf` as [`run_qemu`] does, with its output in a pipe that takes what the image prints at once. Whoever starts it ends it.
+///
+/// # Errors
+/// No QEMU.
+pub fn start_qemu(elf: &Path, args: &[&str], dir: &Path) -> Result<Child, FirmwareError> {
+    spawn(
+        machine(elf, args, dir)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped()),
+    )
+}
+
+/// The command that runs `elf`.
+fn machine(elf: &Path, args: &[&str], dir: &Path) -> Command {
+    let name = elf.file_stem().unwrap_or_default().to_string_lossy();
+    let mut config = OsString::from("enable=on,target=native");
+    for word in std::iter::once(name.as_ref()).chain(args.iter().copied()) {
+        // QEMU's own way to write a comma inside a value.
+        config.push(format!(",arg={}", word.replace(',', ",,")));
+    }
+    let mut command = Command::new("qemu-system-arm");
+    command
+        .current_dir(dir)
+        .args([
+            "-M",
+            "netduinoplus2",
+            "-display",
+            "none",
+            "-serial",
+            "null",
+            "-monitor",
+            "none",
+        ])
+        .args(["-icount", "shift=3", "-semihosting-config"])
+        .arg(config)
+        .arg("-kernel")
+        .arg(elf)
+        .stdin(Stdio::null());
+    command
+}
+
+fn spawn(command: &mut Command) -> Result<Child, FirmwareError> {
+    command.spawn().map_err(|source| match source.kind() {
+        ErrorKind::NotFound => FirmwareError::NoQemu,
+        _ => FirmwareError::io("starting qemu-system-arm")(source),
+    })
 }
 
 fn stream() -> Result<(File, File), FirmwareError> {

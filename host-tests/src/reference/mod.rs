@@ -70,6 +70,11 @@ pub fn estimate(
     let common_noise = common_noise(plan, &turns, weighed, noise.level[plan.single]);
     let mut found = of_mean.clone();
     let mut torques = Vec::new();
+    let mut untold: Vec<usize> = if told {
+        vec![]
+    } else {
+        plan.orders().collect()
+    };
     if let Some(share) = moments.separation {
         let doubt = Noise::of(plan, &turns, &more, &signed_more);
         let damping = damping_square(&turns);
@@ -81,6 +86,10 @@ pub fn estimate(
             let belief = (evidence / 6.0 - 1.0).clamp(0.0, 1.0);
             if belief >= 1.0 {
                 torques.push(order);
+            }
+            let all_torque = found[order].norm_sqr() / (share * share);
+            if belief < 1.0 && all_torque < 12.0 * doubt.level[order] {
+                untold.push(order);
             }
             if evidence > 5.0 {
                 noise.level[order] += difference.norm_sqr() * (share * (1.0 - belief)).powi(2);
@@ -95,7 +104,8 @@ pub fn estimate(
         noise: &noise,
         common: common_power(plan, &mean, &of_mean),
         common_noise,
-        torque_base: moments.separation.is_none().then_some(torque_base),
+        torque_base,
+        untold: &untold,
     }
     .weigh(plan);
 

@@ -30,7 +30,7 @@ impl Moments {
         let longest = turns.iter().map(|turn| turn.ratio).fold(0.0, f64::max);
         let shortest = turns.iter().map(|turn| turn.ratio).fold(f64::MAX, f64::min);
         let separation = weighed_square / (plain_square - weighed_square);
-        let two_speeds = longest >= 1.5 * shortest && plain_square > weighed_square;
+        let two_speeds = longest >= 1.25 * shortest && plain_square > weighed_square;
         Self {
             weighed,
             plain,

@@ -14,6 +14,8 @@ pub(super) struct Noise {
     pub level: Vec<f64>,
     /// What the contrast showed at the order itself over the level of its neighbours.
     pub own: Vec<f64>,
+    /// Pairs of turns that the noise of the lowest orders rests on.
+    pub low_pairs: f64,
 }
 
 impl Noise {
@@ -30,15 +32,22 @@ impl Noise {
             plan.by_order(|order| raw[order] - (folded - jitter).min(raw[order] * 7.0 / 8.0));
         // Of a turn at the first one's speed.
         let norm = noise_of(contrast, turns, torque_power);
+        let mut low_pairs = f64::INFINITY;
         let level = plan.by_order(|order| {
             let torque = |turn: &Turn| smooth[order] / norm * torque_power(turn);
             if order <= LOW_ORDERS {
-                low_noise(turns, shares, order, torque)
+                let (power, pairs) = low_noise(turns, shares, order, torque);
+                low_pairs = low_pairs.min(pairs);
+                power
             } else {
                 noise_of(shares, turns, torque)
             }
         });
-        Self { level, own }
+        Self {
+            level,
+            own,
+            low_pairs,
+        }
     }
 }
 
@@ -68,8 +77,13 @@ fn smooth(plan: Plan, shown: &[f64], floor: f64) -> Vec<f64> {
 }
 
 /// Noise at a low order of the estimate with `shares` of the turns, as much wider as Student's intervals are: each speed by its own
-/// pairs, all together by Satterthwaite's rule.
-fn low_noise(turns: &[Turn], shares: &[f64], order: usize, expected: impl Fn(&Turn) -> f64) -> f64 {
+/// pairs, all together by Satterthwaite's rule; and the pairs that it is worth.
+fn low_noise(
+    turns: &[Turn],
+    shares: &[f64],
+    order: usize,
+    expected: impl Fn(&Turn) -> f64,
+) -> (f64, f64) {
     let mut bins: Vec<i32> = turns.iter().map(|turn| turn.bin).collect();
     bins.sort_unstable();
     bins.dedup();
@@ -90,7 +104,7 @@ fn low_noise(turns: &[Turn], shares: &[f64], order: usize, expected: impl Fn(&Tu
             0.0
         };
     }
-    sum + 2.0 * spread / sum
+    (sum + 2.0 * spread / sum, sum * sum / spread)
 }
 
 /// Power of a low order in one turn of a bin, by the pairs of turns compared; where these are few, also by what is expected.
@@ -124,21 +138,23 @@ fn upper_slope(scatter: &[f64; LOW_ORDERS]) -> f64 {
     (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0
 }
 
-/// Square of the shaft's damping over its speed where it is slowest, by what order 1 has less than the orders above promise.
+/// Square of the shaft's damping over its speed where it is slowest, by what order 1 has less than the orders above promise;
+/// a quarter of the speed at least, which does not show.
 pub(super) fn damping_square(turns: &[Turn]) -> f64 {
     let slowest = turns
         .iter()
         .map(|turn| turn.bin)
         .filter(|&bin| scatter(turns, bin).1 >= 3.0);
-    slowest.max().map_or(0.0, |bin| {
+    let shown = slowest.max().map_or(0.0, |bin| {
         let (scatter, count) = scatter(turns, bin);
         // Jitter of the time stamps rules where the slope goes on to rise.
         if scatter[5] * 1296.0 > 4.0 * scatter[2] * 81.0 {
             return 0.0;
         }
-        let sure = count.sqrt() / (count.sqrt() + 1.0);
+        let sure = count.sqrt() / (count.sqrt() + 2.0);
         (upper_slope(&scatter) / scatter[0] * sure).clamp(1.0, 17.0) - 1.0
-    })
+    });
+    shown.max(1.0 / 16.0)
 }
 
 /// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.

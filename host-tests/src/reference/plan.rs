@@ -77,7 +77,7 @@ impl Plan {
     }
 
     /// Values by order, from 0 to `single`; zero at those that aren't looked at.
-    pub(super) fn by_order<T: Clone + Default>(self, value: impl Fn(usize) -> T) -> Vec<T> {
+    pub(super) fn by_order<T: Clone + Default>(self, mut value: impl FnMut(usize) -> T) -> Vec<T> {
         let mut values = vec![T::default(); self.single + 1];
         for order in self.orders() {
             values[order] = value(order);

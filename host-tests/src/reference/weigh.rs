@@ -4,6 +4,7 @@ use std::f64::consts::{LN_2, TAU};
 
 use realfft::num_complex::Complex64;
 
+use super::agree::LOW_ORDERS;
 use super::noise::Noise;
 use super::plan::Plan;
 
@@ -13,8 +14,10 @@ pub(super) struct Estimate<'a> {
     pub noise: &'a Noise,
     pub common: f64,
     pub common_noise: f64,
-    /// Orders that torque may make are multiples of this; 0 for all, none where speeds told torque from geometry.
-    pub torque_base: Option<usize>,
+    /// Orders that torque may make are multiples of this; 0 for all.
+    pub torque_base: usize,
+    /// Orders at which speeds did not tell torque from geometry.
+    pub untold: &'a [usize],
 }
 
 /// What the weighing found.
@@ -29,8 +32,8 @@ pub(super) struct Weights {
 
 impl Estimate<'_> {
     fn suspect(&self, plan: Plan, order: usize) -> bool {
-        let may = |base| base == 0 || order.is_multiple_of(base);
-        plan.has_neighbours() && self.torque_base.is_some_and(may)
+        let may = self.torque_base == 0 || order.is_multiple_of(self.torque_base);
+        plan.has_neighbours() && may && self.untold.contains(&order)
     }
 
     fn power(&self, order: usize) -> f64 {
@@ -63,7 +66,12 @@ impl Estimate<'_> {
             let own = if self.suspect(plan, order) {
                 0.0
             } else {
-                power - 12.0 * noise
+                let pairs = if order <= LOW_ORDERS {
+                    self.noise.low_pairs.clamp(1.0, 256.0)
+                } else {
+                    256.0
+                };
+                power - pairs * ((12.0 / pairs).exp() - 1.0) * noise
             };
             let (level, count) = self.neighbourhood(plan, order);
             let margin = (10.4 / (count as f64).sqrt()).exp2();
@@ -94,8 +102,15 @@ impl Estimate<'_> {
             let mut single = vec![0.0; plan.single + 1];
             for order in plan.orders() {
                 let level = self.noise.level[order] * (self.noise.own[order] / 2.0).max(1.0);
-                let doubt = level + self.product(&locked, order).powi(2);
+                let product = self.product(&locked, order).powi(2);
                 let suspect = self.suspect(plan, order);
+                let hidden = if suspect && self.torque_base > 0 {
+                    let swings = locked.iter().map(|&n| self.power(n) * (n * n) as f64);
+                    swings.fold(0.0, f64::max) / (order * order) as f64
+                } else {
+                    0.0
+                };
+                let doubt = level + product + hidden;
                 let gate = if suspect {
                     (4.0 - height(order, doubt)).clamp(0.0, 1.0)
                 } else {
@@ -107,7 +122,7 @@ impl Estimate<'_> {
                 } else {
                     0.0
                 };
-                single[order] = wiener(sizes[order], doubt).max(least) * gate;
+                single[order] = wiener(sizes[order] - product, doubt).max(least) * gate;
                 residual += 2.0
                     * if mounting {
                         let rest = (1.0 - single[order]).powi(2);
@@ -135,8 +150,9 @@ impl Estimate<'_> {
         for (i, &a) in locked.iter().enumerate() {
             let away = order.abs_diff(a);
             if (1..=2).contains(&away) {
-                // Seen at edges that eccentricity and tilt moved.
-                size += TAU * a as f64 * (self.power(a) * self.power(away)).sqrt();
+                // Seen at edges that eccentricity and tilt moved, by two standard errors more than shows.
+                let moved = self.power(away) + 4.0 * self.noise.level[away];
+                size += TAU * a as f64 * (self.power(a) * moved).sqrt();
             }
             for &b in locked[i..]
                 .iter()

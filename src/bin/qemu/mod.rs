@@ -1,7 +1,10 @@
 //! What every image for QEMU (`-M netduinoplus2`, an STM32F405) needs: files and exit code of the host, and an end to
 //! every fault.
 
+// Not every image uses all of them.
+#[allow(dead_code)]
 pub mod output;
+#[allow(dead_code)]
 pub mod semihost;
 
 use core::fmt;

@@ -20,6 +20,8 @@ pub enum IoError {
     Read,
     /// Not every byte was written.
     Write,
+    /// There is no such place in the file, or it has no length.
+    Seek,
     /// The file can't be closed: its bytes may not be there.
     Close,
 }
@@ -32,6 +34,7 @@ impl fmt::Display for IoError {
             Self::Open => "can't open a file",
             Self::Read => "can't read a file",
             Self::Write => "can't write a file",
+            Self::Seek => "can't find a place in a file",
             Self::Close => "can't close a file",
         })
     }
@@ -44,6 +47,8 @@ pub enum Mode {
     Read,
     /// Write a new file, or one cut to nothing.
     Write,
+    /// Read and write an existing file.
+    Update,
 }
 
 /// An open file of the host. Unbuffered: every call stops the target, so hand over kilobytes at a time.
@@ -62,6 +67,7 @@ impl File {
         let mode = match mode {
             Mode::Read => nr::open::R_BINARY,
             Mode::Write => nr::open::W_TRUNC_BINARY,
+            Mode::Update => nr::open::RW_BINARY,
         };
         // SAFETY: OPEN takes the address of a NUL-terminated path, a mode and the path's length, and only reads; `name` is
         // longer than the path by at least one zero and outlives the call.
@@ -94,6 +100,24 @@ impl File {
         match unsafe { syscall!(WRITE, self.handle, bytes.as_ptr(), bytes.len()) } {
             0 => Ok(()),
             _ => Err(IoError::Write),
+        }
+    }
+
+    /// Goes to a place, in bytes from the file's start.
+    pub fn seek(&mut self, position: usize) -> Result<(), IoError> {
+        // SAFETY: SEEK takes two numbers and no memory.
+        match unsafe { syscall!(SEEK, self.handle, position) } {
+            0 => Ok(()),
+            _ => Err(IoError::Seek),
+        }
+    }
+
+    /// Bytes of the file.
+    pub fn length(&self) -> Result<usize, IoError> {
+        // SAFETY: FLEN takes a handle and no memory.
+        match unsafe { syscall!(FLEN, self.handle) } {
+            usize::MAX => Err(IoError::Seek),
+            length => Ok(length),
         }
     }
 

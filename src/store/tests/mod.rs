@@ -102,7 +102,7 @@ fn the_newest_table_counts_and_rolling_back_gives_the_one_before() {
 }
 
 #[test]
-fn a_table_that_was_rolled_back_is_erased_with_the_other() {
+fn a_place_already_withdrawn_is_erased_without_writing_its_mark_again() {
     let mut store = store::<4>();
     commit(&mut store, 1).unwrap();
     commit(&mut store, 2).unwrap();
