@@ -15,7 +15,7 @@ use crate::findings::Findings;
 const SOURCE_BYTES: u64 = 64 * 1024;
 
 /// More bytes than any table has.
-const TABLE_BYTES_MAX: u64 = HEADER_BYTES as u64 + 2 * EDGES_MAX as u64 + 8;
+pub(crate) const TABLE_BYTES_MAX: u32 = HEADER_BYTES as u32 + 2 * EDGES_MAX + 8;
 
 /// Check sum by which a table knows the recording that it was learned from: CRC-32 of the first 64 KiB. Never 0.
 ///
@@ -62,7 +62,7 @@ pub fn bytes_with(calibration: &Calibration, header: &SlotHeader) -> Vec<u8> {
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?
-        .take(TABLE_BYTES_MAX)
+        .take(TABLE_BYTES_MAX.into())
         .read_to_end(&mut bytes)?;
     Ok(bytes)
 }

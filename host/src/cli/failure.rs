@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use crate::calibrate::{CalibrateError, Disagreement};
 use crate::demo::DemoError;
+use crate::device::{BadAddress, DeviceError, Fault, KeyError, TableMismatch};
 use crate::free_run::FreeRunError;
 use crate::locate::LocateError;
 use crate::recording::ReadError;
@@ -206,6 +207,37 @@ pub enum Failure {
         /// All starts.
         starts: usize,
     },
+    /// No port is named.
+    #[error("no port is named; give --port PORT, or set QUADCAL_PORT")]
+    NoPort,
+    /// The environment names no port.
+    #[error("{name}: {source}; correct the variable, or give --port PORT")]
+    PortVariable {
+        /// The variable.
+        name: &'static str,
+        /// Why.
+        source: BadAddress,
+    },
+    /// There is no key.
+    #[error("{0}")]
+    Key(#[from] KeyError),
+    /// The device can't be reached, refuses, or fails.
+    #[error("{0}")]
+    Device(Box<DeviceError>),
+    /// A table is not for the device.
+    #[error("{table}: {source}", table = table.display())]
+    Load {
+        /// The table.
+        table: PathBuf,
+        /// Why.
+        source: TableMismatch,
+    },
+    /// The user does not want it.
+    #[error("nothing was erased; add --yes if it is meant")]
+    NotConfirmed,
+    /// The user ended it.
+    #[error("stopped; the device was told to abort, and its table in use is as before")]
+    Stopped,
     /// An output would take the place of an input.
     #[error("{target}: is the input itself; give another name for the output")]
     OverInput {
@@ -240,7 +272,25 @@ impl From<ReadError> for Failure {
     }
 }
 
+impl From<DeviceError> for Failure {
+    fn from(error: DeviceError) -> Self {
+        Self::Device(Box::new(error))
+    }
+}
+
 impl Failure {
+    /// An error while a table was handed over.
+    #[must_use]
+    pub fn loading(table: &Path, error: DeviceError) -> Self {
+        match error.fault {
+            Fault::Mismatch(source) => Self::Load {
+                table: table.to_owned(),
+                source,
+            },
+            _ => error.into(),
+        }
+    }
+
     /// A calibration's error, on `recording` as `twin` declares it.
     #[must_use]
     pub fn calibrating(recording: &Path, twin: Option<&Path>, error: CalibrateError) -> Self {
