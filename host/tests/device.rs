@@ -5,6 +5,7 @@ mod pretended;
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::{Read, Write};
 use std::process::Stdio;
 use std::sync::atomic::AtomicBool;
 use std::thread;
@@ -12,7 +13,7 @@ use std::time::Duration;
 
 use pretended::{Bench, QUICK, small};
 use quadcal::slot::Slot;
-use quadcal_host::device::Address;
+use quadcal_host::device::{Address, Port};
 use quadcal_host::pretend::{Listener, serve, serve_port};
 use serde_json::Value;
 
@@ -175,7 +176,7 @@ fn a_table_waits_until_it_is_committed_or_given_up() {
     assert_eq!(bench.json("preview")["proof"]["turns"], 6);
     let text = bench.done("preview");
     assert!(
-        text.contains("Edge to edge, RMS") && text.contains("better for certain"),
+        text.contains("Edge to edge, RMS") && text.contains("certainly better"),
         "{text}"
     );
     let busy = bench.refused(QUICK, 1);
@@ -193,6 +194,44 @@ fn a_table_waits_until_it_is_committed_or_given_up() {
         (&"commit".into(), &"done".into())
     );
     assert_eq!(committed["table"]["turns"], 12);
+}
+
+#[test]
+fn on_a_terminal_it_asks_before_it_commits() {
+    for (answer, outcome, stage) in [
+        ("y\n", "in flash and in use", "done"),
+        ("n\n", "given up; ", "idle"),
+    ] {
+        let bench = Bench::start(&small());
+        let (mut master, slave) = serialport::TTYPort::pair().unwrap();
+        let name = serialport::SerialPort::name(&slave).unwrap();
+        let open = || {
+            let file = fs::File::options().read(true).write(true).open(&name);
+            Stdio::from(file.unwrap())
+        };
+        let mut command = bench.command(QUICK);
+        command.stdin(open()).stderr(open()).stdout(Stdio::piped());
+        let child = command.spawn().unwrap();
+        drop((command, slave));
+        master.set_wait(Duration::from_secs(60)).unwrap();
+        let mut asked = Vec::new();
+        while !String::from_utf8_lossy(&asked).contains("[y/N]") {
+            let mut byte = [0];
+            master.read_exact(&mut byte).unwrap();
+            asked.extend(byte);
+        }
+        // What there is to decide by stands before the question.
+        let text = String::from_utf8_lossy(&asked);
+        assert!(
+            text.contains("Edge to edge, RMS") && text.contains("certainly better"),
+            "{text}"
+        );
+        master.write_all(answer.as_bytes()).unwrap();
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && text.contains(outcome), "{text}");
+        assert_eq!(bench.json("status")["stage"], stage);
+    }
 }
 
 #[test]
@@ -333,5 +372,17 @@ fn every_field_of_the_json_is_described() {
             described.contains(&format!("`{name}`")),
             "{name} is not described"
         );
+    }
+}
+
+#[test]
+fn shells_complete_the_commands() {
+    for shell in ["bash", "fish", "zsh"] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_quadcal"));
+        let output = command.args(["completions", shell]).output().unwrap();
+        let script = String::from_utf8(output.stdout).unwrap();
+        for word in ["recalibrate", "log-level", "key-file"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
     }
 }

@@ -137,12 +137,16 @@ mod tests {
 
     #[test]
     fn every_command_shows_examples_and_exit_codes() {
-        for command in Cli::command().get_subcommands() {
-            let help = command.get_after_help().map(ToString::to_string);
-            let help = help.unwrap_or_default();
-            let name = command.get_name();
-            assert!(help.contains(&format!("quadcal {name} ")), "{name}: {help}");
-            assert!(help.contains("Exit codes:"), "{name}: {help}");
+        fn check(command: &clap::Command, path: &str) {
+            for command in command.get_subcommands() {
+                let help = command.get_after_help().map(ToString::to_string);
+                let help = help.unwrap_or_default();
+                let path = format!("{path} {}", command.get_name());
+                assert!(help.contains(&format!("{path} ")), "{path}: {help}");
+                assert!(help.contains("Exit codes:"), "{path}: {help}");
+                check(command, &path);
+            }
         }
+        check(&Cli::command(), "quadcal");
     }
 }

@@ -122,3 +122,34 @@ impl Address {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_is_read_as_it_is_written() {
+        let places = [
+            ("/dev/ttyACM0", Address::Serial("/dev/ttyACM0".into())),
+            ("COM3", Address::Serial("COM3".into())),
+            ("tcp:localhost:4444", Address::Tcp("localhost:4444".into())),
+            ("tcp:[::1]:80", Address::Tcp("[::1]:80".into())),
+            #[cfg(unix)]
+            ("unix:/tmp/a b", Address::Unix("/tmp/a b".into())),
+        ];
+        for (text, address) in places {
+            assert_eq!(text.parse(), Ok(address.clone()));
+            assert_eq!(address.to_string(), text);
+        }
+        for wrong in ["tcp:", "tcp:host", "tcp::1", "tcp:host:70000", "tcp:host:x"] {
+            assert_eq!(
+                wrong.parse::<Address>(),
+                Err(BadAddress::HostAndPort),
+                "{wrong}"
+            );
+        }
+        assert_eq!("".parse::<Address>(), Err(BadAddress::Empty));
+        #[cfg(unix)]
+        assert_eq!("unix:".parse::<Address>(), Err(BadAddress::Empty));
+    }
+}

@@ -33,8 +33,8 @@ Examples:
   quadcal device preview --port /dev/ttyACM0
   quadcal device commit --port /dev/ttyACM0 --key-file drive.key
 
-The table that was in use before stays in flash: 'quadcal device rollback' brings it back. The drive
-may insist on standstill while flash is written.
+The table that was in use before stays in flash: 'quadcal device rollback' brings it back. The
+drive may insist on standstill while flash is written.
 
 ";
 

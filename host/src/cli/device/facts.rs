@@ -93,6 +93,9 @@ pub(super) fn table(facts: &mut Facts, table: Option<&TableInfo>) {
             rad(table.standard_error),
             "rad",
         );
+    if table.serial != 0 {
+        facts.push("  Of encoder", table.serial);
+    }
     if table.learned_at != 0 {
         facts.push("  Learned at", date(table.learned_at));
     }
@@ -111,7 +114,7 @@ pub(super) fn proof(facts: &mut Facts, figures: &Figures) {
         let [old, new] = [old, new].map(|turn32| si(rad(turn32), "rad"));
         (
             name.to_owned(),
-            format!("{old} with the old table, {new} with the new ({change:+.0} %)"),
+            format!("{old} with the old table, {new} with the new ({change:+.1} %)"),
         )
     };
     let more = match figures.rejected {
@@ -126,9 +129,9 @@ pub(super) fn proof(facts: &mut Facts, figures: &Figures) {
         facts.push(name, value);
     }
     let verdict = if figures.better {
-        "better for certain"
+        "certainly better"
     } else {
-        "NOT better for certain"
+        "not certainly better"
     };
     facts.push("  The new table is", verdict);
 }

@@ -68,8 +68,8 @@ Examples:
   quadcal device preview --port /dev/ttyACM0 --json - | jq .proof.better
 
 Both tables saw the same edges of the same turns, which neither was learned from. What the shaft
-itself swings is in the angle of both; from edge to edge it hardly matters. With no table in use, the
-old one is the bare encoder.
+itself swings is in the angle of both; from edge to edge it hardly matters. With no table in use,
+the old one is the bare encoder.
 
 ";
 

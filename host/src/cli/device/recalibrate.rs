@@ -30,8 +30,8 @@ Examples:
 
 Let the shaft turn evenly, best in torque or voltage mode and at two speeds, one half as fast again
 as the other. The device learns, works the table out, and holds it against the old one on fresh
-turns; only a better one can be committed, which is asked for, or done with --commit. While it learns
-the old table goes on correcting. Ctrl-C ends the calibration, and the old table stays.
+turns; only a better one can be committed, which is asked for, or done with --commit. Meanwhile the
+old table goes on correcting. Ctrl-C ends the calibration, and the old table stays.
 
 ";
 

@@ -21,6 +21,9 @@ use screen::Screen;
 /// Longest time between two looks at whether Ctrl-C was pressed.
 const ATTENTION: Duration = Duration::from_millis(50);
 
+/// Multiples of it fill the range from 0 to 1 most evenly.
+const GOLDEN_SHARE: f64 = 0.618_033_988_749_895;
+
 const EXAMPLES: &str = "\
 Examples:
   quadcal device watch --port /dev/ttyACM0
@@ -43,7 +46,7 @@ pub(super) struct Watch {
     /// End after so many seconds
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<Duration>,
-    /// Samples a second
+    /// Samples a second, on the average
     #[arg(long, value_name = "HZ", default_value_t = 20.0, value_parser = rate)]
     rate: f64,
     /// Write JSON, an object a line: a sample each, and a summary at last; '-' prints it in place of the text
@@ -76,7 +79,6 @@ impl Watch {
         };
         let mut text = Text::new(self.json == Some(Target::Stdout), globals);
         let mut course = Course::new(identity.clock_hz);
-        let pause = Duration::from_secs_f64(1.0 / self.rate);
         let started = Instant::now();
         let mut due = started;
         while !self.is_over(started, &course) {
@@ -86,7 +88,7 @@ impl Watch {
             }
             text.show(&sample, &course)
                 .map_err(|source| Target::Stdout.failed(source))?;
-            due += pause;
+            due += self.pause(course.samples());
             wait(due, started + self.seconds.unwrap_or(Duration::MAX / 4));
         }
         let summary = course.summary(client.name());
@@ -96,6 +98,12 @@ impl Watch {
                 .map_err(|source| target.failed(source))?;
         }
         text.end(&summary)
+    }
+
+    /// Time from a sample to the next: uneven, or they would always meet the same places of the turn at many speeds.
+    fn pause(&self, samples: u32) -> Duration {
+        let share = (f64::from(samples) * GOLDEN_SHARE).fract();
+        Duration::from_secs_f64((0.75 + 0.5 * share) / self.rate)
     }
 
     fn is_over(&self, started: Instant, course: &Course) -> bool {

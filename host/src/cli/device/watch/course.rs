@@ -79,7 +79,7 @@ pub(super) struct Summary {
     kind: &'static str,
     port: String,
     seconds: f64,
-    samples: usize,
+    samples: u32,
     turns: f64,
     rev_per_min_mean: Option<f64>,
     rev_per_min_scatter_before: Option<f64>,
@@ -116,7 +116,7 @@ pub(super) struct Course {
     /// Ticks of the first sample and of the last one.
     ticks: Option<(u64, u64)>,
     turns: f64,
-    samples: usize,
+    samples: u32,
     sum: f64,
     before: Scatter,
     after: Scatter,
@@ -171,6 +171,11 @@ impl Course {
         }
     }
 
+    /// Samples taken.
+    pub const fn samples(&self) -> u32 {
+        self.samples
+    }
+
     /// Turns that the shaft made since the first sample, either way, as its speed has it.
     pub const fn turns(&self) -> f64 {
         self.turns
@@ -193,7 +198,7 @@ impl Course {
             seconds: ticks as f64 / self.clock_hz,
             samples: self.samples,
             turns: self.turns,
-            rev_per_min_mean: (self.samples > 0).then(|| self.sum / self.samples as f64),
+            rev_per_min_mean: (self.samples > 0).then(|| self.sum / f64::from(self.samples)),
             rev_per_min_scatter_before: before,
             rev_per_min_scatter_after: after,
             faults: self.faults,
