@@ -11,15 +11,11 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
-use pretended::{Bench, QUICK, small};
+use pretended::{Bench, QUICK, number, small};
 use quadcal::slot::Slot;
 use quadcal_host::device::{Address, Port};
 use quadcal_host::pretend::{Listener, serve, serve_port};
 use serde_json::Value;
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value}"))
-}
 
 #[test]
 fn a_device_says_who_it_is_and_how_it_stands() {
@@ -70,101 +66,6 @@ fn a_calibration_goes_from_start_to_flash_and_is_there_after_a_restart() {
     assert_eq!(status["table"]["serial"], 7);
     assert!(number(&status["table"]["learned_at_unix_s"]) > 1.7e9);
     assert_eq!(status["erasures"], serde_json::json!([1, 0]));
-}
-
-#[test]
-fn watching_shows_a_rough_speed_before_and_a_smooth_one_after() {
-    let bench = Bench::start(&small());
-    bench.done(&format!("{QUICK} --commit"));
-    let lines = bench.done("watch --turns 25 --rate 100 --json -");
-    let lines: Vec<Value> = lines
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
-    let (summary, samples) = lines.split_last().unwrap();
-    assert_eq!(summary["kind"], "summary");
-    assert!(samples.len() > 10 && samples.iter().all(|sample| sample["kind"] == "sample"));
-    assert_eq!(summary["samples"], samples.len());
-    assert!(
-        (25.0..200.0).contains(&number(&summary["turns"])),
-        "{summary}"
-    );
-    assert!(
-        (number(&summary["rev_per_min_mean"]) - 1500.0).abs() < 15.0,
-        "{summary}"
-    );
-    let before = number(&summary["rev_per_min_scatter_before"]);
-    let after = number(&summary["rev_per_min_scatter_after"]);
-    assert!(before > 5.0 * after, "{before} {after}");
-    assert!(samples.last().unwrap()["referenced"] == true);
-    // Without a terminal, a line a sample and the facts; quietly, the facts alone.
-    let text = bench.done("watch --seconds 0.4 --rate 50");
-    assert!(text.starts_with("time_s  r_min_before"), "{text}");
-    assert!(
-        text.contains("Scatter after correction") && text.lines().count() > 10,
-        "{text}"
-    );
-    assert!(
-        bench
-            .done("watch --seconds 0.2 --quiet")
-            .starts_with("Port ")
-    );
-    // Into a file, the text stays.
-    let text = bench.done("watch --seconds 0.2 --quiet --json samples.json");
-    let written = fs::read_to_string(bench.path().join("samples.json")).unwrap();
-    assert!(text.starts_with("Port ") && written.contains("\"kind\":\"summary\""));
-}
-
-#[test]
-fn watching_ends_cleanly_on_ctrl_c() {
-    let bench = Bench::start(&small());
-    let child = bench
-        .command("watch --json -")
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    thread::sleep(Duration::from_millis(700));
-    let id = child.id().to_string();
-    assert!(
-        std::process::Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0));
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.lines().last().unwrap().contains("summary"), "{text}");
-}
-
-#[test]
-fn a_calibration_ended_by_ctrl_c_is_aborted_on_the_device() {
-    let mut pretend = small();
-    pretend.r_min = 0.0;
-    let bench = Bench::start(&pretend);
-    let child = bench
-        .command(QUICK)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    thread::sleep(Duration::from_millis(700));
-    assert_eq!(fs::read_dir(bench.path()).unwrap().count(), 1);
-    let id = child.id().to_string();
-    assert!(
-        std::process::Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let output = child.wait_with_output().unwrap();
-    let text = pretended::message(&output, 1);
-    assert!(text.contains("told to abort"), "{text}");
-    assert!(String::from_utf8_lossy(&output.stderr).starts_with("waiting for the shaft to turn\n"));
-    assert!(String::from_utf8_lossy(&output.stdout).contains("stopped; "));
-    assert_eq!(bench.json("status")["stage"], "idle");
 }
 
 #[test]

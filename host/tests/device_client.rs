@@ -218,6 +218,18 @@ fn a_calibration_that_is_stopped_or_aborted_by_another_leaves_the_device_idle() 
 }
 
 #[test]
+fn a_device_may_be_silent_while_it_writes_flash() {
+    let device = Shared::start(&small());
+    let mut host = device.host();
+    let options = Options::default();
+    let calibration = host.calibrate(&options, |_| Watching::GoOn).unwrap();
+    assert_eq!(calibration.end, Calibrated::Waiting);
+    // After challenge, proof and the command itself; more replies than one request has tries.
+    let mut host = device.host_losing(|reply| (4..14).contains(&reply));
+    assert_eq!(host.commit().unwrap().unwrap().sequence, 0);
+}
+
+#[test]
 fn a_key_is_needed_and_the_right_one() {
     let device = Shared::start(&Pretend {
         key: [1; 32],

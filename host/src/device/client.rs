@@ -4,10 +4,7 @@ use std::io;
 use std::time::{Duration, Instant, SystemTime};
 
 use quadcal::access::{Key, KeyHolder};
-use quadcal::recalibrate::Figures;
-use quadcal::wire::{
-    Draft, FrameError, Identity, Kind, Learned, Live, Parser, Refusal, Reply, Request, Status,
-};
+use quadcal::wire::{Draft, FrameError, Kind, Parser, Refusal, Reply, Request};
 
 use super::error::{DeviceError, Fault};
 use super::port::Port;
@@ -76,61 +73,6 @@ impl<P: Port> Client<P> {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    /// Who the device is.
-    ///
-    /// # Errors
-    /// [`DeviceError`].
-    pub fn identify(&mut self) -> Result<Identity, DeviceError> {
-        match self.read("identify", &Request::Identify)? {
-            Reply::Identity(identity) => Ok(identity),
-            _ => Err(self.unknown("identify")),
-        }
-    }
-
-    /// Where things stand.
-    ///
-    /// # Errors
-    /// [`DeviceError`].
-    pub fn status(&mut self) -> Result<Status, DeviceError> {
-        match self.read("status", &Request::Status)? {
-            Reply::Status(status) => Ok(status),
-            _ => Err(self.unknown("status")),
-        }
-    }
-
-    /// The shaft now.
-    ///
-    /// # Errors
-    /// [`DeviceError`].
-    pub fn live(&mut self) -> Result<Live, DeviceError> {
-        match self.read("watch", &Request::Live)? {
-            Reply::Live(live) => Ok(live),
-            _ => Err(self.unknown("watch")),
-        }
-    }
-
-    /// What the last calibration found.
-    ///
-    /// # Errors
-    /// [`DeviceError`].
-    pub fn result(&mut self) -> Result<Option<Learned>, DeviceError> {
-        match self.read("result", &Request::Result)? {
-            Reply::Result(learned) => Ok(learned),
-            _ => Err(self.unknown("result")),
-        }
-    }
-
-    /// The new table against the old one on fresh turns.
-    ///
-    /// # Errors
-    /// [`DeviceError`].
-    pub fn preview(&mut self) -> Result<Option<Figures>, DeviceError> {
-        match self.read("preview", &Request::Preview)? {
-            Reply::Preview(figures) => Ok(figures),
-            _ => Err(self.unknown("preview")),
-        }
     }
 
     /// Asks what needs no session and may be asked again: up to [`Timing::tries`] times, until a reply comes.

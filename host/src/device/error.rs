@@ -127,7 +127,7 @@ fn silent(tries: u32, wait: Duration, bytes: u64) -> String {
     let asked = format!("no reply, asked {tries} times with {wait:.1?} each");
     match bytes {
         0 => format!(
-            "{asked}; check port, cable and power, and that the firmware has the calibration service"
+            "{asked}; check port, cable and power, that no other program has the port, and that the firmware serves calibration"
         ),
         bytes => format!(
             "{asked}, but {bytes} bytes of something else; check --baud, and that no other program uses the port"

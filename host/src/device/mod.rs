@@ -8,6 +8,7 @@ mod client;
 mod error;
 mod key;
 mod port;
+mod queries;
 mod recalibrate;
 mod transfer;
 mod words;

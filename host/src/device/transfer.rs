@@ -1,5 +1,6 @@
 //! Tables read from a device and handed over to it, piece by piece.
 
+use quadcal::recalibrate::Stage;
 use quadcal::slot::{Slot, VERSION, slot_bytes};
 use quadcal::wire::{Identity, PIECE_BYTES, Piece, Refusal, Reply, Request};
 use thiserror::Error;
@@ -13,8 +14,11 @@ use super::port::Port;
 /// Times that reading a table begins anew, as a commit in between changes it.
 const READINGS: u32 = 2;
 
-/// Times in a row that a piece is handed over anew.
-const REPEATS: u32 = 3;
+/// Pieces of a table that are handed over anew.
+const REPEATS: u32 = 16;
+
+/// What handing a table over is called.
+const LOAD: &str = "load";
 
 /// Why a table is not for a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -147,7 +151,6 @@ impl<P: Port> Client<P> {
         slot: &[u8],
         mut progress: impl FnMut(u32, u32),
     ) -> Result<(), DeviceError> {
-        const WHAT: &str = "load";
         let identity = self.identify()?;
         let parsed = Slot::parse(slot).map_err(|error| self.fault(Fault::DamagedTable(error)))?;
         let version = match slot {
@@ -157,49 +160,43 @@ impl<P: Port> Client<P> {
         check(&parsed, version, &identity).map_err(|error| self.fault(error.into()))?;
         let slot = &slot[..slot_bytes(parsed.header.shape).min(slot.len())];
         let (mut at, mut repeats) = (0, 0);
-        loop {
-            let end = slot.len().min(at + PIECE_BYTES);
-            let piece = Piece::from_slice(slot.get(at..end).unwrap_or_default());
-            let piece = piece.map_err(|_| self.unknown(WHAT))?;
-            let offset = u32::try_from(at).map_err(|_| self.unknown(WHAT))?;
-            let next = match self.change(WHAT, &Request::WriteTable { offset, piece }) {
-                Ok(Reply::Written { whole: true, .. }) => {
-                    progress(slot.len() as u32, slot.len() as u32);
-                    return Ok(());
-                }
-                Ok(Reply::Written { next, .. }) => next,
-                Ok(_) => return Err(self.unknown(WHAT)),
-                Err(error) => {
-                    repeats += 1;
-                    match error.fault {
-                        Fault::Refused {
-                            refusal: Refusal::Offset(next),
-                            ..
-                        } if repeats <= REPEATS => next,
-                        Fault::Unanswered { .. } if repeats <= REPEATS => {
-                            if self.waits_for_commit()? {
-                                return Ok(());
-                            }
-                            offset
-                        }
-                        _ => return Err(error),
-                    }
-                }
-            };
-            if next as usize > at {
-                repeats = 0;
-            } else if repeats > REPEATS {
-                return Err(self.unknown(WHAT));
-            } else {
+        while let Some(next) = self.hand_over(slot, at)? {
+            if next <= at {
                 repeats += 1;
             }
-            at = (next as usize).min(slot.len());
-            progress(next, slot.len() as u32);
+            if repeats > REPEATS {
+                return Err(self.unknown(LOAD));
+            }
+            at = next.min(slot.len());
+            progress(at as u32, slot.len() as u32);
         }
+        progress(slot.len() as u32, slot.len() as u32);
+        Ok(())
     }
 
-    /// Whether the last piece arrived, although its reply did not.
-    fn waits_for_commit(&mut self) -> Result<bool, DeviceError> {
-        Ok(self.status()?.stage == quadcal::recalibrate::Stage::ReadyToCommit)
+    /// Hands a piece over, and says where the next one begins; none once the device has all.
+    fn hand_over(&mut self, slot: &[u8], at: usize) -> Result<Option<usize>, DeviceError> {
+        let end = slot.len().min(at + PIECE_BYTES);
+        let piece = Piece::from_slice(slot.get(at..end).unwrap_or_default());
+        let piece = piece.map_err(|_| self.unknown(LOAD))?;
+        let offset = u32::try_from(at).map_err(|_| self.unknown(LOAD))?;
+        let next = match self.change(LOAD, &Request::WriteTable { offset, piece }) {
+            Ok(Reply::Written { whole: true, .. }) => return Ok(None),
+            Ok(Reply::Written { next, .. }) => next,
+            Ok(_) => return Err(self.unknown(LOAD)),
+            Err(error) => match error.fault {
+                Fault::Refused {
+                    refusal: Refusal::Offset(next),
+                    ..
+                } => next,
+                // The last piece may have arrived, although its reply did not.
+                Fault::Unanswered { .. } if self.status()?.stage == Stage::ReadyToCommit => {
+                    return Ok(None);
+                }
+                Fault::Unanswered { .. } => offset,
+                _ => return Err(error),
+            },
+        };
+        Ok(Some(next as usize))
     }
 }

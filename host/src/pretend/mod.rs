@@ -3,30 +3,32 @@
 
 mod flash;
 mod learner;
+mod parts;
+mod rig;
 mod serve;
 
-use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io;
 use std::iter::Peekable;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use quadcal::access::{AccessConfig, Key, Nonces};
+use quadcal::access::{AccessConfig, Key};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{Device, DeviceConfig, Workbench, WorkbenchConfig};
-use quadcal::recalibrate::{Interlock, Limits, Obstacle, WearConfig};
+use quadcal::recalibrate::{Limits, Obstacle, WearConfig};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::Faults;
 use quadcal::step::SensorError;
 use quadcal::store::{LayoutError, Store};
-use quadcal::wire::{Nonce, Refusal, WireBytes};
+use quadcal::wire::{Refusal, WireBytes};
 use thiserror::Error;
 
 use crate::sim::Simulation;
-use crate::twin::{Drive, Duration, Encoder, Errors, Noise, Per, Position, Twin, TwinError};
+use crate::twin::TwinError;
 
 use flash::Flash;
 use learner::HeapLearner;
+use parts::{Drawn, Switches};
 
 pub use serve::{Listener, serve, serve_port};
 
@@ -103,69 +105,6 @@ pub enum PretendError {
     },
 }
 
-/// The paper's rig with these lines and this speed, and errors in proportion to a line.
-fn twin(pretend: &Pretend) -> Twin {
-    let line = 2500.0 / f64::from(pretend.lines.max(1));
-    let mut twin = Twin::paper();
-    twin.seed = pretend.seed;
-    twin.duration = Duration::Seconds(1e6);
-    twin.encoder = Encoder::Quadrature {
-        lines: pretend.lines,
-        index: true,
-    };
-    twin.errors = Errors {
-        position: Some(Position::Uniform {
-            amplitude_rad: 6.2832e-5 * line,
-            per: Per::Edge,
-        }),
-        width_a_rad: 1.2566e-4 * line,
-        width_b_rad: 1.1310e-4 * line,
-        quadrature_rad: 1.2566e-4 * line,
-        ..Errors::default()
-    };
-    twin.drive = Drive::Constant {
-        r_min: pretend.r_min,
-    };
-    twin.ripple = Vec::new();
-    twin.noise = Some(Noise::SpeedWander {
-        rms_fraction: 1e-4,
-        correlation_rad: Some(0.5),
-        hold_s: None,
-    });
-    twin.timer.clock_hz = CLOCK_HZ;
-    twin
-}
-
-/// What the drive allows.
-struct Switches {
-    calibrate: Option<Obstacle>,
-    commit: Option<Obstacle>,
-}
-
-impl Interlock for Switches {
-    fn may_calibrate(&self) -> Result<(), Obstacle> {
-        self.calibrate.map_or(Ok(()), Err)
-    }
-
-    fn may_commit(&self) -> Result<(), Obstacle> {
-        self.commit.map_or(Ok(()), Err)
-    }
-}
-
-/// Nonces from the keys that the standard library draws for its hash tables: good enough for a device that is not there.
-struct Drawn;
-
-impl Nonces for Drawn {
-    fn nonce(&mut self) -> Option<Nonce> {
-        let draw = || RandomState::new().build_hasher().finish().to_le_bytes();
-        let mut nonce = [0; 16];
-        let (low, high) = nonce.split_at_mut(8);
-        low.copy_from_slice(&draw());
-        high.copy_from_slice(&draw());
-        Some(nonce)
-    }
-}
-
 /// A pretend device that runs.
 pub struct Running {
     device: Device<Flash, Drawn, Switches>,
@@ -191,7 +130,7 @@ impl Pretend {
         let decoder = decoder.map_err(PretendError::Sensor)?;
         let edges = match self.r_min {
             0.0 => None,
-            _ => Some(Simulation::new(&twin(self))?.peekable()),
+            _ => Some(Simulation::new(&rig::twin(self))?.peekable()),
         };
         let flash = Flash::load(shape, self.file())?;
         let config = DeviceConfig {

@@ -2,7 +2,6 @@
 
 use std::io;
 use std::net::TcpListener;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -18,7 +17,7 @@ const LOOK: Duration = Duration::from_millis(1);
 pub enum Listener {
     /// A socket in the file system, which goes when the listener does.
     #[cfg(unix)]
-    Unix(std::os::unix::net::UnixListener, PathBuf),
+    Unix(std::os::unix::net::UnixListener, std::path::PathBuf),
     /// A host and port.
     Tcp(TcpListener),
 }

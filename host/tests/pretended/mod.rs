@@ -164,3 +164,7 @@ impl Drop for Bench {
         self.stop.store(true, Ordering::Relaxed);
     }
 }
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
