@@ -1,5 +1,6 @@
 //! A device without hardware, to try `quadcal device` on: the core's own service with simulated edges in real time, at a socket.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -84,15 +85,25 @@ fn main() -> anyhow::Result<()> {
     let mut device = pretend.start()?;
     let listener =
         Listener::bind(&options.listen).with_context(|| format!("can't listen at {port}"))?;
-    println!("A device listens at {port}; Ctrl-C ends it. In another shell:");
-    println!(
-        "  export QUADCAL_PORT={port} QUADCAL_KEY={}",
-        digits(&pretend.key)
-    );
-    println!("  quadcal device status");
-    println!("  quadcal device recalibrate --commit");
-    println!("  quadcal device watch");
+    let _ = introduce(&port, &pretend.key);
     Ok(serve(&mut device, &listener, &AtomicBool::new(false))?)
+}
+
+/// Says how it is reached. Nobody has to listen.
+fn introduce(port: &str, key: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
+        "A device listens at {port}; Ctrl-C ends it. In another shell:"
+    )?;
+    writeln!(
+        out,
+        "  export QUADCAL_PORT={port} QUADCAL_KEY={}",
+        digits(key)
+    )?;
+    writeln!(out, "  quadcal device status")?;
+    writeln!(out, "  quadcal device recalibrate --commit")?;
+    writeln!(out, "  quadcal device watch")
 }
 
 fn digits(key: &[u8]) -> String {

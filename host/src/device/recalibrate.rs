@@ -13,7 +13,7 @@ use super::port::Port;
 /// Time between two looks at the status.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Time that a device may be silent while it writes flash, which halts many chips.
+/// Time that a device may take to write flash; many chips halt and are silent meanwhile.
 const WRITING: Duration = Duration::from_secs(30);
 
 /// Whether to go on.
@@ -88,11 +88,16 @@ impl<P: Port> Client<P> {
     /// # Errors
     /// [`DeviceError`], [`Fault::Failed`] where it is not in flash.
     pub fn commit(&mut self) -> Result<Option<TableInfo>, DeviceError> {
-        self.change("commit", &Request::Commit)?;
+        const WHAT: &str = "commit";
+        self.change(WHAT, &Request::Commit)?;
         let deadline = Instant::now() + WRITING;
         loop {
             match self.status() {
                 Ok(status) => match status.stage {
+                    Stage::Committing if Instant::now() > deadline => {
+                        let wait = WRITING;
+                        return Err(self.fault(Fault::Unanswered { what: WHAT, wait }));
+                    }
                     Stage::Committing => {}
                     Stage::Failed(failure) => return Err(self.fault(Fault::Failed(failure))),
                     Stage::Done => return Ok(status.table),

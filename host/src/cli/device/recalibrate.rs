@@ -109,6 +109,7 @@ impl Recalibrate {
             }
         })?;
         drop(shown);
+        interrupt::release();
         let mut facts = Facts::default();
         facts.push("Port", client.name());
         if let Some(learned) = &calibration.learned {
