@@ -5,8 +5,6 @@ mod pretended;
 
 use std::fs;
 use std::process::Stdio;
-use std::thread;
-use std::time::Duration;
 
 use pretended::{Bench, QUICK, number, small};
 use serde_json::Value;
@@ -57,20 +55,14 @@ fn watching_shows_a_rough_speed_before_and_a_smooth_one_after() {
 #[test]
 fn watching_ends_cleanly_on_ctrl_c() {
     let bench = Bench::start(&small());
-    let child = bench
+    let mut child = bench
         .command("watch --json -")
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    thread::sleep(Duration::from_millis(700));
-    let id = child.id().to_string();
-    assert!(
-        std::process::Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    let first = pretended::line(child.stdout.as_mut());
+    assert!(first.contains("sample"), "{first}");
+    pretended::interrupt(&child);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     let text = String::from_utf8(output.stdout).unwrap();
@@ -82,26 +74,18 @@ fn a_calibration_ended_by_ctrl_c_is_aborted_on_the_device() {
     let mut pretend = small();
     pretend.r_min = 0.0;
     let bench = Bench::start(&pretend);
-    let child = bench
+    let mut child = bench
         .command(QUICK)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    thread::sleep(Duration::from_millis(700));
-    assert_eq!(fs::read_dir(bench.path()).unwrap().count(), 1);
-    let id = child.id().to_string();
-    assert!(
-        std::process::Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    let first = pretended::line(child.stderr.as_mut());
+    assert_eq!(first, "waiting for the shaft to turn");
+    pretended::interrupt(&child);
     let output = child.wait_with_output().unwrap();
     let text = pretended::message(&output, 1);
     assert!(text.contains("told to abort"), "{text}");
-    assert!(String::from_utf8_lossy(&output.stderr).starts_with("waiting for the shaft to turn\n"));
     assert!(String::from_utf8_lossy(&output.stdout).contains("stopped; "));
     assert_eq!(bench.json("status")["stage"], "idle");
 }
