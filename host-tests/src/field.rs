@@ -7,20 +7,14 @@ use std::rc::Rc;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use quadcal::access::{AccessConfig, Key, KeyHolder, Nonces};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
-use quadcal::device::{
-    Device, DeviceConfig, Learner, Learning, MappedFlash, Workbench, WorkbenchConfig,
-};
+use quadcal::device::{Device, DeviceConfig, MappedFlash, Workbench, WorkbenchConfig};
 use quadcal::edge::Sample;
-use quadcal::estimate::{
-    Advice, Anchor, DriveKnowledge, Estimator, Goal, Progress, Solution, SolveError,
-};
-use quadcal::recalibrate::{Interlock, Limits, Obstacle, SolveInSlices, Solving, WearConfig};
+use quadcal::recalibrate::{Interlock, Limits, Obstacle, WearConfig};
 use quadcal::shape::EncoderShape;
-use quadcal::slot::SlotHeader;
-use quadcal::step::{Flags, Outcome};
+use quadcal::step::Flags;
 use quadcal::store::{Layout, Store};
 use quadcal::wire::{Draft, Kind, Nonce, Parser, Reply, Request, WireBytes, request_frame};
-use quadcal_host::buffers::HeapBuffers;
+use quadcal_host::pretend::HeapLearner;
 use quadcal_host::sim::Event;
 
 use crate::fuzz_device::flash::Fault;
@@ -98,124 +92,6 @@ impl MappedFlash<'static> for Flash {
     }
 }
 
-/// The core's estimator, solved for in one slice.
-pub struct HeapLearner {
-    shape: EncoderShape,
-    state: State,
-    goal: Goal,
-    last_ticks: u64,
-    room: Vec<i16>,
-}
-
-enum State {
-    Idle,
-    Learning(Box<Estimator<HeapBuffers>>),
-    Solved(Box<Solution<HeapBuffers>>),
-    TooFew(u32),
-}
-
-impl HeapLearner {
-    /// Of an encoder.
-    #[must_use]
-    pub const fn new(shape: EncoderShape) -> Self {
-        Self {
-            shape,
-            state: State::Idle,
-            goal: Goal { error: 0 },
-            last_ticks: 0,
-            room: Vec::new(),
-        }
-    }
-}
-
-impl SolveInSlices for HeapLearner {
-    fn slice(&mut self) -> Solving {
-        if let State::Learning(estimator) = std::mem::replace(&mut self.state, State::TooFew(0)) {
-            self.state = match estimator.solve() {
-                Ok(solution) => State::Solved(Box::new(solution)),
-                Err(SolveError::TooFewTurns(turns)) => State::TooFew(turns),
-            };
-        }
-        match self.state {
-            State::Solved(_) => Solving::Solved,
-            State::TooFew(turns) => Solving::TooFewTurns(turns),
-            _ => Solving::TooFewTurns(0),
-        }
-    }
-}
-
-impl Learner for HeapLearner {
-    fn prepare(&mut self, knowledge: DriveKnowledge, goal: Goal) {
-        self.goal = goal;
-        let buffers = HeapBuffers::new(self.shape.edges() as usize);
-        self.state = Estimator::new(self.shape, Anchor::Index, buffers)
-            .map_or(State::Idle, |estimator| {
-                State::Learning(Box::new(estimator.with_knowledge(knowledge)))
-            });
-    }
-
-    fn push(&mut self, outcome: &Outcome) {
-        if let State::Learning(estimator) = &mut self.state
-            && let Progress::TurnTaken(_) = estimator.push(outcome)
-            && let Outcome::Step(step) = outcome
-        {
-            self.last_ticks = step.ticks;
-        }
-    }
-
-    fn interrupt(&mut self) {
-        if let State::Learning(estimator) = &mut self.state {
-            estimator.interrupt();
-        }
-    }
-
-    fn learning(&mut self) -> Learning {
-        let State::Learning(estimator) = &self.state else {
-            return Learning {
-                turns: 0,
-                rejected: 0,
-            };
-        };
-        let totals = estimator.totals();
-        Learning {
-            turns: totals.turns,
-            rejected: totals.broken + totals.irregular + totals.speed_change + totals.disagrees,
-        }
-    }
-
-    fn advice(&mut self) -> Option<Advice> {
-        let State::Learning(estimator) = &mut self.state else {
-            return None;
-        };
-        let outlook = estimator.outlook();
-        outlook.map(|outlook| outlook.advice(self.goal))
-    }
-
-    fn header(&self) -> Option<SlotHeader> {
-        match &self.state {
-            State::Solved(solution) => Some(SlotHeader::of(solution, self.last_ticks, CLOCK_HZ)),
-            _ => None,
-        }
-    }
-
-    fn entries(&self) -> &[i16] {
-        match &self.state {
-            State::Solved(solution) => solution.entries(),
-            _ => &[],
-        }
-    }
-
-    fn room(&mut self) -> Option<&mut [i16]> {
-        self.state = State::Idle;
-        self.room.resize(self.shape.edges() as usize, 0);
-        Some(&mut self.room)
-    }
-
-    fn release(&mut self) {
-        self.state = State::Idle;
-    }
-}
-
 /// Allows everything.
 #[derive(Debug)]
 pub struct Allowed;
@@ -277,7 +153,7 @@ impl Field {
             clock_hz: CLOCK_HZ,
             still: CLOCK_HZ,
         };
-        let mut bench = Workbench::new(workbench, HeapLearner::new(shape), flash.clone());
+        let mut bench = Workbench::new(workbench, HeapLearner::new(shape, CLOCK_HZ), flash.clone());
         device.begin(&mut bench).expect("flash can be read");
         Self {
             device,

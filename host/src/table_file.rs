@@ -15,7 +15,7 @@ use crate::findings::Findings;
 const SOURCE_BYTES: u64 = 64 * 1024;
 
 /// More bytes than any table has, without the marks behind it.
-const SLOT_BYTES_MAX: u64 = HEADER_BYTES as u64 + 2 * EDGES_MAX as u64 + 8;
+pub(crate) const SLOT_BYTES_MAX: u32 = HEADER_BYTES as u32 + 2 * EDGES_MAX + 8;
 
 /// First bytes of the marks of further recordings, which a file has behind the slot; flash does without them.
 const MARKS_MAGIC: [u8; 4] = *b"QCTM";
@@ -27,7 +27,7 @@ const MARK_BYTES: usize = 12;
 const MARKS_MOST: usize = 1024;
 
 /// More bytes than any file of a table has.
-const TABLE_BYTES_MAX: u64 = SLOT_BYTES_MAX + (8 + MARKS_MOST * MARK_BYTES) as u64;
+const TABLE_BYTES_MAX: u64 = SLOT_BYTES_MAX as u64 + (8 + MARKS_MOST * MARK_BYTES) as u64;
 
 /// Check sum by which a table knows the recording that it was learned from: CRC-32 of the first 64 KiB. Never 0.
 ///

@@ -1,7 +1,7 @@
 //! How a command ends when it cannot do what was asked: one line on stderr and an exit code.
 
 mod exit;
-mod of;
+mod make;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::calibrate::{CalibrateError, Disagreement};
 use crate::demo::DemoError;
+use crate::device::{BadAddress, DeviceError, KeyError, TableMismatch};
 use crate::free_run::FreeRunError;
 use crate::locate::LocateError;
 use crate::recording::ReadError;
@@ -230,6 +231,37 @@ pub enum Failure {
         /// All starts.
         starts: usize,
     },
+    /// No port is named.
+    #[error("no port is named; give --port PORT, or set QUADCAL_PORT")]
+    NoPort,
+    /// The environment names no port.
+    #[error("{name}: {source}; correct the variable, or give --port PORT")]
+    PortVariable {
+        /// The variable.
+        name: &'static str,
+        /// Why.
+        source: BadAddress,
+    },
+    /// There is no key.
+    #[error("{0}")]
+    Key(#[from] KeyError),
+    /// The device can't be reached, refuses, or fails.
+    #[error("{0}")]
+    Device(Box<DeviceError>),
+    /// A table is not for the device.
+    #[error("{table}: {source}", table = table.display())]
+    Load {
+        /// The table.
+        table: PathBuf,
+        /// Why.
+        source: TableMismatch,
+    },
+    /// The user does not want it.
+    #[error("nothing was erased; add --yes if it is meant")]
+    NotConfirmed,
+    /// The user ended it.
+    #[error("stopped; the device was told to abort, and its table in use is as before")]
+    Stopped,
     /// An output would take the place of an input.
     #[error("{target}: is the input itself; give another name for the output")]
     OverInput {

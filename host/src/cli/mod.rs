@@ -6,6 +6,7 @@ mod calibrate_summary;
 mod completions;
 mod convert;
 mod demo;
+mod device;
 pub mod failure;
 mod footer;
 mod hints;
@@ -44,6 +45,7 @@ Examples:
   quadcal locate spindle.csv --table spindle.qct
   quadcal info spindle.csv                    what a recording holds
   quadcal convert capture.vcd -o capture.csv  from one format to another
+  quadcal device recalibrate --port /dev/ttyACM0
 
 'quadcal COMMAND --help' explains a command, with examples.";
 
@@ -83,6 +85,7 @@ enum Command {
     Locate(locate::Locate),
     Info(info::Info),
     Convert(convert::Convert),
+    Device(device::Device),
     Completions(completions::Completions),
 }
 
@@ -115,6 +118,7 @@ impl Cli {
             Command::Locate(command) => command.run(globals),
             Command::Info(command) => command.run(globals),
             Command::Convert(command) => command.run(globals),
+            Command::Device(command) => command.run(globals),
             Command::Completions(command) => command.run(),
         }
     }
@@ -133,12 +137,16 @@ mod tests {
 
     #[test]
     fn every_command_shows_examples_and_exit_codes() {
-        for command in Cli::command().get_subcommands() {
-            let help = command.get_after_help().map(ToString::to_string);
-            let help = help.unwrap_or_default();
-            let name = command.get_name();
-            assert!(help.contains(&format!("quadcal {name} ")), "{name}: {help}");
-            assert!(help.contains("Exit codes:"), "{name}: {help}");
+        fn check(command: &clap::Command, path: &str) {
+            for command in command.get_subcommands() {
+                let help = command.get_after_help().map(ToString::to_string);
+                let help = help.unwrap_or_default();
+                let path = format!("{path} {}", command.get_name());
+                assert!(help.contains(&format!("{path} ")), "{path}: {help}");
+                assert!(help.contains("Exit codes:"), "{path}: {help}");
+                check(command, &path);
+            }
         }
+        check(&Cli::command(), "quadcal");
     }
 }

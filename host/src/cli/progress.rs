@@ -75,6 +75,12 @@ impl Progress {
         bar.set_message(remark(elapsed) + &left);
     }
 
+    /// Says that `done` of `total` things are behind us.
+    pub fn of(&mut self, done: u64, total: u64) {
+        self.total = Some(total);
+        self.reach(done, |_| String::new());
+    }
+
     /// Passes the items of `items` on and counts them.
     pub fn watch<I: Iterator>(mut self, items: I) -> impl Iterator<Item = I::Item> {
         (0_u64..).zip(items).map(move |(done, item)| {

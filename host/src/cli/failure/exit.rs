@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use super::Failure;
 use crate::cli::output::Target;
+use crate::device::Fault;
 
 impl Failure {
     /// Prints the failure and gives the exit code. A reader of stdout that has seen enough is no failure and prints nothing.
@@ -19,7 +20,7 @@ impl Failure {
         ExitCode::from(self.exit_code())
     }
 
-    /// 2 where the input or the command line is to blame, else 1.
+    /// 2 where the input or the command line is to blame, 3 where a device can't be reached, else 1.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -29,7 +30,9 @@ impl Failure {
             | Self::OtherPattern { .. }
             | Self::IndexMoved { .. }
             | Self::NoPlace { .. }
+            | Self::Stopped
             | Self::Demo(_) => 1,
+            Self::Device(error) => device_code(&error.fault),
             Self::Read(_)
             | Self::Twin(_)
             | Self::OtherSensor { .. }
@@ -47,6 +50,11 @@ impl Failure {
             | Self::Apart { .. }
             | Self::Unwritable { .. }
             | Self::RecordingName { .. }
+            | Self::NoPort
+            | Self::PortVariable { .. }
+            | Self::Key(_)
+            | Self::Load { .. }
+            | Self::NotConfirmed
             | Self::OverInput { .. }
             | Self::OverOutput { .. }
             | Self::OutputFormat { .. } => 2,
@@ -55,5 +63,23 @@ impl Failure {
 
     fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Write { target: Target::Stdout, source } if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}
+
+/// 3 where there is no talking to the device, 2 where the key or a table is to blame, else 1.
+const fn device_code(fault: &Fault) -> u8 {
+    match fault {
+        Fault::Open(_)
+        | Fault::Lost(_)
+        | Fault::Silent { .. }
+        | Fault::Unanswered { .. }
+        | Fault::Version { .. }
+        | Fault::UnknownReply { .. } => 3,
+        Fault::WrongKey | Fault::Mismatch(_) => 2,
+        Fault::SessionTaken
+        | Fault::Refused { .. }
+        | Fault::Failed(_)
+        | Fault::Gone
+        | Fault::DamagedTable(_) => 1,
     }
 }

@@ -1,10 +1,11 @@
-//! A failure of the library's error, with the files that it is about.
+//! Failures from the errors of the library.
 
 use std::path::Path;
 
 use super::Failure;
 use crate::calibrate::CalibrateError;
 use crate::cli::output::Target;
+use crate::device::{DeviceError, Fault};
 use crate::locate::LocateError;
 use crate::recording::ReadError;
 use crate::recording::write::WriteError;
@@ -16,7 +17,25 @@ impl From<ReadError> for Failure {
     }
 }
 
+impl From<DeviceError> for Failure {
+    fn from(error: DeviceError) -> Self {
+        Self::Device(Box::new(error))
+    }
+}
+
 impl Failure {
+    /// An error while a table was handed over.
+    #[must_use]
+    pub fn loading(table: &Path, error: DeviceError) -> Self {
+        match error.fault {
+            Fault::Mismatch(source) => Self::Load {
+                table: table.to_owned(),
+                source,
+            },
+            _ => error.into(),
+        }
+    }
+
     /// A calibration's error, on `recording` as `twin` declares it.
     #[must_use]
     pub fn calibrating(recording: &Path, twin: Option<&Path>, error: CalibrateError) -> Self {

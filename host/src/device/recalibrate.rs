@@ -1,0 +1,116 @@
+//! A calibration on the device, followed from its start to its end.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use quadcal::recalibrate::{Failure, Figures, Options, Stage};
+use quadcal::wire::{Learned, Request, Status, TableInfo};
+
+use super::client::Client;
+use super::error::{DeviceError, Fault};
+use super::port::Port;
+
+/// Time between two looks at the status.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Time that a device may take to write flash; many chips halt and are silent meanwhile.
+const WRITING: Duration = Duration::from_secs(30);
+
+/// Whether to go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watching {
+    /// Look again.
+    GoOn,
+    /// Abort the calibration.
+    Stop,
+}
+
+/// How a calibration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Calibrated {
+    /// A table waits to be committed.
+    Waiting,
+    /// No table came of it.
+    Failed(Failure),
+    /// It was stopped, and the device told to abort.
+    Stopped,
+}
+
+/// What came of a calibration.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// How it ended.
+    pub end: Calibrated,
+    /// What was learned, if it came that far.
+    pub learned: Option<Learned>,
+    /// New table against old, if it came that far.
+    pub figures: Option<Figures>,
+}
+
+impl<P: Port> Client<P> {
+    /// Starts a calibration and follows it until a table waits to be committed or it has failed; `watch` sees every status.
+    ///
+    /// # Errors
+    /// [`DeviceError`]. The calibration goes on where only the connection is gone.
+    pub fn calibrate(
+        &mut self,
+        options: &Options,
+        mut watch: impl FnMut(&Status) -> Watching,
+    ) -> Result<Calibration, DeviceError> {
+        self.change("recalibrate", &Request::Start(*options))?;
+        let end = loop {
+            let status = self.status()?;
+            let watching = watch(&status);
+            match status.stage {
+                Stage::ReadyToCommit => break Calibrated::Waiting,
+                Stage::Failed(failure) => break Calibrated::Failed(failure),
+                Stage::Idle | Stage::Committing | Stage::Done => {
+                    return Err(self.fault(Fault::Gone));
+                }
+                _ => {}
+            }
+            if watching == Watching::Stop {
+                self.change("abort", &Request::Abort)?;
+                break Calibrated::Stopped;
+            }
+            thread::sleep(LOOK);
+        };
+        let ended = end != Calibrated::Stopped;
+        Ok(Calibration {
+            end,
+            learned: if ended { self.result()? } else { None },
+            figures: if ended { self.preview()? } else { None },
+        })
+    }
+
+    /// Commits the table that waits, and waits until it is in flash. What the device says of it then.
+    ///
+    /// # Errors
+    /// [`DeviceError`], [`Fault::Failed`] where it is not in flash.
+    pub fn commit(&mut self) -> Result<Option<TableInfo>, DeviceError> {
+        const WHAT: &str = "commit";
+        self.change(WHAT, &Request::Commit)?;
+        let deadline = Instant::now() + WRITING;
+        loop {
+            match self.status() {
+                Ok(status) => match status.stage {
+                    Stage::Committing if Instant::now() > deadline => {
+                        let wait = WRITING;
+                        return Err(self.fault(Fault::Unanswered { what: WHAT, wait }));
+                    }
+                    Stage::Committing => {}
+                    Stage::Failed(failure) => return Err(self.fault(Fault::Failed(failure))),
+                    Stage::Done => return Ok(status.table),
+                    _ => return Err(self.fault(Fault::Gone)),
+                },
+                Err(error) => {
+                    let silent = matches!(error.fault, Fault::Silent { .. });
+                    if !silent || Instant::now() > deadline {
+                        return Err(error);
+                    }
+                }
+            }
+            thread::sleep(LOOK);
+        }
+    }
+}
