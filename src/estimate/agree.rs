@@ -22,7 +22,7 @@ pub(super) struct Seen {
 #[derive(Clone, Copy)]
 pub(super) struct Off {
     /// Sum of the squared differences.
-    pub level: u128,
+    pub level: u64,
     /// Whether that is far more than usual.
     pub far: bool,
 }
@@ -171,7 +171,10 @@ impl Seen {
             WEIGHED.is_passed(level, weighed(&usual), pairs, wary)
                 || PLAIN.is_passed(plain(&squares), plain(&usual), pairs, wary)
         });
-        Off { level, far }
+        Off {
+            level: u64::try_from(level).unwrap_or(u64::MAX),
+            far,
+        }
     }
 
     /// Takes from squared differences what a change of speed may make of locked torque: with q the ratio of the durations' squares,
