@@ -114,25 +114,11 @@ impl Upload {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::CLASSES_MAX;
-    use crate::slot::{Delays, Stamp};
-    use crate::units::TurnDelta32;
+    use crate::store::tests::header;
     use std::vec::Vec;
 
     fn slot(edges: u32) -> Vec<u8> {
-        let header = SlotHeader {
-            shape: EncoderShape::new(edges, 1).unwrap(),
-            shift: 2,
-            turns: 11,
-            indexed: true,
-            standard_error: 3,
-            class_standard_error: 1,
-            source: 0,
-            learned_until: 0,
-            class_offsets: [TurnDelta32(5); CLASSES_MAX],
-            delays: Delays::NONE,
-            stamp: Stamp::default(),
-        };
+        let header = header(EncoderShape::new(edges, 1).unwrap(), 0);
         let entries: Vec<i16> = (0..edges as i16).map(|k| 300 * k - 5000).collect();
         let mut bytes = Vec::new();
         let sink = |piece: &[u8]| {

@@ -2,32 +2,9 @@
 
 use super::model::Fault;
 use super::*;
-use crate::shape::{CLASSES_MAX, EncoderShape};
-use crate::slot::{Delays, SlotHeader, Stamp};
+use crate::shape::EncoderShape;
+use crate::store::tests::table_of;
 use crate::store::{Store, StoreError, place_bytes};
-use crate::units::TurnDelta32;
-use std::vec::Vec;
-
-fn table(serial: u64) -> (SlotHeader, Vec<i16>) {
-    let header = SlotHeader {
-        shape: EncoderShape::new(60, 4).unwrap(),
-        shift: 2,
-        turns: 11,
-        indexed: true,
-        standard_error: 3,
-        class_standard_error: 1,
-        source: 0,
-        learned_until: 0,
-        class_offsets: [TurnDelta32(5); CLASSES_MAX],
-        delays: Delays::NONE,
-        stamp: Stamp {
-            serial,
-            ..Stamp::default()
-        },
-    };
-    let entries = (0..60_i16).map(|k| k.wrapping_mul(serial as i16 * 77 + 1));
-    (header, entries.collect())
-}
 
 fn store(model: Model, supply: Supply) -> Store<Flash<Model>> {
     let flash = flash_on(model, supply);
@@ -36,7 +13,7 @@ fn store(model: Model, supply: Supply) -> Store<Flash<Model>> {
 }
 
 fn commit(store: &mut Store<Flash<Model>>, serial: u64) -> Result<(), StoreError<FlashError>> {
-    let (header, entries) = table(serial);
+    let (header, entries) = table_of(60, serial);
     store.commit(&header, &entries).map(drop)
 }
 

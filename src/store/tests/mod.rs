@@ -23,10 +23,10 @@ fn store_on<const W: usize>(flash: Flash<W, 1024>) -> Store<Flash<W, 1024>> {
     Store::new(flash, layout)
 }
 
-/// Table number `serial`: long enough for both sectors of a place.
-fn table(serial: u64) -> (SlotHeader, Vec<i16>) {
-    let header = SlotHeader {
-        shape: EncoderShape::new(600, 4).unwrap(),
+/// Header of a table number `serial`.
+pub(crate) fn header(shape: EncoderShape, serial: u64) -> SlotHeader {
+    SlotHeader {
+        shape,
         shift: 2,
         turns: 11,
         indexed: true,
@@ -40,9 +40,19 @@ fn table(serial: u64) -> (SlotHeader, Vec<i16>) {
             serial,
             ..Stamp::default()
         },
-    };
-    let entries = (0..600_i16).map(|k| k.wrapping_mul(serial as i16 * 77 + 1));
+    }
+}
+
+/// Table number `serial` of so many edges.
+pub(crate) fn table_of(edges: u32, serial: u64) -> (SlotHeader, Vec<i16>) {
+    let header = header(EncoderShape::new(edges, 4).unwrap(), serial);
+    let entries = (0..edges as i16).map(|k| k.wrapping_mul(serial as i16 * 77 + 1));
     (header, entries.collect())
+}
+
+/// The same, long enough for both sectors of a place.
+fn table(serial: u64) -> (SlotHeader, Vec<i16>) {
+    table_of(600, serial)
 }
 
 fn commit<const W: usize>(
