@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use quadcal::replay::corrected::CorrectedFile;
-use quadcal::replay::{Event, TimerWidth};
+use quadcal::replay::{Event, Header, TimerWidth, Wiring};
+use quadcal_host_tests::events::{Latency, events};
 use quadcal_host_tests::firmware::{
     FirmwareError, Output, build, offences, reachable, run_qemu, size, symbols,
 };
@@ -186,7 +187,42 @@ fn every_stage_has_its_price_in_instructions() {
     let solve = number(&output, "solve_instructions");
     println!("solve     {solve} instructions");
     assert!(solve < 30_000_000, "{solve}");
+    bounded_slices(&output, "solve");
     assert_eq!(output.stdout, bench.succeed(&[EVENTS, SLOT]).stdout);
+}
+
+/// No slice of a piece of work may take 20,000 instructions.
+fn bounded_slices(output: &Output, work: &str) {
+    let of = |what: &str| number(output, &format!("{work}_{what}"));
+    let (all, slices, longest) = (of("instructions"), of("slices"), of("longest"));
+    println!("{work:<9} {all} instructions in {slices} slices, the longest {longest}");
+    assert!(slices > 50 && longest < 20_000, "{work}: {longest}");
+}
+
+#[test]
+fn no_slice_is_long_however_the_shaft_was_driven() {
+    use quadcal_host_tests::anywhere::{Rig, Scenario};
+    for (scenario, turns) in [(Scenario::Ramp, 58), (Scenario::OneSpeedCogging, 10)] {
+        let run = Rig {
+            scenario,
+            lines: 2500,
+        }
+        .run(7)
+        .unwrap();
+        let (header, rows) = run.into_recordings().swap_remove(0);
+        let header = Header {
+            timer: TimerWidth::Bits32,
+            wiring: Wiring::Quadrature,
+            lines: 2500,
+            clock_hz: u32::try_from(header.clock_hz).unwrap(),
+            turns,
+        };
+        let events = events(&rows, TimerWidth::Bits32, Latency::NONE).file(&header);
+        let output = Bench::new("qemu_cost", &events).succeed(&[EVENTS, SLOT]);
+        println!("{scenario:?}");
+        bounded_slices(&output, "solve");
+        bounded_slices(&output, "look_out");
+    }
 }
 
 #[test]

@@ -1,42 +1,84 @@
 //! Every second, fourth, ... sample of a turn, smoothed first so that high orders don't fold onto low ones.
 
+use core::ops::Range;
+use core::task::{Poll, ready};
+
 use super::close::saturated;
+use super::cursor::Cursor;
 use super::scale::Ratio;
 use super::spectrum::{Coefficient, Sample};
 use crate::trig::{SINE_BITS, sin_cos};
 use crate::units::Turn32;
 
-/// Fills `target` with every `factor`-th sample of `source`, smoothed, and returns how many they are; `factor` is a power
-/// of two that divides the length.
+/// Samples that a slice makes.
+const SAMPLES: usize = 250;
+
+/// Fills a target with every 2nd, 4th, ... sample of a source, smoothed.
 ///
 /// Each halving smooths with the binomial 1 4 6 4 1, whose gain cos^4 keeps high orders from folding onto low ones:
 /// where a quarter of the samples' rate is left below an order, what folds onto it is below one percent.
-pub(super) fn decimate<S: Sample>(source: &[i32], target: &mut [S], factor: usize) -> usize {
-    let mut length = source.len();
-    if factor == 1 {
-        for (target, &value) in target.iter_mut().zip(source) {
-            *target = S::of(value);
-        }
-        return length;
-    }
-    let get = |source: &[i32], index: usize| source.get(index).copied().unwrap_or(0);
-    let mut halver = Halver::new(|index| get(source, index), length);
-    length /= 2;
-    for (sample, target) in target.iter_mut().enumerate().take(length) {
-        *target = S::of(halver.next(|index| get(source, index), sample));
-    }
-    let get = |target: &[S], index: usize| target.get(index).map_or(0, |sample| sample.value());
-    for _ in 1..factor.trailing_zeros() {
-        let mut halver = Halver::new(|index| get(target, index), length);
-        length /= 2;
-        for sample in 0..length {
-            let value = halver.next(|index| get(target, index), sample);
-            if let Some(target) = target.get_mut(sample) {
+pub(super) struct Decimation {
+    /// Halved so often so far.
+    halvings: u32,
+    halver: Option<Halver>,
+    cursor: Cursor,
+}
+
+impl Decimation {
+    pub(super) const START: Self = Self {
+        halvings: 0,
+        halver: None,
+        cursor: Cursor::START,
+    };
+
+    /// `factor` is a power of two that divides the source's length; in the end the target begins with the samples that are left.
+    pub(super) fn slice<S: Sample>(
+        &mut self,
+        source: &[i32],
+        target: &mut [S],
+        factor: usize,
+    ) -> Poll<()> {
+        if factor == 1 {
+            let stretch = self.cursor.next(SAMPLES, source.len());
+            for (target, &value) in target[stretch.clone()].iter_mut().zip(&source[stretch]) {
                 *target = S::of(value);
             }
+            return self.cursor.at_end(source.len());
+        }
+        let length = source.len() >> self.halvings;
+        let stretch = self.cursor.next(SAMPLES, length / 2);
+        if self.halvings == 0 {
+            self.halve(length, stretch, target, |_, at| source[at]);
+        } else {
+            self.halve(length, stretch, target, |target, at| target[at].value());
+        }
+        ready!(self.cursor.at_end(length / 2));
+        *self = Self {
+            halvings: self.halvings + 1,
+            ..Self::START
+        };
+        if 1 << self.halvings >= factor {
+            Poll::Ready(())
+        } else {
+            Poll::Pending
         }
     }
-    length
+
+    fn halve<S: Sample>(
+        &mut self,
+        length: usize,
+        stretch: Range<usize>,
+        target: &mut [S],
+        get: impl Fn(&[S], usize) -> i32,
+    ) {
+        let halver = self
+            .halver
+            .get_or_insert_with(|| Halver::new(|at| get(target, at), length));
+        for sample in stretch {
+            let value = halver.next(|at| get(target, at), sample);
+            target[sample] = S::of(value);
+        }
+    }
 }
 
 /// Halves a sequence, in place if need be: sample j may overwrite what is at j.
@@ -79,7 +121,7 @@ impl Halver {
     }
 }
 
-/// Undoes [`decimate`]'s gain on a coefficient of `order`: cos^4 of pi order / length and of its doublings.
+/// Undoes [`Decimation`]'s gain on a coefficient of `order`: cos^4 of pi order / length and of its doublings.
 pub(super) fn undo_decimation(
     raw: Coefficient,
     order: usize,
@@ -108,8 +150,9 @@ pub(super) fn undo_decimation(
 #[cfg(test)]
 mod tests {
     extern crate std;
+    use super::super::cursor::whole;
     use super::super::spectrum::waves::wave;
-    use super::super::transform::take_orders;
+    use super::super::transform::TakeOrders;
     use super::*;
 
     #[test]
@@ -117,10 +160,11 @@ mod tests {
         let parts = [(1, 3e5, 0.1), (40, 1e5, 0.7), (256, 4e4, -0.3)];
         let x = wave(10_000, &parts);
         let mut small = std::vec![[0_i16; 2]; 5000];
-        let samples = decimate(&x, &mut small, 4);
-        assert_eq!(samples, 2500);
+        let mut decimation = Decimation::START;
+        whole(|| decimation.slice(&x, &mut small, 4));
         let mut sizes = [Coefficient::default(); 256];
-        take_orders(&small[..samples], &mut sizes);
+        let mut take = TakeOrders::START;
+        whole(|| take.slice(&small[..2500], &mut sizes));
         for &(n, size, phase) in &parts {
             let c = undo_decimation(sizes[n - 1], n, 4, 10_000);
             let size_back = (c.power() as f64).sqrt() / 8.0;

@@ -4,6 +4,8 @@
 //! Time stamps are as sharp at every speed, so a turn's class means are off in angle by 1 / rho, and turns are weighed with
 //! rho^2; the moments are those of least squares.
 
+use core::task::Poll;
+
 use super::close::saturated;
 use super::fold::FoldShape;
 use super::scale::Fine;
@@ -92,54 +94,87 @@ const CERTAIN: u128 = 5;
 /// Share of the classes' own errors, as a power of one half, that may seem to be delay.
 const MIXED_BITS: u32 = 9;
 
-impl Delays {
-    /// Delays of the classes, where the speeds differ enough to show them; `reference` is the first turn's duration.
-    pub(super) fn solve(&self, shape: &FoldShape, reference: u64) -> Option<SolvedDelays> {
+/// Looks for the delays of the classes: least squares with weights rho^2, x = c + d / rho.
+pub(super) struct DelayFit {
+    /// The next class.
+    class: usize,
+    /// d and c of the classes so far.
+    slopes_q8: [i64; CLASSES_MAX],
+    levels_q8: [i64; CLASSES_MAX],
+    residual: u128,
+}
+
+impl DelayFit {
+    pub(super) const START: Self = Self {
+        class: 0,
+        slopes_q8: [0; CLASSES_MAX],
+        levels_q8: [0; CLASSES_MAX],
+        residual: 0,
+    };
+
+    /// The delays, where the speeds differ enough to show them; `reference` is the first turn's duration.
+    #[inline(never)]
+    pub(super) fn slice(
+        &mut self,
+        moments: &Delays,
+        shape: &FoldShape,
+        reference: u64,
+    ) -> Poll<Option<SolvedDelays>> {
         let classes = shape.classes as usize;
-        let lines = i128::from(shape.edges / shape.classes.max(1));
-        // Least squares with weights rho^2: x = c + d / rho.
-        let (square, duration, turns) = (
-            self.square.cast_signed(),
-            i128::from(self.duration),
-            i128::from(self.turns),
-        );
-        let determinant = square * turns - duration * duration;
+        let determinant = moments.determinant();
         // A tenth of spread in speed at least.
-        if classes < 2 || determinant * 100 <= square * turns {
-            return None;
+        let square = moments.square.cast_signed() * i128::from(moments.turns);
+        if classes < 2 || determinant * 100 <= square {
+            return Poll::Ready(None);
         }
-        let mut slopes_q8 = [0_i64; CLASSES_MAX];
-        let mut levels_q8 = [0_i64; CLASSES_MAX];
-        let mut residual = 0_u128;
-        let moments = self
-            .by_square
-            .iter()
-            .zip(&self.by_duration)
-            .zip(&self.squares);
-        let found = slopes_q8.iter_mut().zip(&mut levels_q8);
-        for (((&a, &b), &squares), (slope, level)) in moments.zip(found).take(classes) {
-            let slope_q8 = ((square * b - duration * a) >> (RATIO_BITS - 8)) / determinant;
-            let level_q8 = ((turns * a - duration * b) << 8) / determinant;
-            // Sum of rho^2 (x - c - d / rho)^2 = squares - c by_square - d by_duration.
-            let explained = (level_q8 * a + ((slope_q8 * b) << RATIO_BITS)) >> 8;
-            residual += squares.saturating_sub(explained.max(0).unsigned_abs());
-            // The sum over a class's intervals, to one edge.
-            *slope = saturated_i64(slope_q8 / lines);
-            *level = saturated_i64(level_q8 / lines);
+        if self.class < classes {
+            self.fit(
+                moments,
+                i128::from(shape.edges / shape.classes),
+                determinant,
+            );
+            self.class += 1;
+            return Poll::Pending;
         }
-        let freedom = u128::from(self.turns.saturating_sub(2).max(1)) * classes as u128;
-        let variance = (residual / freedom) >> RATIO_BITS;
+        Poll::Ready(self.finish(moments, shape, determinant, reference))
+    }
+
+    fn fit(&mut self, moments: &Delays, lines: i128, determinant: i128) {
+        let (square, duration, turns) = moments.sums();
+        let class = self.class;
+        let (a, b) = (moments.by_square[class], moments.by_duration[class]);
+        let slope_q8 = ((square * b - duration * a) >> (RATIO_BITS - 8)) / determinant;
+        let level_q8 = ((turns * a - duration * b) << 8) / determinant;
+        // Sum of rho^2 (x - c - d / rho)^2 = squares - c by_square - d by_duration.
+        let explained = (level_q8 * a + ((slope_q8 * b) << RATIO_BITS)) >> 8;
+        self.residual += moments.squares[class].saturating_sub(explained.max(0).unsigned_abs());
+        // The sum over a class's intervals, to one edge.
+        self.slopes_q8[class] = saturated_i64(slope_q8 / lines);
+        self.levels_q8[class] = saturated_i64(level_q8 / lines);
+    }
+
+    fn finish(
+        &self,
+        moments: &Delays,
+        shape: &FoldShape,
+        determinant: i128,
+        reference: u64,
+    ) -> Option<SolvedDelays> {
+        let classes = shape.classes as usize;
+        let lines = u128::from(shape.edges / shape.classes);
+        let freedom = u128::from(moments.turns.saturating_sub(2).max(1)) * classes as u128;
+        let variance = (self.residual / freedom) >> RATIO_BITS;
         // Var d = s^2 square / determinant; Q16 for the 8 bits of the slope.
-        let slope_variance_q16 = (variance * (square.unsigned_abs() >> RATIO_BITS))
+        let slope_variance_q16 = (variance * (moments.square >> RATIO_BITS))
             / (determinant.unsigned_abs() >> RATIO_BITS).max(1)
-            / (lines * lines).unsigned_abs();
+            / (lines * lines);
         let largest_of = |angles: &[i64]| angles.iter().map(|x| x.unsigned_abs()).max();
-        let angle_q8 = angles(&slopes_q8, classes);
+        let angle_q8 = angles(&self.slopes_q8, classes);
         let largest = u128::from(largest_of(&angle_q8).unwrap_or(0));
         // What ripple and the classes' own errors make together changes with speed too, by a share of these; at the fastest
         // turn that is told from a delay worst.
-        let mixed = u128::from(largest_of(&angles(&levels_q8, classes)).unwrap_or(0)) >> MIXED_BITS;
-        let mixed = (mixed * u128::from(self.shortest)) >> RATIO_BITS;
+        let mixed = largest_of(&angles(&self.levels_q8, classes)).unwrap_or(0);
+        let mixed = (u128::from(mixed >> MIXED_BITS) * u128::from(moments.shortest)) >> RATIO_BITS;
         let error = (slope_variance_q16 + mixed * mixed).isqrt().max(1);
         if largest <= CERTAIN * error {
             return None;
@@ -150,7 +185,7 @@ impl Delays {
             i32::try_from(-product >> (32 - shape.unit_shift)).unwrap_or(0)
         };
         // In reverse the other edge of the channel passes, and what is late is behind.
-        let of_class = |class: usize| match self.direction {
+        let of_class = |class: usize| match moments.direction {
             Direction::Forward => ticks(angle_q8[class]),
             Direction::Reverse if class < classes => {
                 ticks(-angle_q8[(class + classes / 2) % classes])
@@ -165,6 +200,22 @@ impl Delays {
                 .unsigned_abs()
                 .max(1),
         })
+    }
+}
+
+impl Delays {
+    /// Sums of rho^2, rho and 1.
+    fn sums(&self) -> (i128, i128, i128) {
+        (
+            self.square.cast_signed(),
+            i128::from(self.duration),
+            i128::from(self.turns),
+        )
+    }
+
+    fn determinant(&self) -> i128 {
+        let (square, duration, turns) = self.sums();
+        square * turns - duration * duration
     }
 }
 
@@ -201,7 +252,13 @@ fn saturated_i64(value: i128) -> i64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cursor::whole;
     use super::*;
+
+    fn solved(moments: &Delays, shape: &FoldShape, reference: u64) -> Option<SolvedDelays> {
+        let mut fit = DelayFit::START;
+        whole(|| fit.slice(moments, shape, reference))
+    }
 
     #[test]
     fn a_delay_of_one_edge_is_told_from_its_width_by_two_speeds() {
@@ -226,7 +283,7 @@ mod tests {
             }
             delays.take(&sums, (rho * 4_294_967_296.0) as u64, Direction::Forward);
         }
-        let found = delays.solve(&shape, reference).unwrap();
+        let found = solved(&delays, &shape, reference).unwrap();
         // The mean over the classes is nobody's to know.
         for (class, expected) in [-late / 4.0, -late / 4.0, late * 0.75, -late / 4.0]
             .into_iter()
@@ -251,6 +308,6 @@ mod tests {
                 Direction::Forward,
             );
         }
-        assert!(delays.solve(&shape, 336_000_000).is_none());
+        assert!(solved(&delays, &shape, 336_000_000).is_none());
     }
 }

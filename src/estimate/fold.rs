@@ -239,6 +239,13 @@ impl Fold {
         }
     }
 
+    /// Folds up to `most` of what is left.
+    pub(super) fn steps(&mut self, parts: &mut Parts<'_>, most: u32) {
+        for _ in 0..most.min(self.remaining) {
+            self.step(parts);
+        }
+    }
+
     /// Folds all that is left.
     pub(super) fn finish(&mut self, parts: &mut Parts<'_>) {
         while self.remaining != 0 {

@@ -36,15 +36,21 @@ impl<B: EdgeBuffers> Estimator<B> {
     }
 
     /// Ends a recording: the present turn is given up, and what comes next may have another speed, timer or direction.
+    /// Folds what waits: as long as a turn takes to learn.
     pub fn interrupt(&mut self) {
+        self.lose_track();
+        self.fold.finish(&mut self.buffers.parts());
+        self.settle_fold();
+    }
+
+    /// Edges will be missing: the present turn is given up, and what comes next may have another speed or direction. Constant work.
+    pub fn lose_track(&mut self) {
         self.leave_lockstep();
         self.turn = None;
         self.rate = None;
         self.before = None;
         self.drift.interrupt();
         self.agreement.interrupt();
-        self.fold.finish(&mut self.buffers.parts());
-        self.settle_fold();
     }
 
     /// Whatever is not a step in the midst of a turn while the one before is folded.

@@ -4,6 +4,8 @@
 //! locked torque makes at the first turn's speed, the weighed mean is g + r u_w and the plain mean g + r u_1. White torque
 //! noise makes angle noise with power as the cube of the duration.
 
+use core::task::Poll;
+
 use super::scale::Ratio;
 use super::speeds::{BINS, Bin, Speeds, Weighing, octaves_q16, power_of_two};
 use crate::log2::LOG2_BITS;
@@ -26,8 +28,9 @@ pub(super) enum Mean {
 pub(super) struct Moments {
     pub weight_q16: u64,
     pub turns: u32,
-    /// Share of a turn of each bin in the weighed mean, Q30.
+    /// Share of a turn of each bin in the weighed mean, and of any turn in the plain one, Q30.
     weighed: [i64; BINS],
+    plain: i64,
     /// u_w and u_1, Q32.
     weighed_square: i128,
     plain_square: i128,
@@ -36,6 +39,16 @@ pub(super) struct Moments {
 }
 
 impl Moments {
+    pub(super) const NONE: Self = Self {
+        weight_q16: 0,
+        turns: 0,
+        weighed: [0; BINS],
+        plain: 0,
+        weighed_square: 0,
+        plain_square: 0,
+        separation: None,
+    };
+
     pub(super) fn of(speeds: &Speeds, weighing: &Weighing, two_speeds: bool) -> Self {
         let bins = &speeds.bins;
         let turns: u32 = bins.iter().map(Bin::count).sum();
@@ -60,6 +73,7 @@ impl Moments {
             weight_q16,
             turns,
             weighed,
+            plain: ONE_Q30 / i64::from(turns.max(1)),
             weighed_square,
             plain_square,
             // A turn or two at another speed tell nothing apart, and two turns leave nothing in the contrast.
@@ -71,7 +85,7 @@ impl Moments {
     fn share(&self, mean: Mean, bin: usize) -> i64 {
         match mean {
             Mean::Weighed => self.weighed[bin],
-            Mean::Plain => ONE_Q30 / i64::from(self.turns.max(1)),
+            Mean::Plain => self.plain,
         }
     }
 
@@ -83,7 +97,7 @@ impl Moments {
     /// What the contrast of a mean holds of geometry and of torque, as a combination of the weighed and the plain mean, Q30.
     pub(super) fn leftover(&self, mean: Mean, speeds: &Speeds) -> [i64; 2] {
         let (mut geometry, mut torque) = (0_i128, 0_i128);
-        for (b, bin) in speeds.bins.iter().enumerate() {
+        for (b, bin) in speeds.taken() {
             let share = i128::from(self.share(mean, b));
             let signed = |x: [i128; 2]| x[0] - x[1];
             geometry += share * signed(bin.turns.map(i128::from));
@@ -100,9 +114,9 @@ impl Moments {
         [(geometry - plain) as i64, plain as i64]
     }
 
-    /// Shares of the turns in the contrast of a mean, less what it holds of geometry and torque.
-    pub(super) fn contrast(&self, mean: Mean, speeds: &Speeds) -> Shares {
-        let [weighed, plain] = self.leftover(mean, speeds).map(i128::from);
+    /// Shares of the turns in the contrast of a mean, less what it holds of geometry and torque, its `leftover`.
+    pub(super) fn contrast(&self, mean: Mean, leftover: [i64; 2]) -> Shares {
+        let [weighed, plain] = leftover.map(i128::from);
         Shares(core::array::from_fn(|b| {
             let share = self.share(mean, b);
             let repeats = weighed * i128::from(self.share(Mean::Weighed, b))
@@ -118,28 +132,44 @@ impl Moments {
         let difference = (self.plain_square - self.weighed_square).max(1);
         i64::try_from((1_i128 << 62) / difference).unwrap_or(i64::MAX)
     }
+}
 
-    /// Mean of the turns' speed over the first one's, as the weighed mean has it, Q16.
-    pub(super) fn mean_speed_q16(&self, speeds: &Speeds) -> u64 {
-        let mut sum = 0_u128;
-        for (bin, share) in speeds.bins.iter().zip(self.weighed) {
-            // Speed is one over duration; turns of a bin are alike.
-            let count = u128::from(bin.count());
-            let mean_square_q32 = u128::from(bin.square()).checked_div(count).unwrap_or(0);
-            let duration_q32 = (mean_square_q32 << 32).isqrt();
-            let speed_q16 = (1_u128 << 48).checked_div(duration_q32).unwrap_or(0);
-            sum += (speed_q16 * count * u128::from(share.unsigned_abs())) >> 30;
-        }
-        u64::try_from(sum).unwrap_or(u64::MAX)
+/// Mean of the turns' speed over the first one's, as the weighed mean has it.
+#[derive(Default)]
+pub(super) struct MeanSpeed {
+    sum_q16: u128,
+    /// The next bin to look at.
+    bin: usize,
+}
+
+impl MeanSpeed {
+    /// In the end, Q16.
+    pub(super) fn slice(&mut self, moments: &Moments, speeds: &Speeds) -> Poll<u64> {
+        let Some((b, bin)) = speeds.taken().find(|(b, _)| *b >= self.bin) else {
+            return Poll::Ready(u64::try_from(self.sum_q16).unwrap_or(u64::MAX));
+        };
+        self.bin = b + 1;
+        // Speed is one over duration; turns of a bin are alike.
+        let count = u128::from(bin.count());
+        let mean_square_q32 = u128::from(bin.square()) / count;
+        let duration_q32 = (mean_square_q32 << 32).isqrt();
+        let speed_q16 = (1_u128 << 48).checked_div(duration_q32).unwrap_or(0);
+        let share = u128::from(moments.weighed[b].unsigned_abs());
+        self.sum_q16 += (speed_q16 * count * share) >> 30;
+        Poll::Pending
     }
 }
 
 impl Shares {
-    /// Shares in the difference of two estimates.
-    pub(super) fn minus(&self, other: &Self) -> Self {
-        Self(core::array::from_fn(|b| {
-            core::array::from_fn(|side| self.0[b][side] - other.0[b][side])
-        }))
+    pub(super) const NONE: Self = Self([[0; 2]; BINS]);
+
+    /// Makes of the shares in an estimate those in what it differs from another.
+    pub(super) fn take_off(&mut self, other: &Self) {
+        for (shares, others) in self.0.iter_mut().zip(&other.0) {
+            for (share, other) in shares.iter_mut().zip(others) {
+                *share -= other;
+            }
+        }
     }
 
     /// What a power that all turns of one bin have in common comes to.
@@ -154,8 +184,8 @@ impl Shares {
 
     /// Sum over turns of share^2 x `power` of a turn of the bin: Q32 times the powers' unit.
     pub(super) fn of_powers(&self, speeds: &Speeds, power: impl Fn(usize) -> u64) -> u128 {
-        let bins = speeds.bins.iter().enumerate();
-        bins.filter(|(_, bin)| bin.count() > 0)
+        let taken = speeds.taken();
+        taken
             .map(|(b, _)| self.of_power(speeds, b, power(b)))
             .fold(0, u128::saturating_add)
     }

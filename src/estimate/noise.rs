@@ -5,74 +5,16 @@
 //! slope is taken out. High orders know no torque; there, time stamps' jitter is all.
 
 use core::ops::RangeInclusive;
+use core::task::Poll;
 
 use super::low::{LOW_BITS, LOW_ORDERS};
-use super::moments::{Shares, torque_power_q24};
-use super::order::{ORDERS_MAX, OrderPlan};
+use super::moments::Shares;
+use super::order::OrderPlan;
 use super::scale::Fine;
-use super::sizes::neighbours;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
-use super::weigh::single_orders;
-use crate::log2::{LOG2_BITS, exp2, log2};
+use crate::log2::LOG2_BITS;
 use crate::units::STEP_FRACTION_BITS;
-
-/// Turns the powers of a contrast, in `noise`, into the noise of the estimate whose turns have `shares` where they have
-/// `contrast` there, in 2^-[`POWER_BITS`] of the squared fine unit; order n at n - 1. Logarithms of what the contrast showed at
-/// each order itself over twice its level, in 2^-[`OWN_BITS`] octave, go to `own`. Returns how many pairs of turns the noise of the lowest orders rests on.
-#[inline(never)]
-pub(super) fn settle_noise(
-    plan: OrderPlan,
-    noise: &mut [u64; ORDERS_MAX],
-    own: &mut [u8; ORDERS_MAX],
-    speeds: &Speeds,
-    shares: &Shares,
-    contrast: &Shares,
-    fine: Fine,
-) -> u32 {
-    // Where blocks begin, jitter shows with all its orders on those that blocks can tell.
-    let jitter = jitter_power(plan, speeds, shares, fine);
-    let folded = jitter.saturating_mul((plan.edges / plan.blocks) as u64);
-    smooth_noise(plan, noise, own, folded);
-    let norm = contrast.of_powers(speeds, torque_power_q24);
-    let ratio = Ratio128::new(shares.of_powers(speeds, torque_power_q24), norm);
-    let mut pairs = u32::MAX;
-    for (index, power) in noise.iter_mut().take(plan.single).enumerate() {
-        let level = *power - folded.saturating_sub(jitter).min(*power / 8 * 7);
-        *power = if index < LOW_ORDERS {
-            let low = low_noise(speeds, shares, index, fine, |b| {
-                Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(level)
-            });
-            pairs = pairs.min(low.pairs);
-            low.power
-        } else {
-            ratio.times(level)
-        };
-    }
-    for power in noise {
-        *power = (*power).max(1);
-    }
-    pairs
-}
-
-/// A quotient of two large numbers, as a factor.
-struct Ratio128 {
-    q40: u128,
-}
-
-impl Ratio128 {
-    fn new(numerator: u128, denominator: u128) -> Self {
-        // Whatever is lost of either is below one part in a million.
-        let down = 88_u32.saturating_sub(numerator.leading_zeros());
-        Self {
-            q40: ((numerator >> down) << 40) / (denominator >> down).max(1),
-        }
-    }
-
-    fn times(&self, value: u64) -> u64 {
-        u64::try_from(u128::from(value).saturating_mul(self.q40) >> 40).unwrap_or(u64::MAX)
-    }
-}
 
 /// Noise of one of the lowest orders.
 pub(super) struct LowNoise {
@@ -82,36 +24,58 @@ pub(super) struct LowNoise {
     pub pairs: u32,
 }
 
-/// Noise at one of the lowest orders of the estimate whose turns have `shares`; `expected` of a turn of a bin where no pairs tell.
+/// Noise at one of the lowest orders of an estimate, added up over the speeds.
 ///
 /// Few pairs are no exact measure of noise, and intervals must be as much wider as Student's are: by 1 + 2 / pairs, with so many pairs
 /// as the speeds together are worth (Satterthwaite). Neighbouring pairs share a turn, so three are worth two.
-pub(super) fn low_noise(
-    speeds: &Speeds,
-    shares: &Shares,
-    index: usize,
-    fine: Fine,
-    expected: impl Fn(usize) -> u64,
-) -> LowNoise {
-    let (mut sum, mut spread) = (0_u128, 0_u128);
-    for (b, bin) in speeds
-        .bins
-        .iter()
-        .enumerate()
-        .filter(|(_, bin)| bin.count() > 0)
-    {
-        let power = low_power(bin, index, expected(b), fine);
-        let noise = shares.of_power(speeds, b, power) >> 32;
-        sum += noise;
-        let square = noise.saturating_mul(noise).saturating_mul(3);
-        if let Some(part) = square.checked_div(2 * u128::from(bin.pairs)) {
-            spread = spread.saturating_add(part);
+pub(super) struct LowSum {
+    /// Of the order less one.
+    pub index: usize,
+    sum: u128,
+    spread: u128,
+    /// The next bin to look at.
+    bin: usize,
+}
+
+impl LowSum {
+    pub(super) const fn of(index: usize) -> Self {
+        Self {
+            index,
+            sum: 0,
+            spread: 0,
+            bin: 0,
         }
     }
-    let pairs = sum.checked_div(spread / sum.max(1)).unwrap_or(u128::MAX);
-    LowNoise {
-        power: u64::try_from(sum + 2 * (spread / sum.max(1))).unwrap_or(u64::MAX),
-        pairs: u32::try_from(pairs).unwrap_or(u32::MAX),
+
+    /// Adds a speed of the estimate whose turns have `shares`; `expected` of a turn of a bin where no pairs tell.
+    pub(super) fn slice(
+        &mut self,
+        speeds: &Speeds,
+        shares: &Shares,
+        fine: Fine,
+        expected: impl Fn(usize) -> u64,
+    ) -> Poll<LowNoise> {
+        let Some((b, bin)) = speeds.taken().find(|(b, _)| *b >= self.bin) else {
+            return Poll::Ready(self.noise());
+        };
+        self.bin = b + 1;
+        let power = low_power(bin, self.index, expected(b), fine);
+        let noise = shares.of_power(speeds, b, power) >> 32;
+        self.sum += noise;
+        let square = noise.saturating_mul(noise).saturating_mul(3);
+        if let Some(part) = square.checked_div(2 * u128::from(bin.pairs)) {
+            self.spread = self.spread.saturating_add(part);
+        }
+        Poll::Pending
+    }
+
+    fn noise(&self) -> LowNoise {
+        let one_pair = self.spread / self.sum.max(1);
+        let pairs = self.sum.checked_div(one_pair).unwrap_or(u128::MAX);
+        LowNoise {
+            power: u64::try_from(self.sum + 2 * one_pair).unwrap_or(u64::MAX),
+            pairs: u32::try_from(pairs).unwrap_or(u32::MAX),
+        }
     }
 }
 
@@ -138,57 +102,53 @@ pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u
         + (expected / (pairs + prior)).saturating_mul(prior)
 }
 
-/// Noise of the weighed mean at every order that is not single: jitter of time stamps, and the tail of torque, whose power at
-/// the last single order is `last`.
-pub(super) fn common_noise(
+/// Power at every order of what jitter of the time stamps makes of an estimate.
+pub(super) fn jitter_power(
     plan: OrderPlan,
     speeds: &Speeds,
     shares: &Shares,
-    last: u64,
+    jitter_q16: u128,
     fine: Fine,
 ) -> u64 {
-    let jitter = u128::from(jitter_power(plan, speeds, shares, fine));
-    // Beyond K the sum of (K / n)^4 is K / 3.
-    let tail =
-        u128::from(last) * 2 * plan.single as u128 / (3 * plan.common_count().max(1) as u128);
-    u64::try_from(jitter + tail).unwrap_or(u64::MAX).max(1)
-}
-
-/// Power at every order of what jitter of the time stamps makes of an estimate.
-pub(super) fn jitter_power(plan: OrderPlan, speeds: &Speeds, shares: &Shares, fine: Fine) -> u64 {
     let norm = shares.of_powers(speeds, |b| {
         power_of_two((16 << LOG2_BITS) - 2 * octaves_q16(b))
     });
     // From squared step fractions to squared fine units, of N edges to one order.
     let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
     let edges = plan.edges as u128;
-    let per_edge = ((jitter_q16(plan, speeds) * (norm >> 32)) << up) >> (32 - POWER_BITS);
+    let per_edge = ((jitter_q16 * (norm >> 32)) << up) >> (32 - POWER_BITS);
     u64::try_from(per_edge / (edges * edges * edges)).unwrap_or(u64::MAX)
 }
 
 /// Power of what the time stamp of one edge is uncertain by, at the first turn's speed.
-pub(super) fn stamp_power(plan: OrderPlan, speeds: &Speeds, fine: Fine) -> u64 {
+pub(super) fn stamp_power(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> u64 {
     let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
     let edges = plan.edges as u128;
-    let power = ((jitter_q16(plan, speeds) << up) >> (16 - POWER_BITS)) / (edges * edges);
+    let power = ((jitter_q16 << up) >> (16 - POWER_BITS)) / (edges * edges);
     u64::try_from(power).unwrap_or(u64::MAX)
 }
 
 /// Variance of a time stamp at the first turn's speed, in squared step fractions, Q16: a second difference of two turns has
 /// twelve of them. The speed that shows least of it counts, as all else that makes turns differ only adds.
-fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
-    let of_bin = |(b, bin): (usize, &Bin)| {
+pub(super) fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
+    // The least of sum / turns, without a division each.
+    let mut least: Option<(u128, u128)> = None;
+    for (b, bin) in speeds.bins.iter().enumerate() {
+        if bin.jitter_turns == 0 {
+            continue;
+        }
         let square_q16 = power_of_two((16 << LOG2_BITS) + 2 * octaves_q16(b));
         let sum_q16 = u128::from(bin.jitter) * u128::from(square_q16);
-        sum_q16.checked_div(12 * plan.edges as u128 * u128::from(bin.jitter_turns))
-    };
-    speeds
-        .bins
-        .iter()
-        .enumerate()
-        .filter_map(of_bin)
-        .min()
-        .unwrap_or(0)
+        let turns = u128::from(bin.jitter_turns);
+        let less =
+            |(least_q16, of)| sum_q16.saturating_mul(of) < u128::saturating_mul(least_q16, turns);
+        if least.is_none_or(less) {
+            least = Some((sum_q16, turns));
+        }
+    }
+    least.map_or(0, |(sum_q16, turns)| {
+        sum_q16 / (12 * plan.edges as u128 * turns)
+    })
 }
 
 /// How much more pairs of turns differ than their long-run noise, Q16.
@@ -206,9 +166,6 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
     const EXCESS_Q16: u64 = 58_982;
     (1 << 16) + ((((ratio_q16 * ratio_q16) >> 16) * EXCESS_Q16) >> 16)
 }
-
-/// Fraction bits of what the contrast showed at an order itself, in octaves.
-pub(super) const OWN_BITS: u32 = 6;
 
 /// Mean over orders of the scatter times the order's fourth power: the same at all of them where speed is a random walk.
 fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
@@ -245,66 +202,3 @@ pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
 
 /// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
 const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 16;
-
-/// Replaces the noise at every single order by its level; how far above twice that it was goes to `own`. The level is the
-/// geometric mean over the neighbours, with a slope of the fourth power that ends in `floor` taken out, and not below the same
-/// mean over [`ORDERS_ABOVE`] orders from there up: few neighbours are no good judge of noise.
-fn smooth_noise(
-    plan: OrderPlan,
-    noise: &mut [u64; ORDERS_MAX],
-    own: &mut [u8; ORDERS_MAX],
-    floor: u64,
-) {
-    let mut scratch = [0; ORDERS_MAX];
-    // Mean of the logarithm of an exponential distribution: -0.5772 / ln 2 = -0.8327 octaves.
-    const MEAN_OVER_LOG_MEAN: i64 = 54_574;
-    let fourth = |order: usize| 4 * log2(order as u128);
-    // The slope's size, from orders where it rules if it rules at all.
-    let (mut sum, mut count) = (0_i64, 0_i64);
-    for order in single_orders(plan) {
-        if SLOPE_ORDERS.contains(&order) {
-            sum += i64::from(log2(noise[order - 1].into()) + fourth(order));
-            count += 1;
-        }
-    }
-    #[allow(clippy::cast_possible_truncation)]
-    let size = (sum / count.max(1)) as i32;
-    // Of slope and floor together, over one: what is taken out.
-    let slope = |order: usize| {
-        let rest = exp2(size - fourth(order)).max(1);
-        -log2(u128::from(rest) + u128::from(floor))
-    };
-    for order in single_orders(plan) {
-        scratch[order - 1] = log2(noise[order - 1].into()) + slope(order);
-    }
-    for order in single_orders(plan) {
-        let mean = |orders: &mut dyn Iterator<Item = usize>| {
-            let (mut sum, mut count) = (0_i64, 0_i64);
-            for n in orders {
-                sum += i64::from(scratch[n - 1]);
-                count += 1;
-            }
-            sum / count.max(1)
-        };
-        let last = (order + ORDERS_ABOVE)
-            .max(order + order / 3)
-            .min(plan.single);
-        let first = order.min(last.saturating_sub(ORDERS_ABOVE)).max(1);
-        let above = mean(&mut (first..=last).filter(|&n| !plan.is_class_order(n)));
-        let level = mean(&mut neighbours(plan, order)).max(above) - i64::from(slope(order))
-            + MEAN_OVER_LOG_MEAN;
-        #[allow(clippy::cast_possible_truncation)]
-        let level = level.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-        let shown = scratch[order - 1].saturating_sub(slope(order));
-        let above = shown.saturating_sub(level).saturating_sub(1 << LOG2_BITS);
-        own[order - 1] = (above >> (LOG2_BITS - OWN_BITS)).clamp(0, u8::MAX.into()) as u8;
-        // At least the smallest number, so that ratios to it mean something.
-        noise[order - 1] = exp2(level).max(1);
-    }
-}
-
-/// Orders that tell the size of the slope: above the lowest, which may be flatter, and below those where jitter rules.
-const SLOPE_ORDERS: RangeInclusive<usize> = 7..=18;
-
-/// Orders that the noise at an order is judged from at the least.
-const ORDERS_ABOVE: usize = 24;

@@ -38,6 +38,8 @@ pub struct TorqueOrder {
 pub(super) struct OrderSet([u32; ORDERS_MAX.div_ceil(32)]);
 
 impl OrderSet {
+    pub(super) const NONE: Self = Self([0; ORDERS_MAX.div_ceil(32)]);
+
     /// All of them.
     pub(super) const ALL: Self = Self([u32::MAX; ORDERS_MAX.div_ceil(32)]);
 
@@ -71,6 +73,15 @@ pub(super) struct OrderPlan {
 }
 
 impl OrderPlan {
+    /// Of no encoder.
+    pub(super) const NONE: Self = Self {
+        edges: 0,
+        lines: 1,
+        single: 0,
+        blocks: 1,
+        decimation: 1,
+    };
+
     /// For an encoder that is learned in so many blocks.
     pub(super) fn new(edges: usize, lines: usize, blocks: usize) -> Self {
         let half = (edges - 1) / 2;

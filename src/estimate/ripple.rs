@@ -7,11 +7,22 @@
 
 use super::order::LOCKED_MAX;
 
-/// An order far above its neighbours, with its power in 2^-8 of the squared sequence unit.
+/// An order far above its neighbours, with its power in 2^-8 of the squared sequence unit, and the root of that.
 #[derive(Clone, Copy)]
 pub(super) struct Standing {
     pub order: u16,
     pub power: u64,
+    root: u64,
+}
+
+impl Standing {
+    pub(super) fn new(order: u16, power: u64) -> Self {
+        Self {
+            order,
+            power,
+            root: power.isqrt(),
+        }
+    }
 }
 
 /// The strongest orders that stand out.
@@ -27,37 +38,34 @@ pub(super) fn keep_strongest(list: &mut StandingOrders, standing: Standing) {
     }
 }
 
-/// Largest size at an order, in 2^-4 of the unit, of what pairs of standing orders make together, and each with the powers of orders 1
-/// and 2 in `mounting`. `turn` is the length of a turn in the sequence's unit.
+/// Largest size at an order, in 2^-4 of the unit, of what pairs of standing orders make together, and each with orders 1 and 2, whose
+/// powers have the roots `mounting`. `turn` is the length of a turn in the sequence's unit.
 pub(super) fn product(list: &StandingOrders, mounting: [u64; 2], turn: u64, order: usize) -> u32 {
     let order = order as u64;
-    let mut size = 0_u32;
+    let (mut seen, mut swings) = (0_u128, 0_u128);
     for (index, one) in list.iter().enumerate() {
         let m = u64::from(one.order);
-        for (power, away) in mounting.into_iter().zip(1..) {
+        for (root, away) in mounting.into_iter().zip(1..) {
             if order.abs_diff(m) == away {
-                // The edges' displacement times the swing's slope, half of that on either side: in |c| 2 pi m |c_m c_1| / turn.
-                let pair = u128::from(one.power.isqrt()) * u128::from(power.isqrt());
-                let both = pair * u128::from(m) * (FOUR_PI_Q8 / 2) / (u128::from(turn.max(1)) << 8);
-                size = size.saturating_add(u32::try_from(both >> 4).unwrap_or(u32::MAX));
+                seen += u128::from(one.root) * u128::from(root) * u128::from(m);
             }
         }
         for other in &list[index..] {
             let n = u64::from(other.order);
-            if order != m + n && order != m.abs_diff(n) {
-                continue;
+            if order == m + n || order == m.abs_diff(n) {
+                // A pair of the same order counts once.
+                let pair = u128::from(one.root) * u128::from(other.root) * u128::from(m * n);
+                swings += if m == n { pair / 2 } else { pair };
             }
-            // |c_m c_n| in Q8; u_m = m 2 |c_m| 2 pi / turn, and the product's angle is u_m u_n / order, in |c| half of that.
-            let pair = u128::from(one.power.isqrt()) * u128::from(other.power.isqrt());
-            // 4 pi in Q8; a pair of the same order counts once.
-            let four_pi = if m == n { FOUR_PI_Q8 / 2 } else { FOUR_PI_Q8 };
-            let swing = pair * u128::from(m * n) * four_pi / (u128::from(turn.max(1)) << 8);
-            // swing / order is in Q8; sizes are in Q4.
-            let more = u32::try_from((swing / u128::from(order)) >> 4).unwrap_or(u32::MAX);
-            size = size.saturating_add(more);
         }
     }
-    size
+    if seen == 0 && swings == 0 {
+        return 0;
+    }
+    // u_m = m 2 |c_m| 2 pi / turn, and the product's angle is u_m u_n / order, in |c| half of that. The edges' displacement times the
+    // swing's slope is half of that on either side: in |c| 2 pi m |c_m c_1| / turn. Both are in Q8; sizes are in Q4.
+    let both = (seen / 2 + swings / u128::from(order)).saturating_mul(FOUR_PI_Q8);
+    u32::try_from(both / (u128::from(turn.max(1)) << 12)).unwrap_or(u32::MAX)
 }
 
 const FOUR_PI_Q8: u128 = 3217;
@@ -85,10 +93,7 @@ mod tests {
             |order: f64, swing: f64| swing / order * turn as f64 / core::f64::consts::TAU / 2.0;
         let standing = |order: u16, swing: f64| {
             let c = coefficient(f64::from(order), swing);
-            Standing {
-                order,
-                power: (c * c * 256.0) as u64,
-            }
+            Standing::new(order, (c * c * 256.0) as u64)
         };
         let mut list = StandingOrders::new();
         keep_strongest(&mut list, standing(10, 0.01));
@@ -118,19 +123,13 @@ mod tests {
         let power = |amplitude: f64| (c(amplitude) * c(amplitude) * 256.0) as u64;
         let mut list = StandingOrders::new();
         let (swing, eccentricity) = (6.7e-4, 5e-4);
-        keep_strongest(
-            &mut list,
-            Standing {
-                order: 15,
-                power: power(swing),
-            },
-        );
+        keep_strongest(&mut list, Standing::new(15, power(swing)));
         for (order, expected) in [
             (14, c(15.0 * swing * eccentricity / 2.0)),
             (13, 0.0),
             (15, 0.0),
         ] {
-            let found = product(&list, [power(eccentricity), 0], turn, order);
+            let found = product(&list, [power(eccentricity).isqrt(), 0], turn, order);
             assert!(
                 (f64::from(found) / 16.0 - expected).abs() <= 0.01 * expected,
                 "{order}"
@@ -143,7 +142,7 @@ mod tests {
         let mut list = StandingOrders::new();
         assert_eq!(strongest_swing(&list, 7), 0);
         for (order, power) in [(5, 1000), (20, 900)] {
-            keep_strongest(&mut list, Standing { order, power });
+            keep_strongest(&mut list, Standing::new(order, power));
         }
         assert_eq!(
             [5, 20, 60].map(|n| strongest_swing(&list, n)),
@@ -155,13 +154,7 @@ mod tests {
     fn a_full_list_keeps_the_strongest() {
         let mut list = StandingOrders::new();
         for power in 1..=20 {
-            keep_strongest(
-                &mut list,
-                Standing {
-                    order: power as u16,
-                    power,
-                },
-            );
+            keep_strongest(&mut list, Standing::new(power as u16, power));
         }
         assert_eq!(list.iter().map(|kept| kept.power).min(), Some(5));
     }

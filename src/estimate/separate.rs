@@ -1,13 +1,15 @@
 //! Geometry and locked torque, order by order: geometry has its size at every speed, torque's angle falls with the square
 //! of the speed, so the plain mean over turns holds more of it than the mean weighed by the speed squared.
 
+use core::task::Poll;
+
+use super::cursor::Cursor;
 use super::moments::Moments;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
 use super::spectrum::Coefficient;
 
 /// Torque found.
-#[derive(Default)]
 pub(super) struct Torques {
     /// The strongest orders.
     pub strongest: heapless::Vec<TorqueOrder, TORQUES_MAX>,
@@ -15,89 +17,153 @@ pub(super) struct Torques {
     pub untold: OrderSet,
 }
 
+impl Torques {
+    pub(super) const NONE: Self = Self {
+        strongest: heapless::Vec::new(),
+        untold: OrderSet::NONE,
+    };
+
+    pub(super) fn clear(&mut self) {
+        self.strongest.clear();
+        self.untold = OrderSet::NONE;
+    }
+}
+
 /// From so many times the noise on what is not certain counts as doubt: noise alone is five times its mean once in 150 orders.
 const UNCERTAIN: u64 = 5;
-
-/// What makes torque's size uncertain.
-#[derive(Clone, Copy)]
-pub(super) struct Doubt<'a> {
-    /// Noise of the difference of both means.
-    pub noise: &'a [u64; ORDERS_MAX],
-    /// Square of the shaft's damping over its slowest speed, Q16: a damped shaft does not go with 1 / speed^2.
-    pub damping_square_q16: u64,
-}
 
 /// Torque is taken for certain at so many times the noise, and for none at half of it: noise alone is six times its mean
 /// once in 400 orders.
 const CERTAIN: u64 = 12;
 
-/// Takes torque, where there is evidence of it, out of the `coefficients` of the weighed mean, whose `noise` grows by what it
-/// costs. `difference` holds the plain mean less the weighed one, and in the end what was added to the coefficients;
-/// `doubt` is about that.
-pub(super) fn separate(
-    plan: OrderPlan,
-    moments: &Moments,
-    coefficients: &mut [Coefficient; ORDERS_MAX],
-    noise: &mut [u64; ORDERS_MAX],
-    difference: &mut [Coefficient; ORDERS_MAX],
-    doubt: Doubt<'_>,
-    fine: Fine,
-) -> Torques {
-    let mut torques = Torques::default();
-    let Some(share_q30) = moments.separation else {
-        difference.fill(Coefficient::default());
-        torques.untold = OrderSet::ALL;
-        return torques;
-    };
-    let scale_q30 = moments.torque_scale_q30();
-    let share_square_q30 = u128::from(share_q30.unsigned_abs()).pow(2) >> 30;
-    for order in (1..=plan.single).filter(|&n| !plan.is_class_order(n)) {
-        let index = order - 1;
-        let noise_here = doubt.noise[index];
-        let evidence = difference[index].power() / (noise_here / 16).max(1);
-        let half = CERTAIN * 16 / 2;
-        let belief = evidence.saturating_sub(half).min(half);
-        if belief == half {
-            let amplitude = difference[index].scaled(scale_q30);
-            let error = Coefficient {
-                re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
-                im: 0,
-            };
-            keep_strongest(
-                &mut torques.strongest,
-                TorqueOrder {
-                    #[allow(clippy::cast_possible_truncation)]
-                    order: order as u16,
-                    amplitude: peak(amplitude, fine),
-                    standard_error: peak(error.scaled(scale_q30), fine),
-                },
-            );
+/// Orders of a slice.
+const ORDERS: usize = 4;
+
+/// Takes torque, where there is evidence of it, out of the weighed mean, whose noise grows by what it costs.
+pub(super) struct Separation {
+    cursor: Cursor,
+    /// Torque's part in the weighed mean over that in the difference, Q30; none where the speeds tell nothing apart.
+    share_q30: Option<i64>,
+    /// Its angle at the first turn's speed over that in the difference, Q30.
+    scale_q30: i64,
+    /// Square of the shaft's damping over its slowest speed, Q16: a damped shaft does not go with 1 / speed^2.
+    damping_square_q16: u64,
+}
+
+/// What is known of every single order; order n at n - 1.
+pub(super) struct Orders {
+    /// The weighed mean.
+    pub coefficients: [Coefficient; ORDERS_MAX],
+    /// Its noise.
+    pub noise: [u64; ORDERS_MAX],
+    /// Logarithms of what its contrast showed at each order itself over twice the level, in 2^-[`OWN_BITS`](super::smooth::OWN_BITS) octave.
+    pub own: [u8; ORDERS_MAX],
+    /// The plain mean less the weighed one, and once torque is told apart, what was added to the coefficients.
+    pub difference: [Coefficient; ORDERS_MAX],
+    /// Noise of the difference; in the end, the geometry's power.
+    pub doubt: [u64; ORDERS_MAX],
+}
+
+impl Separation {
+    pub(super) fn new(moments: &Moments, damping_square_q16: u64) -> Self {
+        Self {
+            cursor: Cursor::START,
+            damping_square_q16,
+            share_q30: moments.separation,
+            scale_q30: moments.torque_scale_q30(),
         }
-        // The difference that the order shows if it is all torque, against one that would be certain.
-        let all_torque_q30 = u128::from(coefficients[index].power()) << 30;
-        let certain = u128::from(noise_here) * u128::from(CERTAIN);
-        if belief < half && all_torque_q30 < certain * share_square_q30 {
-            torques.untold.insert(order);
-        }
-        let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
-        let taken_q30 = of_share(belief);
-        // What shows but is not certain may be torque all the same.
-        let left_in = if evidence > UNCERTAIN * 16 {
-            difference[index].scaled(of_share(half - belief)).power()
-        } else {
-            0
-        };
-        difference[index] = difference[index].scaled(-taken_q30);
-        coefficients[index] = coefficients[index].plus(difference[index]);
-        // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
-        let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
-        let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
-        let damped = u128::from(difference[index].power()) * u128::from(doubt.damping_square_q16)
-            / (order * order) as u128;
-        let more = u64::try_from(more + (damped >> 16) + u128::from(left_in)).unwrap_or(u64::MAX);
-        noise[index] = noise[index].saturating_add(more);
     }
-    torques
+
+    #[inline(never)]
+    pub(super) fn slice(
+        &mut self,
+        plan: OrderPlan,
+        orders: &mut Orders,
+        fine: Fine,
+        torques: &mut Torques,
+    ) -> Poll<()> {
+        let Some(share_q30) = self.share_q30 else {
+            orders.difference.fill(Coefficient::default());
+            torques.untold = OrderSet::ALL;
+            return Poll::Ready(());
+        };
+        for index in self.cursor.next(ORDERS, plan.single) {
+            if !plan.is_class_order(index + 1) {
+                let shares = [share_q30, self.scale_q30];
+                take_torque(
+                    index + 1,
+                    shares,
+                    orders,
+                    self.damping_square_q16,
+                    fine,
+                    torques,
+                );
+            }
+        }
+        self.cursor.at_end(plan.single)
+    }
+}
+
+fn take_torque(
+    order: usize,
+    [share_q30, scale_q30]: [i64; 2],
+    orders: &mut Orders,
+    damping_square_q16: u64,
+    fine: Fine,
+    torques: &mut Torques,
+) {
+    let index = order - 1;
+    let Orders {
+        coefficients,
+        noise,
+        difference,
+        doubt,
+        ..
+    } = orders;
+    let share_square_q30 = u128::from(share_q30.unsigned_abs()).pow(2) >> 30;
+    let noise_here = doubt[index];
+    let evidence = difference[index].power() / (noise_here / 16).max(1);
+    let half = CERTAIN * 16 / 2;
+    let belief = evidence.saturating_sub(half).min(half);
+    if belief == half {
+        let amplitude = difference[index].scaled(scale_q30);
+        let error = Coefficient {
+            re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
+            im: 0,
+        };
+        keep_strongest(
+            &mut torques.strongest,
+            TorqueOrder {
+                #[allow(clippy::cast_possible_truncation)]
+                order: order as u16,
+                amplitude: peak(amplitude, fine),
+                standard_error: peak(error.scaled(scale_q30), fine),
+            },
+        );
+    }
+    // The difference that the order shows if it is all torque, against one that would be certain.
+    let all_torque_q30 = u128::from(coefficients[index].power()) << 30;
+    let certain = u128::from(noise_here) * u128::from(CERTAIN);
+    if belief < half && all_torque_q30 < certain * share_square_q30 {
+        torques.untold.insert(order);
+    }
+    let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
+    let taken_q30 = of_share(belief);
+    // What shows but is not certain may be torque all the same.
+    let left_in = if evidence > UNCERTAIN * 16 {
+        difference[index].scaled(of_share(half - belief)).power()
+    } else {
+        0
+    };
+    difference[index] = difference[index].scaled(-taken_q30);
+    coefficients[index] = coefficients[index].plus(difference[index]);
+    // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
+    let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
+    let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
+    let damped = u128::from(difference[index].power()) * u128::from(damping_square_q16)
+        / (order * order) as u128;
+    let more = u64::try_from(more + (damped >> 16) + u128::from(left_in)).unwrap_or(u64::MAX);
+    noise[index] = noise[index].saturating_add(more);
 }
 
 /// Peak size of an order in 2^-32 turn.

@@ -1,6 +1,9 @@
 //! How large geometry is at every order, as far as it stands above the noise: judged by the order's neighbours, and where noise
 //! drowns it, carried down from the higher orders.
 
+use core::task::{Poll, ready};
+
+use super::cursor::Cursor;
 use super::low::LOW_ORDERS;
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::weigh::Estimate;
@@ -8,54 +11,141 @@ use crate::log2::{LOG2_BITS, exp2, log2};
 
 const Q: i32 = 1 << LOG2_BITS;
 
-/// The geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
+/// Orders whose logarithms a slice takes.
+const LOGARITHMS: usize = 60;
+
+/// Looks for the geometry's power at every single order, as far as it stands above the noise; where it does not, that of the next
 /// order above.
-#[inline(never)]
-pub(super) fn find_sizes(
-    plan: OrderPlan,
-    estimate: &Estimate<'_>,
-    common_size: u64,
-    sizes: &mut [u64; ORDERS_MAX],
-) {
-    let mut levels = Levels {
-        signal: [0; ORDERS_MAX],
-        noise: [0; ORDERS_MAX],
-        scratch: [0; NEIGHBOURS_MAX],
-    };
-    for index in 0..plan.single {
-        levels.signal[index] = short(log2(estimate.coefficients[index].power().into()));
-        levels.noise[index] = short(log2(estimate.noise[index].into()));
+pub(super) struct Sizing {
+    part: Part,
+    /// Logarithms of signal and noise at every single order, Q9.
+    signal: [i16; ORDERS_MAX],
+    noise: [i16; ORDERS_MAX],
+    cursor: Cursor,
+    /// Size of the next order above.
+    carried: u64,
+}
+
+#[derive(Clone, Copy)]
+enum Part {
+    Logarithms,
+    /// From the highest order down: the median of signal over noise around an order is to be found.
+    Ratio,
+    /// That is known, and the median of the signal is to be found.
+    Plain {
+        ratio: i32,
+    },
+}
+
+impl Sizing {
+    /// `common_size` is that of the orders above the single ones.
+    pub(super) const fn new(common_size: u64) -> Self {
+        Self {
+            part: Part::Logarithms,
+            signal: [0; ORDERS_MAX],
+            noise: [0; ORDERS_MAX],
+            cursor: Cursor::START,
+            carried: common_size,
+        }
     }
-    let mut carried = common_size;
-    for order in (1..=plan.single).rev().filter(|&n| !plan.is_class_order(n)) {
-        let (power, noise) = (
-            estimate.coefficients[order - 1].power(),
-            estimate.noise[order - 1],
-        );
-        let trusted = !estimate.suspect(plan, order);
-        let size;
-        (size, carried) = if plan.has_neighbours() {
-            let (level, count) = levels.of_neighbourhood(plan, order);
-            let own = if trusted {
-                let pairs = if order <= LOW_ORDERS {
-                    estimate.low_pairs
-                } else {
-                    u32::MAX
-                };
-                excess(power, noise, own_margin_q8(pairs))
-            } else {
-                0
-            };
-            let size = excess(level, noise, margin_q8(count))
-                .max(carried.min(level))
-                .max(own);
-            // An order that stands alone, such as eccentricity, says nothing of those below it.
-            (size, size.min(level))
+
+    /// Order n of the `sizes` is at n - 1.
+    #[inline(never)]
+    pub(super) fn slice(
+        &mut self,
+        plan: OrderPlan,
+        estimate: &Estimate<'_>,
+        sizes: &mut [u64; ORDERS_MAX],
+    ) -> Poll<()> {
+        match self.part {
+            Part::Logarithms => {
+                for index in self.cursor.next(LOGARITHMS, plan.single) {
+                    self.signal[index] = short(log2(estimate.coefficients[index].power().into()));
+                    self.noise[index] = short(log2(estimate.noise[index].into()));
+                }
+                ready!(self.cursor.at_end(plan.single));
+                (self.part, self.cursor) = (Part::Ratio, Cursor::START);
+                Poll::Pending
+            }
+            Part::Ratio => {
+                let order = plan.single - self.cursor.next(1, plan.single).start;
+                if plan.has_neighbours() && !plan.is_class_order(order) {
+                    let ratio = |n| self.signal(n) - self.noise(n);
+                    let (ratio, _) = median(plan, order, ratio);
+                    self.part = Part::Plain { ratio };
+                    return Poll::Pending;
+                }
+                if !plan.is_class_order(order) {
+                    let excess = excess(
+                        estimate.coefficients[order - 1].power(),
+                        estimate.noise[order - 1],
+                        LONE_MARGIN_Q8,
+                    );
+                    (sizes[order - 1], self.carried) = (excess, excess);
+                }
+                self.cursor.at_end(plan.single)
+            }
+            Part::Plain { ratio } => {
+                let order = plan.single + 1 - self.cursor.count();
+                let (plain, count) = median(plan, order, |n| self.signal(n));
+                let level = self.level(order, ratio, plain);
+                sizes[order - 1] = self.size(plan, estimate, order, level, count);
+                self.part = Part::Ratio;
+                self.cursor.at_end(plan.single)
+            }
+        }
+    }
+
+    fn signal(&self, order: usize) -> i32 {
+        i32::from(self.signal[order - 1]) << SHORT
+    }
+
+    fn noise(&self, order: usize) -> i32 {
+        i32::from(self.noise[order - 1]) << SHORT
+    }
+
+    /// Level of the signal at an order, from medians over its neighbours of signal over noise and of the signal, because
+    /// torque ripple puts lines there. Where noise rules, it is the median of signal over noise, times the noise here,
+    /// because noise alone rises steeply to low orders and would look like geometry; where the signal stands 32 to 128
+    /// times above, it goes over to the median of the signal, which no roughness of the noise can disturb.
+    fn level(&self, order: usize, ratio: i32, plain: i32) -> u64 {
+        let by_ratio = ratio + self.noise(order);
+        let signal_rules = i64::from((ratio - 5 * Q).clamp(0, 2 * Q));
+        let over = i64::from(plain - by_ratio) * signal_rules / i64::from(2 * Q);
+        // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
+        const MEAN_OVER_MEDIAN: i32 = 34_654;
+        #[allow(clippy::cast_possible_truncation)]
+        let level = by_ratio + over as i32 + MEAN_OVER_MEDIAN;
+        exp2(level)
+    }
+
+    /// Size at an order whose level rests on so many neighbours.
+    fn size(
+        &mut self,
+        plan: OrderPlan,
+        estimate: &Estimate<'_>,
+        order: usize,
+        level: u64,
+        count: usize,
+    ) -> u64 {
+        let noise = estimate.noise[order - 1];
+        let own = if estimate.suspect(plan, order) {
+            0
         } else {
-            let size = excess(power, noise, LONE_MARGIN_Q8);
-            (size, size)
+            let pairs = if order <= LOW_ORDERS {
+                estimate.low_pairs
+            } else {
+                u32::MAX
+            };
+            let power = estimate.coefficients[order - 1].power();
+            excess(power, noise, own_margin_q8(pairs))
         };
-        sizes[order - 1] = size;
+        let size = excess(level, noise, margin_q8(count))
+            .max(self.carried.min(level))
+            .max(own);
+        // An order that stands alone, such as eccentricity, says nothing of those below it.
+        self.carried = size.min(level);
+        size
     }
 }
 
@@ -108,56 +198,22 @@ pub(super) fn neighbours(plan: OrderPlan, order: usize) -> impl Iterator<Item = 
 /// Digits of a logarithm that are dropped where many are kept.
 const SHORT: u32 = LOG2_BITS - 9;
 
-/// A logarithm as [`Levels`] keep it.
+/// A logarithm as [`Sizing`] keeps it.
 fn short(log2: i32) -> i16 {
     #[allow(clippy::cast_possible_truncation)]
     let short = (log2 >> SHORT) as i16;
     short
 }
 
-/// Logarithms of signal and noise at every single order, Q9.
-struct Levels {
-    signal: [i16; ORDERS_MAX],
-    noise: [i16; ORDERS_MAX],
-    scratch: [i32; NEIGHBOURS_MAX],
-}
-
-impl Levels {
-    /// Level of the signal at an order, and the number of neighbours it rests on: a median over the neighbours, because
-    /// torque ripple puts lines there. Where noise rules, it is the median of signal over noise, times the noise here,
-    /// because noise alone rises steeply to low orders and would look like geometry; where the signal stands 32 to 128
-    /// times above, it goes over to the median of the signal, which no roughness of the noise can disturb.
-    fn of_neighbourhood(&mut self, plan: OrderPlan, order: usize) -> (u64, usize) {
-        let level = |levels: &[i16], n: usize| i32::from(levels[n - 1]) << SHORT;
-        let signal = |n| level(&self.signal, n);
-        let noise = |n| level(&self.noise, n);
-        let scratch = &mut self.scratch;
-        let (ratio, count) = median(plan, order, scratch, |n| signal(n) - noise(n));
-        let (plain, _) = median(plan, order, scratch, signal);
-        let by_ratio = ratio + noise(order);
-        let signal_rules = i64::from((ratio - 5 * Q).clamp(0, 2 * Q));
-        let over = i64::from(plain - by_ratio) * signal_rules / i64::from(2 * Q);
-        // Median over mean of an exponential distribution is ln 2; -log2(ln 2) = 0.5288.
-        const MEAN_OVER_MEDIAN: i32 = 34_654;
-        #[allow(clippy::cast_possible_truncation)]
-        let level = by_ratio + over as i32 + MEAN_OVER_MEDIAN;
-        (exp2(level), count)
-    }
-}
-
 /// Median of a value over an order's neighbours, and their number.
-fn median(
-    plan: OrderPlan,
-    order: usize,
-    scratch: &mut [i32; NEIGHBOURS_MAX],
-    value: impl Fn(usize) -> i32,
-) -> (i32, usize) {
+fn median(plan: OrderPlan, order: usize, value: impl Fn(usize) -> i32) -> (i32, usize) {
+    let mut values = [0; NEIGHBOURS_MAX];
     let mut count = 0;
-    for (n, cell) in neighbours(plan, order).zip(scratch.iter_mut()) {
+    for (n, cell) in neighbours(plan, order).zip(&mut values) {
         *cell = value(n);
         count += 1;
     }
-    let values = &mut scratch[..count];
+    let values = &mut values[..count];
     // An order has four neighbours at least. Selecting, unlike sorting, does not recurse.
     let (below, &mut middle, _) = values.select_nth_unstable(count / 2);
     let below = if count.is_multiple_of(2) {

@@ -1,169 +1,305 @@
 //! From the sums of all turns to a table: close the turn, tell torque from geometry, weigh every order, draw the result.
 
-use super::close::{SumScale, close_sum, largest_error, saturated, take_class_means};
-use super::draw::{Believed, draw};
+use core::task::{Poll, ready};
+
+use super::close::{ClassMeans, Closing, Scales, SumScale};
+use super::contrast::Contrasting;
+use super::cursor::Cursor;
+use super::delays::DelayFit;
+use super::draw::{Believed, Drawing};
 use super::fold::thirds;
-use super::moments::{Mean, Moments, Shares};
-use super::noise::{common_noise, damping_square_q16, settle_noise};
-use super::order::{LockedOrder, ORDERS_MAX, OrderPlan};
-use super::pack::{pack, with_offsets};
-use super::power::{single_sizes, split_orders};
+use super::moments::{MeanSpeed, Moments};
+use super::noise::{damping_square_q16, jitter_q16};
+use super::order::{LockedOrder, OrderPlan};
+use super::pack::{Packed, Packing, with_offsets};
+use super::power::{SplitOrders, single_sizes};
 use super::scale::Fine;
-use super::separate::{Doubt, separate};
-use super::solution::{Found, Solution, SolveError};
-use super::spectrum::{Coefficient, Sample};
-use super::speeds::Speeds;
-use super::transform::add_orders;
-use super::weigh::{Estimate, WEIGHT_ONE, weigh};
+use super::separate::Separation;
+use super::settle::{Estimated, Known, Settling};
+use super::solution::{Findings, Solution, SolveError};
+use super::solver::{Coarse, Solver, Stage};
+use super::spectrum::Coefficient;
+use super::transform::TakeOrders;
+use super::weigh::{Estimate, WEIGHT_ONE, Weighting};
 use super::{EdgeBuffers, Estimator, Parts};
 use crate::shape::CLASSES_MAX;
 use crate::units::TurnDelta32;
 
+/// Edges of a slice that are folded.
+const FOLDED: u32 = 100;
+
+/// Orders of a slice whose drawing is prepared.
+const DIFFERED: usize = 16;
+
+/// What a slice of solving came to.
+// There is no heap to keep it small with.
+#[allow(clippy::large_enum_variant)]
+pub enum Slice {
+    /// There is more to do; how much is done, per cent.
+    More(u8),
+    /// The table is solved for; [`Estimator::finish`] takes this.
+    Solved(Findings),
+}
+
 impl<B: EdgeBuffers> Estimator<B> {
-    /// Solves for the table with the turns taken so far. Not on the edge path.
+    /// Solves for the table with the turns taken so far. Not on the edge path; [`Estimator::slice`] does the same piece by piece.
     ///
     /// # Errors
     /// [`SolveError::TooFewTurns`] with fewer than two turns.
-    #[inline]
+    #[inline(never)]
     pub fn solve(mut self) -> Result<Solution<B>, SolveError> {
-        let found = self.find()?;
-        Ok(Solution {
-            found,
-            buffers: self.buffers,
-        })
-    }
-
-    #[inline]
-    fn find(&mut self) -> Result<Found, SolveError> {
-        self.interrupt();
-        let totals = self.totals;
-        if totals.turns < 2 {
-            return Err(SolveError::TooFewTurns(totals.turns));
-        }
-        let classes = self.shape.classes() as usize;
-        let plan = self.plan();
-        let moments = Moments::of(&self.speeds, &self.weighing, self.totals.two_speeds());
-        let mut parts = self.buffers.parts();
-        let unit_shift = self.fold.shape.unit_shift;
-        let fine = close(&mut parts, plan, &moments, &self.speeds, unit_shift);
-        let mut offsets = take_class_means(parts.sum, classes);
-
-        let mut noise = [0; ORDERS_MAX];
-        let mut doubt = [0; ORDERS_MAX];
-        let mut own = [0; ORDERS_MAX];
-        let mut difference = [Coefficient::default(); ORDERS_MAX];
-        let [even, even_contrast, contrast] = blocks(&mut parts, plan);
-        for (blocks, powers) in [(even_contrast, &mut doubt), (contrast, &mut noise)] {
-            single_sizes(blocks, plan, &mut difference);
-            for (power, size) in powers.iter_mut().zip(&difference) {
-                *power = size.power();
+        let mut solver = Solver::new();
+        loop {
+            if let Slice::Solved(findings) = self.slice(&mut solver)? {
+                return Ok(self.finish(findings));
             }
         }
-        single_sizes(even, plan, &mut difference);
-        let speeds = &self.speeds;
-        let (common_noise, low_pairs) = settle(
-            plan, &moments, speeds, &mut noise, &mut doubt, &mut own, fine,
-        );
-        let mut coefficients = [Coefficient::default(); ORDERS_MAX];
-        let common = if plan.decimation == 1 {
-            split_orders(parts.sum, parts.coarse, plan, &mut coefficients)
-        } else {
-            let scratch = parts.cells.as_chunks_mut().0;
-            split_orders(parts.sum, scratch, plan, &mut coefficients)
-        };
-        let torques = separate(
+    }
+
+    /// Solves for a part, in fewer than 20,000 instructions of a Cortex-M4, so that edges are served in between. From the first slice on
+    /// the estimator learns no more: what is pushed spoils the solution. To be called until [`Slice::Solved`] comes.
+    ///
+    /// # Errors
+    /// [`SolveError::TooFewTurns`] at the first slice, with fewer than two turns; the estimator goes on learning.
+    pub fn slice(&mut self, solver: &mut Solver) -> Result<Slice, SolveError> {
+        match &solver.stage {
+            Stage::Begin => self.begin(solver)?,
+            Stage::Done(packed) => return Ok(Slice::Solved(self.findings(solver, *packed))),
+            _ => {
+                let _ = self.advance(solver);
+            }
+        }
+        Ok(Slice::More(solver.percent()))
+    }
+
+    /// The solution that the last slice found.
+    #[must_use]
+    pub fn finish(self, findings: Findings) -> Solution<B> {
+        Solution {
+            findings,
+            buffers: self.buffers,
+        }
+    }
+
+    fn begin(&mut self, solver: &mut Solver) -> Result<(), SolveError> {
+        if self.totals.turns < 2 {
+            return Err(SolveError::TooFewTurns(self.totals.turns));
+        }
+        self.lose_track();
+        solver.plan = self.plan();
+        solver.moments = Moments::of(&self.speeds, &self.weighing, self.totals.two_speeds());
+        solver.torques.clear();
+        solver.stage = Stage::Fold;
+        Ok(())
+    }
+
+    /// A slice of a stage; once that is over, the next begins.
+    #[inline(never)]
+    fn advance(&mut self, solver: &mut Solver) -> Poll<()> {
+        let Solver {
+            stage,
             plan,
-            &moments,
-            &mut coefficients,
-            &mut noise,
-            &mut difference,
-            Doubt {
-                noise: &doubt,
-                damping_square_q16: damping_square_q16(&self.speeds),
-            },
+            moments,
+            jitter_q16: jitter,
             fine,
-        );
-        let estimate = Estimate {
-            coefficients: &coefficients,
+            leftovers,
+            orders,
+            offsets,
+            settled,
             common,
-            noise: &noise,
-            own: &own,
-            common_noise,
-            low_pairs,
-            turn: 1 << (32 + fine.bits),
-            untold: torques.untold,
-            knowledge: self.knowledge,
-        };
-        // The doubt about torque has been used.
-        let weights = weigh(plan, &estimate, &mut doubt);
+            torques,
+            weights,
+            delays,
+        } = solver;
+        let (plan, fine_now) = (*plan, *fine);
+        let classes = self.shape.classes() as usize;
+        let mut parts = self.buffers.parts();
+        let speeds = &self.speeds;
+        match stage {
+            Stage::Begin | Stage::Done(_) => {}
+            Stage::Fold => {
+                self.fold.steps(&mut parts, FOLDED);
+                if !self.fold.is_idle() {
+                    return Poll::Pending;
+                }
+                self.settle_fold();
+                *stage = Stage::Close(Closing::new());
+            }
+            Stage::Close(closing) => {
+                let scales = scales(moments, self.fold.shape.unit_shift);
+                *fine = ready!(closing.slice(&mut parts, plan, scales));
+                *stage = Stage::Contrast(Contrasting::default());
+            }
+            Stage::Contrast(contrasting) => {
+                *leftovers = ready!(contrasting.slice(&mut parts, plan, moments, speeds));
+                *stage = Stage::ClassMeans(ClassMeans::new());
+            }
+            Stage::ClassMeans(means) => {
+                *offsets = ready!(means.slice(parts.sum, classes));
+                *jitter = jitter_q16(plan, speeds);
+                *stage = Stage::Take(Coarse::PlainContrast, TakeOrders::START);
+            }
+            Stage::Take(coarse, take) => {
+                let third = coarse_sum(&mut parts, plan, *coarse);
+                ready!(single_sizes(take, third, plan, &mut orders.difference));
+                let powers = match coarse {
+                    Coarse::PlainContrast => &mut orders.doubt,
+                    Coarse::Contrast => &mut orders.noise,
+                    Coarse::Difference => {
+                        *stage = Stage::Settle(Settling::of(Estimated::Difference));
+                        return Poll::Ready(());
+                    }
+                };
+                for (power, size) in powers.iter_mut().zip(&orders.difference) {
+                    *power = size.power();
+                }
+                let next = match coarse {
+                    Coarse::PlainContrast => Coarse::Contrast,
+                    _ => Coarse::Difference,
+                };
+                *stage = Stage::Take(next, TakeOrders::START);
+            }
+            Stage::Settle(settling) => {
+                let known = Known {
+                    plan,
+                    moments,
+                    leftovers: *leftovers,
+                    speeds,
+                    jitter_q16: *jitter,
+                    fine: fine_now,
+                };
+                match settling.estimated() {
+                    Estimated::Difference => {
+                        ready!(settling.slice(known, &mut orders.doubt, &mut orders.own));
+                        *stage = Stage::Settle(Settling::of(Estimated::Weighed));
+                    }
+                    Estimated::Weighed => {
+                        *settled =
+                            ready!(settling.slice(known, &mut orders.noise, &mut orders.own));
+                        *stage = Stage::Split(SplitOrders::START);
+                    }
+                }
+            }
+            Stage::Split(split) => {
+                let sizes = &mut orders.coefficients;
+                *common = ready!(if plan.decimation == 1 {
+                    split.slice(parts.sum, parts.coarse, plan, sizes)
+                } else {
+                    let scratch = parts.cells.as_chunks_mut().0;
+                    split.slice(parts.sum, scratch, plan, sizes)
+                });
+                *stage = Stage::Separate(Separation::new(moments, damping_square_q16(speeds)));
+            }
+            Stage::Separate(separation) => {
+                ready!(separation.slice(plan, orders, fine_now, torques));
+                *stage = Stage::Weigh(Weighting::START);
+            }
+            Stage::Weigh(weighting) => {
+                let estimate = Estimate {
+                    coefficients: &orders.coefficients,
+                    common: *common,
+                    noise: &orders.noise,
+                    own: &orders.own,
+                    common_noise: settled.common,
+                    low_pairs: settled.low_pairs,
+                    turn: 1 << (32 + fine_now.bits),
+                    untold: torques.untold,
+                    knowledge: self.knowledge,
+                };
+                // The doubt about torque has been used.
+                ready!(weighting.slice(plan, &estimate, &mut orders.doubt, weights));
+                *stage = Stage::Differ(Cursor::START);
+            }
+            Stage::Differ(cursor) => {
+                // What is to be added to the weighed mean: w_n g_n - w_common c_n, of which the difference holds g_n - c_n.
+                for n in cursor.next(DIFFERED, plan.single) {
+                    let geometry = orders.coefficients[n];
+                    let mean = geometry.minus(orders.difference[n]);
+                    orders.difference[n] = weighed(geometry, weights.single[n].into())
+                        .minus(weighed(mean, weights.common));
+                }
+                ready!(cursor.at_end(plan.single));
+                *stage = Stage::Delays(DelayFit::START);
+            }
+            Stage::Delays(fit) => {
+                *delays = ready!(fit.slice(&self.delays, &self.fold.shape, speeds.reference()));
+                *stage = Stage::Undelay(MeanSpeed::default());
+            }
+            Stage::Undelay(mean) => {
+                if let Some(delays) = delays {
+                    let speed_q16 = ready!(mean.slice(moments, speeds));
+                    delays.take_from(offsets, speed_q16, fine_now);
+                }
+                *stage = Stage::Draw(Drawing::START);
+            }
+            Stage::Draw(drawing) => {
+                let geometry = |n: usize| weighed(orders.coefficients[n], weights.single[n].into());
+                let believed = Believed {
+                    common: weights.common,
+                    mounting: [geometry(0), geometry(1)],
+                    offsets,
+                };
+                let more = &orders.difference[..plan.single];
+                let samples = plan.edges / plan.decimation;
+                ready!(if plan.decimation == 1 {
+                    let grid = &mut parts.coarse[..samples];
+                    drawing.slice(parts.sum, grid, more, believed, plan, fine_now)
+                } else {
+                    let grid = &mut parts.cells.as_chunks_mut().0[..samples];
+                    drawing.slice(parts.sum, grid, more, believed, plan, fine_now)
+                });
+                *stage = Stage::Pack(Packing::default());
+            }
+            Stage::Pack(packing) => {
+                let offsets = class_offsets(offsets, fine_now);
+                let packed = ready!(packing.slice(&mut parts, fine_now, &offsets, classes));
+                *stage = Stage::Done(packed);
+            }
+        }
+        Poll::Ready(())
+    }
+
+    #[inline(never)]
+    fn findings(&self, solver: &Solver, packed: Packed) -> Findings {
+        let Solver { fine, weights, .. } = solver;
+        let classes = self.shape.classes();
+        let class_offsets = class_offsets(&solver.offsets, *fine);
         let locked = weights.standing.iter().map(|standing| LockedOrder {
             order: standing.order,
             amplitude: fine.root_mean_square(standing.power.saturating_mul(4)),
         });
-        let locked = locked.collect();
-
-        // What is to be added to the weighed mean: w_n g_n - w_common c_n, of which the difference holds g_n - c_n.
-        let weight = |w: u32| i64::from(w) << 15;
-        let geometry = |n: usize| coefficients[n].scaled(weight(weights.single[n].into()));
-        for (n, more) in difference.iter_mut().enumerate().take(plan.single) {
-            let single = geometry(n);
-            let mean = coefficients[n].minus(*more).scaled(weight(weights.common));
-            *more = single.minus(mean);
-        }
-        let delays = self.delays.solve(&self.fold.shape, self.speeds.reference());
-        if let Some(delays) = &delays {
-            delays.take_from(&mut offsets, moments.mean_speed_q16(&self.speeds), fine);
-        }
-        redraw(
-            &mut parts,
-            plan,
-            &difference,
-            &Believed {
-                common: weights.common,
-                mounting: [geometry(0), geometry(1)],
-                offsets: &offsets,
-            },
-            fine,
-        );
-
-        let mut class_offsets = [TurnDelta32(0); CLASSES_MAX];
-        for (angle, offset) in class_offsets.iter_mut().zip(offsets) {
-            *angle = TurnDelta32(fine.angle(offset));
-        }
-        let (shift, table_rms) = pack(&mut parts, fine, &class_offsets, classes);
         let residual = fine.root_mean_square(weights.residual);
         #[cfg(feature = "defmt")]
         defmt::info!(
             "solved from {=u32} turns: table {=u32} RMS, standard error {=u32} (2^-32 turn), {=usize} orders left alone",
-            totals.turns,
-            table_rms,
+            self.totals.turns,
+            packed.rms,
             residual,
             weights.standing.len()
         );
+        let class_noise = solver.settled.common.saturating_mul(classes.into());
         #[allow(clippy::cast_possible_truncation)]
-        Ok(Found {
+        Findings {
             shape: self.shape,
-            turns: totals.turns,
+            turns: self.totals.turns,
             class_offsets,
             // Never below one unit, to which the offsets are rounded.
-            class_error: fine
-                .root_mean_square(common_noise.saturating_mul(u64::from(self.shape.classes())))
-                .max(1),
-            shift,
+            class_error: fine.root_mean_square(class_noise).max(1),
+            shift: packed.shift,
             residual,
-            table_rms,
+            table_rms: packed.rms,
             uncorrected: with_offsets(
                 fine.root_mean_square(weights.uncorrected),
-                &class_offsets[..classes],
+                &class_offsets[..classes as usize],
             ),
             single: weights.single,
-            single_count: plan.single,
+            single_count: solver.plan.single,
             common: weights.common.min(WEIGHT_ONE - 1) as u16,
-            locked,
-            torques,
+            locked: locked.collect(),
+            torques: solver.torques.strongest.clone(),
             reference: self.speeds.reference(),
-            delays,
-        })
+            delays: solver.delays,
+        }
     }
 }
 
@@ -176,108 +312,32 @@ impl<B> Estimator<B> {
     }
 }
 
-/// From the powers of both contrasts to the noise of the weighed mean and of what the plain mean differs from it; returns
-/// the noise of the orders above, and how many pairs of turns that of the lowest rests on.
-#[inline(never)]
-fn settle(
-    plan: OrderPlan,
-    moments: &Moments,
-    speeds: &Speeds,
-    noise: &mut [u64; ORDERS_MAX],
-    doubt: &mut [u64; ORDERS_MAX],
-    own: &mut [u8; ORDERS_MAX],
-    fine: Fine,
-) -> (u64, u32) {
-    {
-        let of_plain = |of: &dyn Fn(Mean) -> Shares| of(Mean::Plain).minus(&of(Mean::Weighed));
-        let more = of_plain(&|mean| moments.shares(mean));
-        let more_signed = of_plain(&|mean| moments.contrast(mean, speeds));
-        settle_noise(plan, doubt, own, speeds, &more, &more_signed, fine);
-    }
-    let shares = moments.shares(Mean::Weighed);
-    let signed = moments.contrast(Mean::Weighed, speeds);
-    let low_pairs = settle_noise(plan, noise, own, speeds, &shares, &signed, fine);
-    let common = common_noise(plan, speeds, &shares, noise[plan.single - 1], fine);
-    (common, low_pairs)
-}
-
-/// The coarse sums of the blocks there are.
-fn blocks<'a>(parts: &'a mut Parts<'_>, plan: OrderPlan) -> [&'a mut [i32]; 3] {
-    thirds(parts.coarse).map(|third| &mut third[..plan.blocks])
-}
-
-/// Closes all sums; leaves in the coarse ones the plain mean less the weighed one, its contrast, and the contrast of the
-/// weighed mean, with what repeats taken out of the contrasts.
-#[inline(never)]
-fn close(
-    parts: &mut Parts<'_>,
-    plan: OrderPlan,
-    moments: &Moments,
-    speeds: &Speeds,
-    unit_shift: u32,
-) -> Fine {
-    let scale = |weight_q16| SumScale {
+fn scales(moments: &Moments, unit_shift: u32) -> Scales {
+    let of_weight = |weight_q16| SumScale {
         unit_shift,
         weight_q16,
     };
-    let (weighed, plain) = (
-        scale(moments.weight_q16),
-        scale(u64::from(moments.turns) << 16),
-    );
-    let sum = &mut *parts.sum;
-    let [even, even_contrast, contrast] =
-        thirds(parts.coarse).map(|third| &mut third[..plan.blocks]);
-    for third in [&mut *even, &mut *even_contrast, &mut *contrast] {
-        third.rotate_right(1);
-    }
-    let fine = Fine::for_angles(largest_error(sum, weighed).max(largest_error(even, plain)));
-    close_sum(sum, weighed, fine);
-    close_sum(even, plain, fine);
-    close_sum(even_contrast, plain, fine);
-    close_sum(contrast, weighed, fine);
-    let leftover = |mean| moments.leftover(mean, speeds).map(i128::from);
-    let (of_plain, of_weighed) = (leftover(Mean::Plain), leftover(Mean::Weighed));
-    let block = plan.edges / plan.blocks;
-    let at_blocks = sum.iter().step_by(block).map(|&error| i64::from(error));
-    let signed = even_contrast.iter_mut().zip(contrast);
-    for ((weighed, even), (even_contrast, contrast)) in at_blocks.zip(even).zip(signed) {
-        let plain = i64::from(*even);
-        let repeats = |[a, b]: [i128; 2]| {
-            #[allow(clippy::cast_possible_truncation)]
-            let repeats = ((a * i128::from(weighed) + b * i128::from(plain)) >> 30) as i64;
-            repeats
-        };
-        let signed = i64::from(*contrast) - repeats(of_weighed);
-        let plain_signed = i64::from(*even_contrast) - repeats(of_plain);
-        *even = saturated(plain - weighed);
-        *even_contrast = saturated(plain_signed - signed);
-        *contrast = saturated(signed);
-    }
-    fine
-}
-
-/// Draws the orders in `more` over the weighed mean.
-#[inline(never)]
-fn redraw(
-    parts: &mut Parts<'_>,
-    plan: OrderPlan,
-    more: &[Coefficient; ORDERS_MAX],
-    believed: &Believed<'_>,
-    fine: Fine,
-) {
-    let samples = plan.edges / plan.decimation;
-    if plan.decimation == 1 {
-        let grid = &mut parts.coarse[..samples];
-        draw_orders(grid, plan, more);
-        draw(parts.sum, grid, believed, plan, fine);
-    } else {
-        let grid = &mut parts.cells.as_chunks_mut().0[..samples];
-        draw_orders(grid, plan, more);
-        draw(parts.sum, grid, believed, plan, fine);
+    Scales {
+        weighed: of_weight(moments.weight_q16),
+        plain: of_weight(u64::from(moments.turns) << 16),
     }
 }
 
-fn draw_orders<S: Sample>(grid: &mut [S], plan: OrderPlan, more: &[Coefficient; ORDERS_MAX]) {
-    grid.fill(S::of(0));
-    add_orders(grid, &more[..plan.single]);
+/// A coarse sum at the blocks there are.
+fn coarse_sum<'a>(parts: &'a mut Parts<'_>, plan: OrderPlan, coarse: Coarse) -> &'a [i32] {
+    let [difference, plain_contrast, contrast] = thirds(parts.coarse);
+    let third = match coarse {
+        Coarse::Difference => difference,
+        Coarse::PlainContrast => plain_contrast,
+        Coarse::Contrast => contrast,
+    };
+    &third[..plan.blocks]
+}
+
+fn weighed(size: Coefficient, weight: u32) -> Coefficient {
+    size.scaled(i64::from(weight) << 15)
+}
+
+fn class_offsets(offsets: &[i32; CLASSES_MAX], fine: Fine) -> [TurnDelta32; CLASSES_MAX] {
+    offsets.map(|offset| TurnDelta32(fine.angle(offset)))
 }

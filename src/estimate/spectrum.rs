@@ -46,6 +46,8 @@ pub(super) const COEFFICIENT_BITS: u32 = 4;
 pub(super) const POWER_BITS: u32 = 2 * COEFFICIENT_BITS;
 
 impl Coefficient {
+    pub(super) const ZERO: Self = Self { re: 0, im: 0 };
+
     /// Squared size in 2^-[`POWER_BITS`] of the squared unit.
     pub(super) fn power(self) -> u64 {
         let square = |x: i32| u64::from(x.unsigned_abs()).pow(2);

@@ -92,6 +92,12 @@ impl Speeds {
         Some(Place { bin, ratio_q32 })
     }
 
+    /// Bins that turns were taken in.
+    pub(super) fn taken(&self) -> impl Iterator<Item = (usize, &Bin)> {
+        let bins = self.bins.iter().enumerate();
+        bins.filter(|(_, bin)| bin.count() > 0)
+    }
+
     /// The bin of a place.
     pub(super) fn bin(&mut self, place: Place) -> Option<&mut Bin> {
         self.bins.get_mut(place.bin)

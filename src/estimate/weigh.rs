@@ -5,11 +5,14 @@
 //! is carried down from the higher orders. The weight is Wiener's, S / (S + N), drawn to zero where little is known. All
 //! decisions are continuous, so that no rounding can flip one.
 
+use core::task::{Poll, ready};
+
 use super::DriveKnowledge;
-use super::noise::OWN_BITS;
+use super::cursor::Cursor;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet};
 use super::ripple::{Standing, StandingOrders, keep_strongest, product, strongest_swing};
-use super::sizes::{excess, find_sizes, margin};
+use super::sizes::{Sizing, excess, margin};
+use super::smooth::OWN_BITS;
 use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
 
@@ -30,6 +33,16 @@ pub(super) struct Weights {
     pub uncorrected: u64,
     /// Orders left alone because torque might make them.
     pub standing: StandingOrders,
+}
+
+impl Weights {
+    pub(super) const NONE: Self = Self {
+        single: [0; ORDERS_MAX],
+        common: 0,
+        residual: 0,
+        uncorrected: 0,
+        standing: StandingOrders::new(),
+    };
 }
 
 /// The estimate that is to be weighed: its orders, and what is known of its noise.
@@ -60,75 +73,133 @@ impl Estimate<'_> {
     }
 }
 
-/// Weighs the orders of an estimate against its noise; `sizes` gets the geometry's power at every single order.
-///
-/// Not inlined, so that the stack it needs is free again for what comes after.
-#[inline(never)]
-pub(super) fn weigh(
-    plan: OrderPlan,
-    estimate: &Estimate<'_>,
-    sizes: &mut [u64; ORDERS_MAX],
-) -> Weights {
-    let common_size = excess(estimate.common, estimate.common_noise, COMMON_MARGIN_Q8);
-    find_sizes(plan, estimate, common_size, sizes);
-    let common_weight = wiener(common_size, estimate.common_noise);
-    // Filled in place: the stack is short.
-    let mut weights = Weights {
-        single: [0; ORDERS_MAX],
-        common: common_weight,
+/// Orders of a slice: looked at for what stands out, and weighed.
+const LOOKED_AT: usize = 12;
+const WEIGHED: usize = 2;
+
+/// Weighs the orders of an estimate against its noise.
+pub(super) struct Weighting {
+    part: Part,
+    /// Size of the orders above the single ones.
+    common_size: u64,
+    /// Roots of what orders 1 and 2 show, by two standard errors more, which noise may have made small.
+    mounting: [u64; 2],
+    residual: u128,
+    uncorrected: u128,
+    cursor: Cursor,
+}
+
+// What one part works with takes the place of the last one's.
+#[allow(clippy::large_enum_variant)]
+enum Part {
+    Begin,
+    Sizes(Sizing),
+    Standing,
+    Orders,
+}
+
+impl Weighting {
+    pub(super) const START: Self = Self {
+        part: Part::Begin,
+        common_size: 0,
+        mounting: [0; 2],
         residual: 0,
         uncorrected: 0,
-        standing: StandingOrders::new(),
+        cursor: Cursor::START,
     };
-    for order in single_orders(plan).filter(|&n| estimate.suspect(plan, n)) {
-        let power = estimate.coefficients[order - 1].power();
-        if height(power, sizes[order - 1], estimate.noise[order - 1]) > STANDING_HEIGHT {
-            #[allow(clippy::cast_possible_truncation)]
-            keep_strongest(
-                &mut weights.standing,
-                Standing {
-                    order: order as u16,
-                    power,
-                },
-            );
-        }
-    }
-    // By two standard errors more than what shows, which noise may have made small.
-    let mounting = core::array::from_fn(|index| {
-        let shown = estimate.coefficients[index].power();
-        shown.saturating_add(estimate.noise[index].saturating_mul(4))
-    });
 
-    // Geometry that the margin hides may be there all the same.
-    let hidden = margin(estimate.common_noise, COMMON_MARGIN_Q8 - 256);
-    let left_common = left_over(
-        common_weight,
-        common_size.max(hidden),
-        estimate.common_noise,
-    );
-    let mut residual = u128::from(left_common) * plan.common_count() as u128;
-    let believed = left_over(common_weight, 0, estimate.common);
-    let mut uncorrected = residual + u128::from(believed) * plan.common_count() as u128;
-    for order in single_orders(plan) {
+    /// Fills in the weights; `sizes` gets the geometry's power at every single order.
+    #[inline(never)]
+    pub(super) fn slice(
+        &mut self,
+        plan: OrderPlan,
+        estimate: &Estimate<'_>,
+        sizes: &mut [u64; ORDERS_MAX],
+        weights: &mut Weights,
+    ) -> Poll<()> {
+        match &mut self.part {
+            Part::Begin => {
+                let size = excess(estimate.common, estimate.common_noise, COMMON_MARGIN_Q8);
+                self.common_size = size;
+                self.part = Part::Sizes(Sizing::new(size));
+            }
+            Part::Sizes(sizing) => {
+                ready!(sizing.slice(plan, estimate, sizes));
+                self.begin(plan, estimate, weights);
+                self.part = Part::Standing;
+            }
+            Part::Standing => {
+                for index in self.cursor.next(LOOKED_AT, plan.single) {
+                    keep_standing(plan, estimate, index + 1, sizes[index], weights);
+                }
+                ready!(self.cursor.at_end(plan.single));
+                (self.part, self.cursor) = (Part::Orders, Cursor::START);
+            }
+            Part::Orders => {
+                for index in self.cursor.next(WEIGHED, plan.single) {
+                    if !plan.is_class_order(index + 1) {
+                        self.weigh(plan, estimate, index + 1, sizes[index], weights);
+                    }
+                }
+                ready!(self.cursor.at_end(plan.single));
+                weights.residual = u64::try_from(self.residual).unwrap_or(u64::MAX);
+                weights.uncorrected = u64::try_from(self.uncorrected).unwrap_or(u64::MAX);
+                return Poll::Ready(());
+            }
+        }
+        Poll::Pending
+    }
+
+    /// Weighs the common orders, and sees how far the disc's mounting shows.
+    fn begin(&mut self, plan: OrderPlan, estimate: &Estimate<'_>, weights: &mut Weights) {
+        let noise = estimate.common_noise;
+        let common = wiener(self.common_size, noise);
+        *weights = Weights::NONE;
+        weights.common = common;
+        self.mounting = core::array::from_fn(|index| {
+            let shown = estimate.coefficients[index].power();
+            shown
+                .saturating_add(estimate.noise[index].saturating_mul(4))
+                .isqrt()
+        });
+        // Geometry that the margin hides may be there all the same.
+        let hidden = margin(noise, COMMON_MARGIN_Q8 - 256);
+        let left_common = left_over(common, self.common_size.max(hidden), noise);
+        let count = plan.common_count() as u128;
+        self.residual = u128::from(left_common) * count;
+        let believed = left_over(common, 0, estimate.common);
+        self.uncorrected = self.residual + u128::from(believed) * count;
+    }
+
+    /// Weighs one order of a geometry's `size`.
+    fn weigh(
+        &mut self,
+        plan: OrderPlan,
+        estimate: &Estimate<'_>,
+        order: usize,
+        size: u64,
+        weights: &mut Weights,
+    ) {
         let index = order - 1;
-        let size = sizes[index];
+        let suspect = estimate.suspect(plan, order);
         // Not below half of what the order itself shows, for a line that comes and goes.
         let noise = estimate.noise[index];
         let own = i32::from(estimate.own[index]) << (LOG2_BITS - OWN_BITS);
         let own = exp2(log2(noise.into()).saturating_add(own));
-        let product = u64::from(product(&weights.standing, mounting, estimate.turn, order)).pow(2);
+        let product = product(&weights.standing, self.mounting, estimate.turn, order);
+        let product = u64::from(product).pow(2);
         let mut doubt = noise.max(own).saturating_add(product);
-        if estimate.suspect(plan, order) && estimate.knowledge.torque_base > 0 {
+        if suspect && estimate.knowledge.torque_base > 0 {
             doubt = doubt.saturating_add(strongest_swing(&weights.standing, order));
         }
-        let of_mounting = order <= 2 && !estimate.suspect(plan, order) && plan.has_neighbours();
+        let of_mounting = order <= 2 && !suspect && plan.has_neighbours();
         let shown = estimate.coefficients[index].power();
         // What a product may have made is no sign of geometry.
         let mut weight = wiener(size.saturating_sub(product), doubt);
         if of_mounting {
             weight = weight.max(mounting_weight(shown, doubt));
         }
-        if estimate.suspect(plan, order) {
+        if suspect {
             let gate = (STANDING_HEIGHT - height(shown, size, doubt)).clamp(0, Q);
             weight = (weight * gate.unsigned_abs()) >> LOG2_BITS;
         }
@@ -144,16 +215,31 @@ pub(super) fn weigh(
             let rest = left_over(weight, size, doubt);
             (rest, rest.saturating_add(left_over(weight, 0, shown)))
         };
-        residual += 2 * u128::from(rest);
-        uncorrected += 2 * u128::from(before);
+        self.residual += 2 * u128::from(rest);
+        self.uncorrected += 2 * u128::from(before);
         #[allow(clippy::cast_possible_truncation)]
         {
             weights.single[index] = weight as u16;
         }
     }
-    weights.residual = u64::try_from(residual).unwrap_or(u64::MAX);
-    weights.uncorrected = u64::try_from(uncorrected).unwrap_or(u64::MAX);
-    weights
+}
+
+/// Keeps an order of a geometry's `size` that torque may have made and that stands out.
+fn keep_standing(
+    plan: OrderPlan,
+    estimate: &Estimate<'_>,
+    order: usize,
+    size: u64,
+    weights: &mut Weights,
+) {
+    if plan.is_class_order(order) || !estimate.suspect(plan, order) {
+        return;
+    }
+    let power = estimate.coefficients[order - 1].power();
+    if height(power, size, estimate.noise[order - 1]) > STANDING_HEIGHT {
+        #[allow(clippy::cast_possible_truncation)]
+        keep_strongest(&mut weights.standing, Standing::new(order as u16, power));
+    }
 }
 
 pub(super) fn single_orders(plan: OrderPlan) -> impl Iterator<Item = usize> {

@@ -8,7 +8,9 @@ use super::{Event, EventReader, ReadError, TimerWidth, Wiring};
 use crate::corrector::Corrector;
 use crate::decoder::{DecoderConfig, QuadratureDecoder};
 use crate::edge::Sample;
-use crate::estimate::{Anchor, EdgeBuffers, Estimator, Progress, Solution, SolveError, Totals};
+use crate::estimate::{
+    Anchor, EdgeBuffers, Estimator, Progress, Slice, Solution, SolveError, Solver, Totals,
+};
 use crate::shape::{EncoderShape, ShapeError};
 use crate::slot::{self, Delays, SlotHeader};
 use crate::step::{Faults, SensorError};
@@ -260,8 +262,15 @@ where
         let progress = estimator.push(&front.decoder.push(sample));
         if matches!(progress, Progress::TurnTaken(taken) if taken >= turns) {
             let learned = *estimator.totals();
-            let solution = estimator.solve().map_err(SessionError::Solve)?;
-            return Ok((solution, learned, sample.ticks));
+            let mut solver = Solver::new();
+            let findings = loop {
+                match estimator.slice(&mut solver) {
+                    Ok(Slice::More(_)) => {}
+                    Ok(Slice::Solved(findings)) => break findings,
+                    Err(error) => return Err(SessionError::Solve(error)),
+                }
+            };
+            return Ok((estimator.finish(findings), learned, sample.ticks));
         }
     }
     Err(SessionError::TooFewTurns(*estimator.totals()))

@@ -5,8 +5,8 @@
 //! stage. Taken off are the cost of reading it and that of a loop that calls a function which does nothing.
 //!
 //! Command line: `qemu_cost EVENTS SLOT`. The events must be of a 32-bit timer, so that hardly any is not an edge. Writes the
-//! table learned, and prints one line of `key=value` pairs: instructions and calls of every stage. The functions in
-//! `stages` are the edge path that the tests look into.
+//! table learned, and prints lines of `key=value` pairs: instructions and calls of every stage, and of solving and of looking
+//! out (before it) all instructions, slices and the longest slice. The functions in `stages` are the edge path that the tests look into.
 #![no_std]
 #![no_main]
 
@@ -23,7 +23,10 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{heprintln, hprintln};
 use quadcal::corrector::Corrector;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
-use quadcal::estimate::{Anchor, Estimator, Progress, SolveError, StaticBuffers};
+use quadcal::estimate::{
+    Anchor, EdgeBuffers, Estimator, Findings, Lookout, Progress, Slice, SolveError, Solver,
+    StaticBuffers,
+};
 use quadcal::replay::{Event, EventReader, ReadError, TURNS_DEFAULT, TimerWidth};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::slot::{self, SlotHeader};
@@ -141,6 +144,50 @@ impl Meter {
     }
 }
 
+/// Instructions of all slices of a piece of work, and of the longest.
+#[derive(Default)]
+struct Slices {
+    instructions: u64,
+    slices: u64,
+    longest: u64,
+}
+
+impl Slices {
+    fn take(&mut self, instructions: u64) {
+        self.instructions += instructions;
+        self.slices += 1;
+        self.longest = self.longest.max(instructions);
+    }
+}
+
+impl Meter {
+    fn outlook<B: EdgeBuffers>(&self, estimator: &mut Estimator<B>) -> Slices {
+        let (mut slices, mut lookout) = (Slices::default(), Lookout::new());
+        loop {
+            let (looked, instructions) = self.total(|| estimator.look_out(&mut lookout));
+            slices.take(instructions);
+            if looked.is_ready() {
+                return slices;
+            }
+        }
+    }
+
+    fn solve<B: EdgeBuffers>(
+        &self,
+        estimator: &mut Estimator<B>,
+    ) -> Result<(Findings, Slices), Failure> {
+        let (mut slices, mut solver) = (Slices::default(), Solver::new());
+        loop {
+            let (slice, instructions) = self.total(|| estimator.slice(&mut solver));
+            slices.take(instructions);
+            match slice.map_err(Failure::Solve)? {
+                Slice::More(_) => {}
+                Slice::Solved(findings) => return Ok((findings, slices)),
+            }
+        }
+    }
+}
+
 #[entry]
 fn main() -> ! {
     // The entry attribute hands this out as a unique reference: safe, and off the stack.
@@ -199,8 +246,9 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
             }
         });
     }
-    let (solution, solving) = meter.total(|| estimator.solve());
-    let solution = solution.map_err(Failure::Solve)?;
+    let looking = meter.outlook(&mut estimator);
+    let (findings, solving) = meter.solve(&mut estimator)?;
+    let solution = estimator.finish(findings);
     heprintln!("learned: {}", Summary::of(&solution));
 
     let mut output = Output::new(slot, &mut memory.output);
@@ -232,13 +280,20 @@ fn run(memory: &mut Memory) -> Result<(), Failure> {
         });
     }
     hprintln!(
-        "front_instructions={} front_calls={} learn_instructions={} learn_calls={} solve_instructions={} \
-         correct_instructions={} correct_calls={} angle_at_instructions={} angle_at_calls={}",
+        "look_out_instructions={} look_out_slices={} look_out_longest={} solve_instructions={} solve_slices={} solve_longest={}",
+        looking.instructions,
+        looking.slices,
+        looking.longest,
+        solving.instructions,
+        solving.slices,
+        solving.longest,
+    );
+    hprintln!(
+        "front_instructions={} front_calls={} learn_instructions={} learn_calls={} correct_instructions={} correct_calls={} angle_at_instructions={} angle_at_calls={}",
         front.cost.instructions,
         front.cost.calls,
         learning.instructions,
         learning.calls,
-        solving,
         correcting.instructions,
         correcting.calls,
         asking.instructions,
