@@ -93,8 +93,12 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
         bench.perform(action);
     }
 
-    /// Writes the table that was said to be written.
+    /// Writes the table that was said to be written, if the interlock still allows it.
     fn write_due(&mut self, candidate: Candidate, now_ms: u64, bench: &mut impl Bench) {
+        if self.interlock.may_commit().is_err() {
+            let _ = self.tell(Event::HeldBack, now_ms, bench);
+            return;
+        }
         let written = self.commit(candidate, bench);
         if written.is_ok() {
             // Where flash can't be read right after it was read back, correction ends, and status says so.

@@ -53,6 +53,8 @@ pub enum Event {
     Slice(Solving),
     /// A fresh turn was held against both tables.
     Proof(Figures),
+    /// The table was not begun to be written: the interlock no longer allowed it when its turn came.
+    HeldBack,
     /// The table was written, or not.
     Written(Result<(), WriteFailure>),
 }

@@ -17,7 +17,8 @@
 //!    |            |                 |                                             +-------+---------+
 //!    |  written  +------------+  commit  +-----------------+    better on fresh turns     | proving |
 //!    +-----------| committing |<---------| ready to commit |<-----------------------------+---------+
-//!                +------------+          +-----------------+
+//!                |            |--------->|                 |
+//!                +------------+ held back+-----------------+
 //!                                                 ^ a table is handed over: from idle, done, failed
 //!
 //! from waiting, checking, learning, solving, proving:  time is over, the interlock says no  -> failed
@@ -27,6 +28,9 @@
 //! [`Machine`] is pure: [`Event`]s come in, a state and at most one [`Action`] come out. It neither touches edges nor flash;
 //! whoever owns it does what the actions say. The table in use goes on correcting from the start to the moment that another one
 //! is in flash.
+//!
+//! The interlock is asked when the command to commit comes, and once more right before flash is erased. Where it says no by then, the
+//! table is held back: nothing was touched, it waits as before, and another command commits it.
 //!
 //! A learned table has to be better than the one in use on turns that it was not learned from. One that is handed over is not held
 //! against anything: whoever has the key vouches for it.

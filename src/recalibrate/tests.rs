@@ -53,6 +53,7 @@ enum Cause {
     NotBetter,
     Written,
     NotWritten,
+    HeldBack,
     TimeIsOver,
     SaysNo,
 }
@@ -109,6 +110,7 @@ const DRAWING: &[Arrow] = &[
     (&[Proving], Cause::Better, Ready, Act::Keep),
     (&[Proving], Cause::NotBetter, Failed, Act::Release),
     (&[Ready], Cause::Commit, Committing, Act::Write),
+    (&[Committing], Cause::HeldBack, Ready, Act::Keep),
     (&[Committing], Cause::Written, Done, Act::Nothing),
     (&[Committing], Cause::NotWritten, Failed, Act::Release),
     (ENDS, Cause::TimeIsOver, Failed, Act::Release),
@@ -287,6 +289,7 @@ impl Pencil {
                     Cause::NotBetter
                 })
             }
+            Event::HeldBack => Some(Cause::HeldBack),
             Event::Written(Ok(())) => Some(Cause::Written),
             Event::Written(Err(_)) => Some(Cause::NotWritten),
         };
@@ -379,7 +382,11 @@ fn event() -> impl Strategy<Value = Event> {
         4 => (0_u32..20, advice).prop_map(|(turns, advice)| Event::Turn(Taken { turns, advice })),
         4 => prop_oneof![Just(Solving::Working(5)), Just(Solving::Solved), Just(Solving::TooFewTurns(1))].prop_map(Event::Slice),
         4 => (0_u32..12, any::<bool>()).prop_map(|(turns, better)| Event::Proof(Figures { turns, better, ..Figures::default() })),
-        3 => prop_oneof![Just(Ok(())), Just(Err(WriteFailure::Verify))].prop_map(Event::Written),
+        4 => prop_oneof![
+            Just(Event::HeldBack),
+            Just(Event::Written(Ok(()))),
+            Just(Event::Written(Err(WriteFailure::Verify))),
+        ],
     ]
 }
 

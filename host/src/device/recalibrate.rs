@@ -16,6 +16,9 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Time that a device may take to write flash; many chips halt and are silent meanwhile.
 const WRITING: Duration = Duration::from_secs(30);
 
+/// How often a table that was held back is committed again.
+const HELD_BACK_MOST: u32 = 3;
+
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Watching {
@@ -86,10 +89,12 @@ impl<P: Port> Client<P> {
     /// Commits the table that waits, and waits until it is in flash. What the device says of it then.
     ///
     /// # Errors
-    /// [`DeviceError`], [`Fault::Failed`] where it is not in flash.
+    /// [`DeviceError`], [`Fault::Failed`] where it is not in flash; [`Fault::Refused`] where the interlock holds it back, and
+    /// then it still waits.
     pub fn commit(&mut self) -> Result<Option<TableInfo>, DeviceError> {
         const WHAT: &str = "commit";
         self.change(WHAT, &Request::Commit)?;
+        let mut held_back = 0;
         let deadline = Instant::now() + WRITING;
         loop {
             match self.status() {
@@ -99,6 +104,12 @@ impl<P: Port> Client<P> {
                         return Err(self.fault(Fault::Unanswered { what: WHAT, wait }));
                     }
                     Stage::Committing => {}
+                    // The interlock said no between command and writing: asked once more, it says why.
+                    Stage::ReadyToCommit if held_back < HELD_BACK_MOST => {
+                        held_back += 1;
+                        self.change(WHAT, &Request::Commit)?;
+                    }
+                    Stage::ReadyToCommit => return Err(self.fault(Fault::HeldBack)),
                     Stage::Failed(failure) => return Err(self.fault(Fault::Failed(failure))),
                     Stage::Done => return Ok(status.table),
                     _ => return Err(self.fault(Fault::Gone)),

@@ -206,6 +206,11 @@ impl Running {
         self.flash.save(self.file.as_deref())
     }
 
+    /// What keeps it from committing from now on.
+    pub const fn hold_commits_back(&mut self, obstacle: Option<Obstacle>) {
+        self.device.interlock().commit = obstacle;
+    }
+
     /// Takes bytes from the port and gives what is to be sent.
     pub fn receive(&mut self, bytes: &[u8]) -> Vec<u8> {
         let now_ms = self.now_ms();

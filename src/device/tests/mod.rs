@@ -242,6 +242,40 @@ fn a_table_that_waits_too_long_is_given_up() {
 }
 
 #[test]
+fn an_interlock_that_says_no_after_the_command_holds_the_table_back_with_flash_untouched() {
+    let mut drive = calibrated();
+    drive.rest(3_600_000);
+    drive.leave();
+    let bytes = dump(&mut drive);
+    load(&mut drive, &bytes);
+    let before = drive.flash.0.borrow().bytes.clone();
+    let operations = drive.flash.0.borrow().operations;
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    assert_eq!(drive.device.stage(), Stage::Committing);
+    drive.switches.commit.set(Some(Obstacle::Moving));
+    assert!(drive.turn(1) < 100);
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    assert_eq!(drive.flash.0.borrow().operations, operations);
+    assert_eq!(drive.flash.0.borrow().bytes, before);
+    let refused = |obstacle| Reply::Refused(Refusal::Interlock(obstacle));
+    assert_eq!(drive.demand(&Request::Commit), refused(Obstacle::Moving));
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    // No erasure was spent, and the table is still there to be committed.
+    drive.switches.commit.set(None);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert_eq!(drive.device.stage(), Stage::Done);
+    assert_eq!(drive.status().table.unwrap().sequence, 1);
+    // What is done at once is asked for at once.
+    let before = drive.flash.0.borrow().bytes.clone();
+    drive.switches.commit.set(Some(Obstacle::Supply));
+    for request in [Request::RollBack, Request::Erase] {
+        assert_eq!(drive.demand(&request), refused(Obstacle::Supply));
+    }
+    assert_eq!(drive.flash.0.borrow().bytes, before);
+}
+
+#[test]
 fn the_interlock_and_worn_flash_hold_commits_back() {
     let mut drive = Drive::new(&Drive::flash(), &disc(1), disc(1));
     drive.switches.calibrate.set(Some(Obstacle::Working));
