@@ -28,6 +28,8 @@ enum Work {
     Nothing,
     Learning,
     Proving,
+    /// Proving a table that was handed over.
+    Comparing,
 }
 
 /// What a [`Workbench`] is told once.
@@ -85,7 +87,7 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
         match self.work {
             Work::Nothing => {}
             Work::Learning => self.learner.push(outcome),
-            Work::Proving => self.prove(outcome, edge.as_ref()),
+            Work::Proving | Work::Comparing => self.prove(outcome, edge.as_ref()),
         }
         edge
     }
@@ -108,7 +110,11 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
                     moved: old.moved,
                     late: old.late,
                 };
-                let new = trial.push(step, self.learner.entries());
+                let entries = match self.work {
+                    Work::Comparing => self.learner.room().map_or(&[][..], |room| room),
+                    _ => self.learner.entries(),
+                };
+                let new = trial.push(step, entries);
                 self.proof.push(step, old, new);
             }
             (Outcome::Index(index), ..) if index.resync == 0 => {}
@@ -165,7 +171,7 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
                 self.learner.prepare(knowledge, goal);
             }
             Action::Learn => self.work = Work::Learning,
-            Action::Hold | Action::Solve | Action::Keep | Action::Write(_) => {}
+            Action::Hold | Action::Solve | Action::Compare | Action::Keep | Action::Write(_) => {}
             Action::Prove => self.start_proof(),
             Action::Release => {
                 self.trial = None;
@@ -239,6 +245,16 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
         } else {
             None
         }
+    }
+
+    fn compare(&mut self, header: &SlotHeader) {
+        let clock_hz = self.config.clock_hz;
+        self.proof = Proof::new(self.config.shape);
+        self.trial = self
+            .learner
+            .room()
+            .and_then(|entries| Trial::new(header, entries, clock_hz));
+        self.work = Work::Comparing;
     }
 
     fn adopt(&mut self, found: Option<&Found>) -> bool {

@@ -160,7 +160,7 @@ impl Machine {
             return Err(Refused::Stage(self.stage));
         }
         self.candidate = Candidate::Loaded;
-        Ok(self.enter(Stage::ReadyToCommit, now_ms, Some(Action::Keep)))
+        Ok(self.enter(Stage::ReadyToCommit, now_ms, Some(Action::Compare)))
     }
 
     fn motion(&mut self, speed: u32, now_ms: u64) -> Option<Action> {

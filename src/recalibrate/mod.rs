@@ -32,8 +32,9 @@
 //! The interlock is asked when the command to commit comes, and once more right before flash is erased. Where it says no by then, the
 //! table is held back: nothing was touched, it waits as before, and another command commits it.
 //!
-//! A learned table has to be better than the one in use on turns that it was not learned from. One that is handed over is not held
-//! against anything: whoever has the key vouches for it.
+//! A learned table has to be better than the one in use on turns that it was not learned from. One that is handed over need not be:
+//! whoever has the key vouches for it, and a new encoder's table has to go in at standstill. But while it waits it is held against the
+//! one in use on the turns that come ([`Action::Compare`]), so that the preview has figures where the shaft turns.
 //!
 //! Every state that waits for something has a limit in [`Limits`]; where turns come and go, the whole has one too.
 

@@ -67,6 +67,7 @@ enum Act {
     Hold,
     Solve,
     Prove,
+    Compare,
     Keep,
     Write,
     Release,
@@ -98,7 +99,7 @@ const ABORTED: &[Node] = &[
 
 const DRAWING: &[Arrow] = &[
     (AT_REST, Cause::Start, Node::Waiting, Act::Prepare),
-    (AT_REST, Cause::HandedOver, Ready, Act::Keep),
+    (AT_REST, Cause::HandedOver, Ready, Act::Compare),
     (&[Node::Waiting], Cause::Turns, Checking, Act::Nothing),
     (&[Checking], Cause::Still, Node::Waiting, Act::Nothing),
     (&[Checking], Cause::Steady, Learning, Act::Learn),
@@ -149,6 +150,7 @@ fn act(action: Option<Action>) -> Act {
         Some(Action::Hold) => Act::Hold,
         Some(Action::Solve) => Act::Solve,
         Some(Action::Prove) => Act::Prove,
+        Some(Action::Compare) => Act::Compare,
         Some(Action::Keep) => Act::Keep,
         Some(Action::Write(_)) => Act::Write,
         Some(Action::Release) => Act::Release,

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use quadcal::recalibrate::{Failure, Figures, Options, Stage};
+use quadcal::recalibrate::{Failure, Figures, Options, PROOF_TURNS_LEAST, Stage};
 use quadcal::wire::{Learned, Request, Status, TableInfo};
 
 use super::client::Client;
@@ -15,6 +15,9 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// Time that a device may take to write flash; many chips halt and are silent meanwhile.
 const WRITING: Duration = Duration::from_secs(30);
+
+/// Longest time that fresh turns are waited for: five turns at 15 r/min.
+const COMPARING: Duration = Duration::from_secs(20);
 
 /// How often a table that was held back is committed again.
 const HELD_BACK_MOST: u32 = 3;
@@ -84,6 +87,29 @@ impl<P: Port> Client<P> {
             learned: if ended { self.result()? } else { None },
             figures: if ended { self.preview()? } else { None },
         })
+    }
+
+    /// What fresh turns say of the table that was handed over, against the one in use. While the shaft turns, waits for
+    /// [`PROOF_TURNS_LEAST`] of them, 20 s at the longest; none where it stands still. `progress` sees turns done and turns in all.
+    ///
+    /// # Errors
+    /// [`DeviceError`].
+    pub fn compare(
+        &mut self,
+        mut progress: impl FnMut(u32, u32),
+    ) -> Result<Option<Figures>, DeviceError> {
+        let wanted = PROOF_TURNS_LEAST.into();
+        let deadline = Instant::now() + COMPARING;
+        loop {
+            let figures = self.preview()?;
+            let turns = figures.map_or(0, |figures| figures.turns);
+            progress(turns.min(wanted), wanted);
+            let enough = turns >= wanted || Instant::now() > deadline;
+            if enough || self.live()?.speed_raw == 0 {
+                return Ok(figures);
+            }
+            thread::sleep(LOOK);
+        }
     }
 
     /// Commits the table that waits, and waits until it is in flash. What the device says of it then.

@@ -3,7 +3,7 @@
 mod drive;
 
 use super::*;
-use crate::recalibrate::{Failure, Obstacle, Options, SpeedWindow, Waiting};
+use crate::recalibrate::{Failure, Figures, Obstacle, Options, SpeedWindow, Waiting};
 use crate::wire::tests::Wires;
 use crate::wire::{Piece, Request, Status, TableFault, request_frame};
 use drive::{Drive, EDGES, disc};
@@ -168,6 +168,51 @@ fn a_table_read_from_one_drive_works_in_another_with_the_same_disc() {
     other.turn(1);
     assert!(other.turn(1) < 100);
     assert_eq!(dump(&mut other).len(), bytes.len());
+}
+
+/// What the preview says.
+fn preview(drive: &mut Drive) -> Option<Figures> {
+    match drive.ask(&Request::Preview) {
+        Reply::Preview(figures) => figures,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_table_handed_over_is_held_against_the_one_in_use_on_fresh_turns_and_may_be_committed_anyway() {
+    let own = dump(&mut calibrated());
+    let mut stranger = Drive::new(&Drive::flash(), &disc(2), disc(2));
+    assert_eq!(stranger.calibrate(), Stage::ReadyToCommit);
+    assert_eq!(stranger.demand(&Request::Commit), Reply::Done);
+    stranger.turn(1);
+    let others = dump(&mut stranger);
+
+    let mut drive = Drive::new(&Drive::flash(), &disc(1), blank());
+    load(&mut drive, &own);
+    assert_eq!(preview(&mut drive), None);
+    let raw = drive.turn(8);
+    assert!(raw > 3_000_000);
+    let figures = preview(&mut drive).unwrap();
+    assert!(figures.better && !figures.is_worse() && figures.turns >= 5);
+    assert!(figures.new.interval < 30_000 && figures.old.interval > 2_000_000);
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert!(drive.turn(1) < 100);
+
+    // The figures of the table before are not taken for the next one's.
+    drive.rest(3_600_000);
+    drive.leave();
+    load(&mut drive, &others);
+    assert_eq!(preview(&mut drive), None);
+    assert!(drive.turn(8) < 100);
+    let figures = preview(&mut drive).unwrap();
+    assert!(!figures.better && figures.is_worse() && figures.turns >= 5);
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert_eq!(drive.device.stage(), Stage::Done);
+    assert!(drive.turn(1) > 3_000_000);
 }
 
 #[test]
