@@ -2,7 +2,6 @@
 //! `quadcal device` commands can be tried and tested without hardware.
 
 mod flash;
-mod learner;
 mod parts;
 mod rig;
 mod serve;
@@ -14,7 +13,7 @@ use std::time::Instant;
 
 use quadcal::access::{AccessConfig, Key};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
-use quadcal::device::{Device, DeviceConfig, Workbench, WorkbenchConfig};
+use quadcal::device::{Device, DeviceConfig, EstimatorLearner, Workbench, WorkbenchConfig};
 use quadcal::recalibrate::{Limits, Obstacle, WearConfig};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::Faults;
@@ -23,11 +22,11 @@ use quadcal::store::{LayoutError, Store};
 use quadcal::wire::{Refusal, WireBytes};
 use thiserror::Error;
 
+use crate::buffers::HeapMemory;
 use crate::sim::Simulation;
 use crate::twin::TwinError;
 
 use flash::Flash;
-pub use learner::HeapLearner;
 use parts::{Drawn, Switches};
 
 pub use serve::{Listener, serve, serve_port};
@@ -108,7 +107,7 @@ pub enum PretendError {
 /// A pretend device that runs.
 pub struct Running {
     device: Device<Flash, Drawn, Switches>,
-    bench: Workbench<'static, HeapLearner, Flash>,
+    bench: Workbench<'static, EstimatorLearner<HeapMemory>, Flash>,
     decoder: QuadratureDecoder,
     edges: Option<Peekable<Simulation>>,
     flash: Flash,
@@ -158,7 +157,7 @@ impl Pretend {
             clock_hz: CLOCK_HZ,
             still: CLOCK_HZ,
         };
-        let learner = HeapLearner::new(shape, CLOCK_HZ);
+        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape));
         let mut bench = Workbench::new(workbench, learner, flash.clone());
         device.begin(&mut bench).map_err(PretendError::Begin)?;
         Ok(Running {
