@@ -109,7 +109,10 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
             let _ = self.tell(Event::HeldBack, now_ms, bench);
             return;
         }
-        let written = self.commit(candidate, bench);
+        let written = match self.agree_with_store(bench) {
+            Ok(()) => self.commit(candidate, bench),
+            Err(_) => Err(WriteFailure::Flash),
+        };
         if written.is_ok() {
             // Where flash can't be read right after it was read back, correction ends, and status says so.
             let _ = self.adopt_newest(bench);

@@ -16,9 +16,13 @@ use crate::store::Found;
 use crate::units::Ticks;
 use crate::wire::Live;
 
-/// Flash that the processor reads like memory. `'f` lasts as long as the device runs; a table is not written to while it is in use.
+/// Flash that the processor reads like memory, slot by slot. `'f` lasts as long as the device runs.
+///
+/// The flash is written meanwhile, but no slot in use is: [`super::Device`] has another one adopted, or none, before it is. So an
+/// implementation hands out the bytes of the slot asked for and nothing beside them, neither the store's marks before it nor the other
+/// place.
 pub trait MappedFlash<'f> {
-    /// The bytes from an offset of the store's flash on, at least those of the slot that is there.
+    /// The bytes of the slot that begins at an offset of the store's flash, to the end of its place at the most.
     fn bytes(&self, offset: u32) -> Option<&'f [u8]>;
 }
 

@@ -3,7 +3,7 @@
 mod drive;
 
 use super::*;
-use crate::recalibrate::{Failure, Figures, Obstacle, Options, SpeedWindow, Waiting};
+use crate::recalibrate::{Failure, Figures, Obstacle, Options, SpeedWindow, Waiting, WriteFailure};
 use crate::wire::tests::Wires;
 use crate::wire::{Piece, Request, Status, TableFault, request_frame};
 use drive::{Drive, EDGES, disc};
@@ -271,6 +271,38 @@ fn rolling_back_and_erasing_take_effect_at_once() {
     assert!(drive.turn(1) > 3_000_000);
     let flash = drive.flash.clone();
     assert_eq!(Drive::new(&flash, &disc(1), blank()).status().table, None);
+}
+
+#[test]
+fn a_place_that_counts_after_all_is_adopted_before_the_other_one_is_written() {
+    let mut drive = calibrated();
+    let bytes = dump(&mut drive);
+    let operations = |drive: &Drive| drive.flash.0.borrow().operations;
+    let commit = |drive: &mut Drive| {
+        drive.rest(3_600_000);
+        drive.leave();
+        load(drive, &bytes);
+        assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+        drive.turn(1);
+    };
+    let before = operations(&drive);
+    commit(&mut drive);
+    let whole = operations(&drive) - before;
+    let sequence = |drive: &mut Drive| drive.status().table.map(|table| table.sequence);
+    assert_eq!(sequence(&mut drive), Some(1));
+    // The last operation, which makes the table count, is done but reported to have failed.
+    let all_bits = 1;
+    drive.flash.0.borrow_mut().cut_at(whole - 1, all_bits);
+    commit(&mut drive);
+    let failed = Stage::Failed(Failure::NotWritten(WriteFailure::Flash));
+    assert_eq!(drive.device.stage(), failed);
+    assert_eq!(sequence(&mut drive), Some(1));
+    drive.flash.0.borrow_mut().restore();
+    // The next commit does not come as far as to erase, but its place is no longer the one in use.
+    drive.flash.0.borrow_mut().cut_at(0, 0);
+    commit(&mut drive);
+    assert_eq!(drive.device.stage(), failed);
+    assert_eq!(sequence(&mut drive), Some(2));
 }
 
 #[test]
