@@ -5,7 +5,6 @@ use super::pace::Pace;
 use super::proof::{Corrected, Proof};
 use super::trial::Trial;
 use crate::corrector::{CorrectedEdge, Corrector};
-use crate::edge::Direction;
 use crate::estimate::{Advice, Anchor, DriveKnowledge, Goal};
 use crate::interval::{SPEED_FRACTION_BITS, Speed};
 use crate::recalibrate::{Action, Figures, SolveInSlices, Solving};
@@ -58,7 +57,6 @@ pub struct Workbench<'f, L, M> {
     proof: Proof,
     trial: Option<Trial>,
     now: Ticks,
-    direction: Direction,
     faults: Faults,
 }
 
@@ -75,7 +73,6 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
             proof: Proof::new(config.shape),
             trial: None,
             now: 0,
-            direction: Direction::Forward,
             faults: Faults::new(),
         }
     }
@@ -86,12 +83,17 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
         let edge = self.corrector.push(outcome);
         if let Outcome::Step(step) = outcome {
             self.pace.push(step);
-            self.direction = step.direction;
         }
         match self.work {
             Work::Nothing => {}
-            Work::Learning => self.learner.push(outcome),
-            Work::Proving | Work::Comparing => self.prove(outcome, edge.as_ref()),
+            Work::Learning => self.learn(outcome),
+            Work::Proving | Work::Comparing => {
+                let old = edge.as_ref().map(|edge| Corrected {
+                    moved: edge.moved,
+                    late: edge.late,
+                });
+                self.prove(outcome, old);
+            }
         }
         edge
     }
@@ -107,13 +109,16 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
         &self.corrector
     }
 
-    fn prove(&mut self, outcome: &Outcome, old: Option<&CorrectedEdge>) {
+    /// Out of line, as [`Self::prove`]: what the control loop waits for keeps the registers to itself.
+    #[inline(never)]
+    fn learn(&mut self, outcome: &Outcome) {
+        self.learner.push(outcome);
+    }
+
+    #[inline(never)]
+    fn prove(&mut self, outcome: &Outcome, old: Option<Corrected>) {
         match (outcome, old, &mut self.trial) {
             (Outcome::Step(step), Some(old), Some(trial)) => {
-                let old = Corrected {
-                    moved: old.moved,
-                    late: old.late,
-                };
                 let entries = match self.work {
                     Work::Comparing => self.learner.room().map_or(&[][..], |room| room),
                     _ => self.learner.entries(),
@@ -193,7 +198,7 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
         let (speed_raw, speed) = match &last {
             Some(last) if !still(last) => {
                 let step = (1_i64 << SPEED_FRACTION_BITS) / i64::from(self.config.shape.edges());
-                let step = step * i64::from(self.direction.sign());
+                let step = step * i64::from(self.pace.direction().sign());
                 let moved = i64::from(last.moved.0) << (SPEED_FRACTION_BITS - 32);
                 (
                     Speed::over(step, last.interval),
@@ -221,8 +226,11 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
     }
 
     fn speed(&mut self) -> u32 {
-        self.pace
-            .speed(self.now, self.config.clock_hz, self.config.still)
+        let last = self.corrector.last().map_or(0, |last| last.ticks);
+        let WorkbenchConfig {
+            clock_hz, still, ..
+        } = self.config;
+        self.pace.speed(last, self.now, clock_hz, still)
     }
 
     fn learning(&mut self) -> Learning {
