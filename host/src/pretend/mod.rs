@@ -24,7 +24,7 @@ use thiserror::Error;
 
 use crate::buffers::HeapMemory;
 use crate::sim::Simulation;
-use crate::twin::TwinError;
+use crate::twin::{Twin, TwinError};
 
 use flash::Flash;
 use parts::{Drawn, Switches};
@@ -129,7 +129,7 @@ impl Pretend {
         let decoder = decoder.map_err(PretendError::Sensor)?;
         let edges = match self.r_min {
             0.0 => None,
-            _ => Some(Simulation::new(&rig::twin(self))?.peekable()),
+            _ => Some(Simulation::new(&self.twin())?.peekable()),
         };
         let flash = Flash::load(shape, self.file())?;
         let config = DeviceConfig {
@@ -171,6 +171,12 @@ impl Pretend {
             noisy_line: self.noisy_line,
             replies: 0,
         })
+    }
+
+    /// The rig whose edges it sees: the paper's, with errors in proportion to a line.
+    #[must_use]
+    pub fn twin(&self) -> Twin {
+        rig::twin(self)
     }
 
     fn file(&self) -> Option<&std::path::Path> {
