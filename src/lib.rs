@@ -21,6 +21,14 @@
 //! | [`estimate::Estimator::push`], one turn coming in and one being folded | 124 |
 //! | [`fingerprint::Trail::push`], its call included | 25 |
 //!
+//! On the edge path of a drive that can be calibrated in the field (feature `device`), counted by `cargo qemu --bin edge_cost_field`:
+//!
+//! | `device::Workbench::push` | instructions |
+//! |---|---|
+//! | with nothing to do but to correct: the corrector, whole parts of a turn for the pace, and what is to be done | 79 |
+//! | while it learns: the estimator as well, behind a call | 223 |
+//! | while it proves what it learned, or compares what was handed over: both tables' way over the turn | 507 |
+//!
 //! These paths divide nothing, use no floating point and hold no panic. Anything but one more edge of settled motion, Z low,
 //! goes out of line: at most a few edges a turn, sixteen after a start or a reversal, and every edge of three Hall sensors in
 //! the corrector.

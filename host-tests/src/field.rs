@@ -7,14 +7,16 @@ use std::rc::Rc;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use quadcal::access::{AccessConfig, Key, KeyHolder, Nonces};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
-use quadcal::device::{Device, DeviceConfig, MappedFlash, Workbench, WorkbenchConfig};
+use quadcal::device::{
+    Device, DeviceConfig, EstimatorLearner, MappedFlash, Workbench, WorkbenchConfig,
+};
 use quadcal::edge::Sample;
 use quadcal::recalibrate::{Interlock, Limits, Obstacle, WearConfig};
 use quadcal::shape::EncoderShape;
 use quadcal::step::Flags;
 use quadcal::store::{Layout, Store};
 use quadcal::wire::{Draft, Kind, Nonce, Parser, Reply, Request, WireBytes, request_frame};
-use quadcal_host::pretend::HeapLearner;
+use quadcal_host::buffers::HeapMemory;
 use quadcal_host::sim::Event;
 
 use crate::fuzz_device::flash::Fault;
@@ -121,7 +123,7 @@ impl Nonces for Counting {
 pub struct Field {
     /// The drive's service.
     pub device: Device<Flash, Counting, Allowed>,
-    bench: Workbench<'static, HeapLearner, Flash>,
+    bench: Workbench<'static, EstimatorLearner<HeapMemory>, Flash>,
     decoder: QuadratureDecoder,
     now_ms: u64,
     number: u16,
@@ -153,7 +155,8 @@ impl Field {
             clock_hz: CLOCK_HZ,
             still: CLOCK_HZ,
         };
-        let mut bench = Workbench::new(workbench, HeapLearner::new(shape, CLOCK_HZ), flash.clone());
+        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape));
+        let mut bench = Workbench::new(workbench, learner, flash.clone());
         device.begin(&mut bench).expect("flash can be read");
         Self {
             device,

@@ -16,6 +16,7 @@ pub mod reference;
 
 pub mod events;
 pub mod field;
+pub mod field_trial;
 pub mod firmware;
 pub mod fuzz_device;
 pub mod locate;

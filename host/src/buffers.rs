@@ -1,6 +1,8 @@
 //! Estimator memory for a line count that is only known at run time.
 
+use quadcal::device::LearnerMemory;
 use quadcal::estimate::{EdgeBuffers, Parts, blocks_for};
+use quadcal::shape::EncoderShape;
 
 /// Buffers of any size on the heap.
 pub struct HeapBuffers {
@@ -36,5 +38,16 @@ impl EdgeBuffers for HeapBuffers {
 
     fn edges(&self) -> usize {
         self.sum.len()
+    }
+}
+
+/// Buffers for a device's learner, made anew whenever it wants them.
+pub struct HeapMemory(pub EncoderShape);
+
+impl LearnerMemory for HeapMemory {
+    type Buffers = HeapBuffers;
+
+    fn take(&mut self) -> Option<HeapBuffers> {
+        Some(HeapBuffers::new(self.0.edges() as usize))
     }
 }

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use quadcal::access::Key;
-use quadcal::recalibrate::{Options, Stage};
+use quadcal::recalibrate::{Obstacle, Options, Stage};
 use quadcal::wire::{LogLevel, Parser, Refusal, Reply, Request};
 use quadcal_host::device::{Calibrated, Client, Fault, Port, Timing, Watching};
 use quadcal_host::pretend::{Pretend, Running};
@@ -69,6 +69,7 @@ impl Write for Line {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let mut device = self.device.0.lock().unwrap();
         let sent = device.receive(bytes);
+        drop(device);
         let mut parser = Parser::new();
         for byte in &sent {
             self.replies += u32::from(parser.push(*byte).is_some());
@@ -215,6 +216,32 @@ fn a_calibration_that_is_stopped_or_aborted_by_another_leaves_the_device_idle() 
     });
     let gone = gone.unwrap_err();
     assert!(matches!(gone.fault, Fault::Gone), "{gone}");
+}
+
+#[test]
+fn a_table_held_back_after_the_command_says_why_and_still_waits() {
+    let device = Shared::start(&small());
+    let mut host = device.host();
+    let calibration = host.calibrate(&Options::default(), |_| Watching::GoOn);
+    assert_eq!(calibration.unwrap().end, Calibrated::Waiting);
+    // The shaft moves once the command, the third request, is answered, and before the main loop comes by.
+    let shared = device.clone();
+    let mut host = device.host_losing(move |reply| {
+        if reply == 3 {
+            let mut running = shared.0.lock().unwrap();
+            running.hold_commits_back(Some(Obstacle::Moving));
+        }
+        false
+    });
+    let held = host.commit().unwrap_err();
+    let moving = Refusal::Interlock(Obstacle::Moving);
+    assert!(
+        matches!(held.fault, Fault::Refused { refusal, .. } if refusal == moving),
+        "{held}"
+    );
+    assert_eq!(host.status().unwrap().stage, Stage::ReadyToCommit);
+    device.0.lock().unwrap().hold_commits_back(None);
+    assert_eq!(host.commit().unwrap().unwrap().sequence, 0);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::fs;
 
 use pretended::{Bench, QUICK, message, small};
 use quadcal::recalibrate::Obstacle;
+use quadcal_host::pretend::Pretend;
 
 #[test]
 fn the_drive_may_refuse_to_calibrate_and_to_commit() {
@@ -53,6 +54,46 @@ fn a_table_that_is_no_better_is_refused_with_its_figures() {
     let status = bench.json("status");
     assert_eq!(status["failure"]["reason"], "not_better");
     assert_eq!(status["table"]["sequence"], 0);
+}
+
+#[test]
+fn a_loaded_table_that_is_worse_is_warned_of_and_committed_all_the_same() {
+    let bench = Bench::start(&small());
+    bench.done(&format!("{QUICK} --commit"));
+    bench.done("dump -o own.qct");
+    let other = Bench::start(&Pretend { seed: 2, ..small() });
+    other.done(&format!("{QUICK} --commit"));
+    other.done("dump -o other.qct");
+    let own = bench.path().join("own.qct").display().to_string();
+    // Better than none, on a drive with the same disc.
+    let fresh = Bench::start(&small());
+    let output = fresh.run(&format!("load {own} --commit --json -"));
+    assert!(output.status.success() && output.stderr.is_empty());
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(result["proof"]["better"], true);
+    assert_eq!(result["proof"]["worse"], false);
+    // Another disc's.
+    let table = other.path().join("other.qct");
+    let output = bench.run(&format!("load {} --commit", table.display()));
+    let [text, warning] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(
+        warning.starts_with("Warning: on fresh turns the loaded table is worse"),
+        "{warning}"
+    );
+    assert!(
+        text.contains("The new table is          WORSE") && text.contains("number 1 at place B"),
+        "{text}"
+    );
+    assert_eq!(bench.json("preview")["proof"]["worse"], true);
+    // At a standstill there is nothing to go by.
+    let still = Bench::start(&Pretend {
+        r_min: 0.0,
+        ..small()
+    });
+    let result = still.json(&format!("load {own} --commit"));
+    assert_eq!(result["proof"], serde_json::Value::Null);
+    assert_eq!(result["committed"], true);
 }
 
 #[test]

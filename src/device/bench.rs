@@ -45,6 +45,10 @@ pub trait Bench: SolveInSlices {
     /// What was put there stays until [`Action::Prepare`] or [`Action::Release`].
     fn room(&mut self) -> Option<&mut [i16]>;
 
+    /// Holds the table in [`Self::room`], which says this of itself, against the one in use on the turns that come: [`Self::figures`] has
+    /// what they say. The next action ends it.
+    fn compare(&mut self, header: &SlotHeader);
+
     /// Corrects with a table of the store from now on, or with none. False where it can't be used, and then there is none.
     fn adopt(&mut self, found: Option<&Found>) -> bool;
 
@@ -77,7 +81,7 @@ pub trait Learner: SolveInSlices {
     /// Its entries then.
     fn entries(&self) -> &[i16];
 
-    /// As [`Bench::room`].
+    /// As [`Bench::room`]. On the edge path too, while what was put there is compared: then it returns at once.
     fn room(&mut self) -> Option<&mut [i16]>;
 
     /// Gives up what was learned.

@@ -16,6 +16,8 @@
 //! corrects them until [`Bench::adopt`] exchanges it.
 
 mod bench;
+mod learner;
+mod memory;
 mod pace;
 mod proof;
 mod service;
@@ -29,6 +31,8 @@ mod workbench;
 mod tests;
 
 pub use bench::{Bench, Learner, Learning};
+pub use learner::EstimatorLearner;
+pub use memory::{LearnerMemory, Lent, Shelf};
 pub use proof::{Corrected, GAIN_LEAST, Proof};
 pub use workbench::{MappedFlash, Workbench, WorkbenchConfig};
 

@@ -212,8 +212,10 @@ impl Turn {
             let late = i64::from(edge.late.0) - sums.late;
             let since = since_q8.saturating_add_signed(-late) >> self.down;
             // More than two turns before would not fit.
-            let since = since.min(u32::MAX.into());
-            let way = (since * u64::from(per_turn.mantissa)) >> (per_turn.shift - 32).min(63);
+            #[allow(clippy::cast_possible_truncation)]
+            let since = since.min(u32::MAX.into()) as u32;
+            let product = u64::from(since) * u64::from(per_turn.mantissa);
+            let way = product >> per_turn.shift.wrapping_sub(32).min(63);
             sums.way += i64::from(edge.moved.0) * i64::from(sign);
             taken &= sums.add(way.cast_signed() - sums.way);
         }

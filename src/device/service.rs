@@ -101,8 +101,10 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
                 self.may_exchange()?;
                 self.may_erase(now_ms)?;
                 self.wear.spend();
+                // Nothing is written under the edge path's eyes.
+                bench.adopt(None);
                 let erased = self.store.erase().map_err(refused);
-                // Even where it failed, what is in use may be gone.
+                // Where it failed, there may be one left.
                 self.adopt_newest(bench)?;
                 erased?;
             }
@@ -182,6 +184,16 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
         let adopted = bench.adopt(found.as_ref());
         self.in_use = found.filter(|_| adopted);
         newest.map(drop)
+    }
+
+    /// Makes sure that what is in use is what counts, which the store does not write to. A write that failed at its very end, the flash
+    /// having done what it denies, may have changed that.
+    pub fn agree_with_store(&mut self, bench: &mut impl Bench) -> Result<(), Refusal> {
+        if self.store.newest().map_err(refused)? == self.in_use {
+            Ok(())
+        } else {
+            self.adopt_newest(bench)
+        }
     }
 
     /// Tells the machine what happens and does what it says.

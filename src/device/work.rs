@@ -48,18 +48,22 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
                 }
                 self.tell(Event::Slice(solving), now_ms, bench)
             }
-            Stage::Proving => {
-                let figures = bench.figures();
-                self.rejected = figures.rejected;
-                if figures.turns == self.turns {
-                    return Ok(());
-                }
-                self.turns = figures.turns;
-                self.preview = Some(figures);
-                self.tell(Event::Proof(figures), now_ms, bench)
-            }
+            Stage::Proving => self.look_at_figures(now_ms, bench),
+            // The machine passes these figures over: they are for the preview.
+            Stage::ReadyToCommit if self.loaded.is_some() => self.look_at_figures(now_ms, bench),
             _ => Ok(()),
         }
+    }
+
+    fn look_at_figures(&mut self, now_ms: u64, bench: &mut impl Bench) -> Result<(), Refusal> {
+        let figures = bench.figures();
+        self.rejected = figures.rejected;
+        if figures.turns == self.turns {
+            return Ok(());
+        }
+        self.turns = figures.turns;
+        self.preview = Some(figures);
+        self.tell(Event::Proof(figures), now_ms, bench)
     }
 
     fn look_at_learning(&mut self, now_ms: u64, bench: &mut impl Bench) -> Result<(), Refusal> {
@@ -84,6 +88,9 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
             Action::Prove => {
                 (self.turns, self.rejected) = (0, 0);
             }
+            Action::Compare => {
+                (self.turns, self.rejected, self.preview) = (0, 0, None);
+            }
             Action::Release => {
                 (self.upload, self.loaded) = (None, None);
             }
@@ -91,11 +98,21 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
             _ => {}
         }
         bench.perform(action);
+        if let (Action::Compare, Some(header)) = (action, &self.loaded) {
+            bench.compare(header);
+        }
     }
 
-    /// Writes the table that was said to be written.
+    /// Writes the table that was said to be written, if the interlock still allows it.
     fn write_due(&mut self, candidate: Candidate, now_ms: u64, bench: &mut impl Bench) {
-        let written = self.commit(candidate, bench);
+        if self.interlock.may_commit().is_err() {
+            let _ = self.tell(Event::HeldBack, now_ms, bench);
+            return;
+        }
+        let written = match self.agree_with_store(bench) {
+            Ok(()) => self.commit(candidate, bench),
+            Err(_) => Err(WriteFailure::Flash),
+        };
         if written.is_ok() {
             // Where flash can't be read right after it was read back, correction ends, and status says so.
             let _ = self.adopt_newest(bench);

@@ -5,7 +5,6 @@ use super::pace::Pace;
 use super::proof::{Corrected, Proof};
 use super::trial::Trial;
 use crate::corrector::{CorrectedEdge, Corrector};
-use crate::edge::Direction;
 use crate::estimate::{Advice, Anchor, DriveKnowledge, Goal};
 use crate::interval::{SPEED_FRACTION_BITS, Speed};
 use crate::recalibrate::{Action, Figures, SolveInSlices, Solving};
@@ -16,9 +15,13 @@ use crate::store::Found;
 use crate::units::Ticks;
 use crate::wire::Live;
 
-/// Flash that the processor reads like memory. `'f` lasts as long as the device runs; a table is not written to while it is in use.
+/// Flash that the processor reads like memory, slot by slot. `'f` lasts as long as the device runs.
+///
+/// The flash is written meanwhile, but no slot in use is: [`super::Device`] has another one adopted, or none, before it is. So an
+/// implementation hands out the bytes of the slot asked for and nothing beside them, neither the store's marks before it nor the other
+/// place.
 pub trait MappedFlash<'f> {
-    /// The bytes from an offset of the store's flash on, at least those of the slot that is there.
+    /// The bytes of the slot that begins at an offset of the store's flash, to the end of its place at the most.
     fn bytes(&self, offset: u32) -> Option<&'f [u8]>;
 }
 
@@ -28,6 +31,8 @@ enum Work {
     Nothing,
     Learning,
     Proving,
+    /// Proving a table that was handed over.
+    Comparing,
 }
 
 /// What a [`Workbench`] is told once.
@@ -52,7 +57,6 @@ pub struct Workbench<'f, L, M> {
     proof: Proof,
     trial: Option<Trial>,
     now: Ticks,
-    direction: Direction,
     faults: Faults,
 }
 
@@ -69,7 +73,6 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
             proof: Proof::new(config.shape),
             trial: None,
             now: 0,
-            direction: Direction::Forward,
             faults: Faults::new(),
         }
     }
@@ -80,12 +83,17 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
         let edge = self.corrector.push(outcome);
         if let Outcome::Step(step) = outcome {
             self.pace.push(step);
-            self.direction = step.direction;
         }
         match self.work {
             Work::Nothing => {}
-            Work::Learning => self.learner.push(outcome),
-            Work::Proving => self.prove(outcome, edge.as_ref()),
+            Work::Learning => self.learn(outcome),
+            Work::Proving | Work::Comparing => {
+                let old = edge.as_ref().map(|edge| Corrected {
+                    moved: edge.moved,
+                    late: edge.late,
+                });
+                self.prove(outcome, old);
+            }
         }
         edge
     }
@@ -101,14 +109,21 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Workbench<'f, L, M> {
         &self.corrector
     }
 
-    fn prove(&mut self, outcome: &Outcome, old: Option<&CorrectedEdge>) {
+    /// Out of line, as [`Self::prove`]: what the control loop waits for keeps the registers to itself.
+    #[inline(never)]
+    fn learn(&mut self, outcome: &Outcome) {
+        self.learner.push(outcome);
+    }
+
+    #[inline(never)]
+    fn prove(&mut self, outcome: &Outcome, old: Option<Corrected>) {
         match (outcome, old, &mut self.trial) {
             (Outcome::Step(step), Some(old), Some(trial)) => {
-                let old = Corrected {
-                    moved: old.moved,
-                    late: old.late,
+                let entries = match self.work {
+                    Work::Comparing => self.learner.room().map_or(&[][..], |room| room),
+                    _ => self.learner.entries(),
                 };
-                let new = trial.push(step, self.learner.entries());
+                let new = trial.push(step, entries);
                 self.proof.push(step, old, new);
             }
             (Outcome::Index(index), ..) if index.resync == 0 => {}
@@ -165,7 +180,7 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
                 self.learner.prepare(knowledge, goal);
             }
             Action::Learn => self.work = Work::Learning,
-            Action::Hold | Action::Solve | Action::Keep | Action::Write(_) => {}
+            Action::Hold | Action::Solve | Action::Compare | Action::Keep | Action::Write(_) => {}
             Action::Prove => self.start_proof(),
             Action::Release => {
                 self.trial = None;
@@ -183,7 +198,7 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
         let (speed_raw, speed) = match &last {
             Some(last) if !still(last) => {
                 let step = (1_i64 << SPEED_FRACTION_BITS) / i64::from(self.config.shape.edges());
-                let step = step * i64::from(self.direction.sign());
+                let step = step * i64::from(self.pace.direction().sign());
                 let moved = i64::from(last.moved.0) << (SPEED_FRACTION_BITS - 32);
                 (
                     Speed::over(step, last.interval),
@@ -211,8 +226,11 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
     }
 
     fn speed(&mut self) -> u32 {
-        self.pace
-            .speed(self.now, self.config.clock_hz, self.config.still)
+        let last = self.corrector.last().map_or(0, |last| last.ticks);
+        let WorkbenchConfig {
+            clock_hz, still, ..
+        } = self.config;
+        self.pace.speed(last, self.now, clock_hz, still)
     }
 
     fn learning(&mut self) -> Learning {
@@ -239,6 +257,16 @@ impl<'f, L: Learner, M: MappedFlash<'f>> Bench for Workbench<'f, L, M> {
         } else {
             None
         }
+    }
+
+    fn compare(&mut self, header: &SlotHeader) {
+        let clock_hz = self.config.clock_hz;
+        self.proof = Proof::new(self.config.shape);
+        self.trial = self
+            .learner
+            .room()
+            .and_then(|entries| Trial::new(header, entries, clock_hz));
+        self.work = Work::Comparing;
     }
 
     fn adopt(&mut self, found: Option<&Found>) -> bool {

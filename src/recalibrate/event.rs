@@ -53,6 +53,8 @@ pub enum Event {
     Slice(Solving),
     /// A fresh turn was held against both tables.
     Proof(Figures),
+    /// The table was not begun to be written: the interlock no longer allowed it when its turn came.
+    HeldBack,
     /// The table was written, or not.
     Written(Result<(), WriteFailure>),
 }
@@ -81,6 +83,8 @@ pub enum Action {
     Solve,
     /// Hold the new table against the one in use.
     Prove,
+    /// The table that was handed over waits; hold it against the one in use, on the turns that come.
+    Compare,
     /// The new table waits: hold it, and do nothing with edges.
     Keep,
     /// Write this table to flash and use it; [`Event::Written`] says how it went.

@@ -27,3 +27,16 @@ pub struct Figures {
     /// Whether the new one is better for certain: intervals or angle scatter less, and neither more, by more than chance.
     pub better: bool,
 }
+
+impl Figures {
+    /// Whether edges are off more with the new table, by more than a thirty-second, from edge to edge or over the turn: a warning, while
+    /// [`Self::better`] is a proof.
+    #[must_use]
+    pub const fn is_worse(&self) -> bool {
+        const fn more(new: u32, old: u32) -> bool {
+            new > old.saturating_add(old / 32)
+        }
+        let (old, new) = (&self.old, &self.new);
+        !self.better && (more(new.interval, old.interval) || more(new.angle, old.angle))
+    }
+}

@@ -11,7 +11,8 @@ pub trait Interlock {
     fn may_calibrate(&self) -> Result<(), Obstacle>;
 
     /// Whether the table in use may be exchanged and flash written, which on many chips halts the processor: as a rule with the shaft
-    /// at rest and the supply sure to stay. Asked when the command comes; a table is written at the next poll.
+    /// at rest and the supply sure to stay. Asked when the command comes, and again right before flash is erased or written: a table is
+    /// written at the next poll. What was begun is brought to its end.
     ///
     /// # Errors
     /// What is in the way.

@@ -80,6 +80,7 @@ impl Machine {
             Event::Turn(taken) => Ok(self.turn(taken, now_ms)),
             Event::Slice(solving) => Ok(self.slice(solving, now_ms)),
             Event::Proof(figures) => Ok(self.proof(&figures, now_ms)),
+            Event::HeldBack => Ok(self.held_back(now_ms)),
             Event::Written(written) => Ok(match (self.stage, written) {
                 (Stage::Committing, Ok(())) => self.enter(Stage::Done, now_ms, None),
                 (Stage::Committing, Err(failure)) => {
@@ -145,12 +146,21 @@ impl Machine {
         Ok(self.enter(Stage::Committing, now_ms, action))
     }
 
+    /// The table waits again: what was learned must not be lost because the shaft moved at the last moment.
+    fn held_back(&mut self, now_ms: u64) -> Option<Action> {
+        if self.stage == Stage::Committing {
+            self.enter(Stage::ReadyToCommit, now_ms, Some(Action::Keep))
+        } else {
+            None
+        }
+    }
+
     fn loaded(&mut self, now_ms: u64) -> Step {
         if !self.is_at_rest() {
             return Err(Refused::Stage(self.stage));
         }
         self.candidate = Candidate::Loaded;
-        Ok(self.enter(Stage::ReadyToCommit, now_ms, Some(Action::Keep)))
+        Ok(self.enter(Stage::ReadyToCommit, now_ms, Some(Action::Compare)))
     }
 
     fn motion(&mut self, speed: u32, now_ms: u64) -> Option<Action> {

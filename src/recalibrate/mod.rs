@@ -17,7 +17,8 @@
 //!    |            |                 |                                             +-------+---------+
 //!    |  written  +------------+  commit  +-----------------+    better on fresh turns     | proving |
 //!    +-----------| committing |<---------| ready to commit |<-----------------------------+---------+
-//!                +------------+          +-----------------+
+//!                |            |--------->|                 |
+//!                +------------+ held back+-----------------+
 //!                                                 ^ a table is handed over: from idle, done, failed
 //!
 //! from waiting, checking, learning, solving, proving:  time is over, the interlock says no  -> failed
@@ -28,8 +29,12 @@
 //! whoever owns it does what the actions say. The table in use goes on correcting from the start to the moment that another one
 //! is in flash.
 //!
-//! A learned table has to be better than the one in use on turns that it was not learned from. One that is handed over is not held
-//! against anything: whoever has the key vouches for it.
+//! The interlock is asked when the command to commit comes, and once more right before flash is erased. Where it says no by then, the
+//! table is held back: nothing was touched, it waits as before, and another command commits it.
+//!
+//! A learned table has to be better than the one in use on turns that it was not learned from. One that is handed over need not be:
+//! whoever has the key vouches for it, and a new encoder's table has to go in at standstill. But while it waits it is held against the
+//! one in use on the turns that come ([`Action::Compare`]), so that the preview has figures where the shaft turns.
 //!
 //! Every state that waits for something has a limit in [`Limits`]; where turns come and go, the whole has one too.
 

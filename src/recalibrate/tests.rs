@@ -53,6 +53,7 @@ enum Cause {
     NotBetter,
     Written,
     NotWritten,
+    HeldBack,
     TimeIsOver,
     SaysNo,
 }
@@ -66,6 +67,7 @@ enum Act {
     Hold,
     Solve,
     Prove,
+    Compare,
     Keep,
     Write,
     Release,
@@ -97,7 +99,7 @@ const ABORTED: &[Node] = &[
 
 const DRAWING: &[Arrow] = &[
     (AT_REST, Cause::Start, Node::Waiting, Act::Prepare),
-    (AT_REST, Cause::HandedOver, Ready, Act::Keep),
+    (AT_REST, Cause::HandedOver, Ready, Act::Compare),
     (&[Node::Waiting], Cause::Turns, Checking, Act::Nothing),
     (&[Checking], Cause::Still, Node::Waiting, Act::Nothing),
     (&[Checking], Cause::Steady, Learning, Act::Learn),
@@ -109,6 +111,7 @@ const DRAWING: &[Arrow] = &[
     (&[Proving], Cause::Better, Ready, Act::Keep),
     (&[Proving], Cause::NotBetter, Failed, Act::Release),
     (&[Ready], Cause::Commit, Committing, Act::Write),
+    (&[Committing], Cause::HeldBack, Ready, Act::Keep),
     (&[Committing], Cause::Written, Done, Act::Nothing),
     (&[Committing], Cause::NotWritten, Failed, Act::Release),
     (ENDS, Cause::TimeIsOver, Failed, Act::Release),
@@ -147,6 +150,7 @@ fn act(action: Option<Action>) -> Act {
         Some(Action::Hold) => Act::Hold,
         Some(Action::Solve) => Act::Solve,
         Some(Action::Prove) => Act::Prove,
+        Some(Action::Compare) => Act::Compare,
         Some(Action::Keep) => Act::Keep,
         Some(Action::Write(_)) => Act::Write,
         Some(Action::Release) => Act::Release,
@@ -287,6 +291,7 @@ impl Pencil {
                     Cause::NotBetter
                 })
             }
+            Event::HeldBack => Some(Cause::HeldBack),
             Event::Written(Ok(())) => Some(Cause::Written),
             Event::Written(Err(_)) => Some(Cause::NotWritten),
         };
@@ -379,7 +384,11 @@ fn event() -> impl Strategy<Value = Event> {
         4 => (0_u32..20, advice).prop_map(|(turns, advice)| Event::Turn(Taken { turns, advice })),
         4 => prop_oneof![Just(Solving::Working(5)), Just(Solving::Solved), Just(Solving::TooFewTurns(1))].prop_map(Event::Slice),
         4 => (0_u32..12, any::<bool>()).prop_map(|(turns, better)| Event::Proof(Figures { turns, better, ..Figures::default() })),
-        3 => prop_oneof![Just(Ok(())), Just(Err(WriteFailure::Verify))].prop_map(Event::Written),
+        4 => prop_oneof![
+            Just(Event::HeldBack),
+            Just(Event::Written(Ok(()))),
+            Just(Event::Written(Err(WriteFailure::Verify))),
+        ],
     ]
 }
 

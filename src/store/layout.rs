@@ -122,6 +122,14 @@ impl Layout {
         })
     }
 
+    /// Offsets that a slot may take which begins at `offset`: to the end of its place. None where none begins.
+    #[must_use]
+    pub fn slot_room(&self, offset: u32) -> Option<Range<u32>> {
+        let holds = |place: &&PlaceRange| place.start + SLOT_AT == offset;
+        let place = self.places.iter().find(holds)?;
+        Some(offset..place.start + place.length)
+    }
+
     pub(super) const fn of(&self, place: super::Place) -> PlaceRange {
         self.places[place as usize]
     }

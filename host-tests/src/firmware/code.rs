@@ -43,7 +43,10 @@ impl Function {
                 "panics",
                 name.contains("panic") || name.contains("rust_begin_unwind"),
             ),
-            ("divides", name.contains("div")),
+            (
+                "divides",
+                name.contains("div") || name.starts_with("__") && name.contains("mod"),
+            ),
             (
                 "floating point in software",
                 soft_float.iter().any(|start| name.starts_with(start)),

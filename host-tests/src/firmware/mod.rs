@@ -11,7 +11,7 @@ mod toolchain;
 pub use code::{Function, Offence, offences, reachable};
 pub use elf::{Size, Symbol, loaded, size, symbols, value};
 pub use image::{build, images};
-pub use qemu::{Output, run_qemu, start_qemu};
+pub use qemu::{Output, run_qemu, start_qemu, start_qemu_at_port};
 pub use toolchain::{DEBIAN_PACKAGES, Toolchain, toolchain};
 
 /// The target of every image: Cortex-M4F.

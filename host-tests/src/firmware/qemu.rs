@@ -48,7 +48,8 @@ pub fn run_qemu(
     // Files, not pipes: they can't fill up, and what was printed before a hang is still there.
     let (out, out_end) = stream()?;
     let (err, err_end) = stream()?;
-    let mut child = spawn(machine(elf, args, dir).stdout(out_end).stderr(err_end))?;
+    let mut machine = machine(elf, args, dir, "null");
+    let mut child = spawn(counting(&mut machine).stdout(out_end).stderr(err_end))?;
     let status = child
         .controlled()
         .time_limit(limit)
@@ -74,15 +75,40 @@ pub fn run_qemu(
 /// # Errors
 /// No QEMU.
 pub fn start_qemu(elf: &Path, args: &[&str], dir: &Path) -> Result<Child, FirmwareError> {
+    let mut machine = machine(elf, args, dir, "null");
     spawn(
-        machine(elf, args, dir)
+        counting(&mut machine)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped()),
     )
 }
 
-/// The command that runs `elf`.
-fn machine(elf: &Path, args: &[&str], dir: &Path) -> Command {
+/// Starts `elf` with its first serial port at a socket named `socket` in `dir`, and with its clock going as the host's. Whoever starts
+/// it ends it.
+///
+/// # Errors
+/// No QEMU.
+pub fn start_qemu_at_port(
+    elf: &Path,
+    args: &[&str],
+    dir: &Path,
+    socket: &str,
+) -> Result<Child, FirmwareError> {
+    let serial = format!("unix:{},server=on,wait=off", socket.replace(',', ",,"));
+    spawn(
+        machine(elf, args, dir, &serial)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped()),
+    )
+}
+
+/// Makes virtual time the number of instructions times 8 ns.
+fn counting(machine: &mut Command) -> &mut Command {
+    machine.args(["-icount", "shift=3"])
+}
+
+/// The command that runs `elf`, its first serial port being `serial`.
+fn machine(elf: &Path, args: &[&str], dir: &Path, serial: &str) -> Command {
     let name = elf.file_stem().unwrap_or_default().to_string_lossy();
     let mut config = OsString::from("enable=on,target=native");
     for word in std::iter::once(name.as_ref()).chain(args.iter().copied()) {
@@ -98,11 +124,11 @@ fn machine(elf: &Path, args: &[&str], dir: &Path) -> Command {
             "-display",
             "none",
             "-serial",
-            "null",
+            serial,
             "-monitor",
             "none",
+            "-semihosting-config",
         ])
-        .args(["-icount", "shift=3", "-semihosting-config"])
         .arg(config)
         .arg("-kernel")
         .arg(elf)

@@ -219,7 +219,14 @@ impl Subject {
         self.device.poll(self.now_ms, &mut self.bench);
         if self.flash_changes.get() != before {
             assert!(self.commit_due, "flash was written without leave");
+            assert!(
+                !self.closed.get(),
+                "flash was written against the interlock"
+            );
             tally.add("written");
+        }
+        if self.commit_due && self.device.stage() == Stage::ReadyToCommit {
+            tally.add("held back");
         }
         self.commit_due &= self.device.stage() == Stage::Committing;
         self.note_stage(tally);

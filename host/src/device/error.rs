@@ -88,6 +88,12 @@ pub enum Fault {
     /// A calibration, or writing a table, came to nothing.
     #[error("{text}", text = failure_text(.0))]
     Failed(Failure),
+    /// The device takes the command to commit, but does not write the table.
+    #[error(
+        "the drive's interlock lets the command through but not the writing; the table still waits: bring the machine to rest, then \
+         'quadcal device commit'"
+    )]
+    HeldBack,
     /// A calibration is no longer there.
     #[error("the calibration is gone: the device was restarted or told to abort; start again")]
     Gone,

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use quadcal::recalibrate::{Failure, Figures, Options, Stage};
+use quadcal::recalibrate::{Failure, Figures, Options, PROOF_TURNS_LEAST, Stage};
 use quadcal::wire::{Learned, Request, Status, TableInfo};
 
 use super::client::Client;
@@ -15,6 +15,12 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// Time that a device may take to write flash; many chips halt and are silent meanwhile.
 const WRITING: Duration = Duration::from_secs(30);
+
+/// Longest time that fresh turns are waited for: five turns at 15 r/min.
+const COMPARING: Duration = Duration::from_secs(20);
+
+/// How often a table that was held back is committed again.
+const HELD_BACK_MOST: u32 = 3;
 
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,13 +89,38 @@ impl<P: Port> Client<P> {
         })
     }
 
+    /// What fresh turns say of the table that was handed over, against the one in use. While the shaft turns, waits for
+    /// [`PROOF_TURNS_LEAST`] of them, 20 s at the longest; none where it stands still. `progress` sees turns done and turns in all.
+    ///
+    /// # Errors
+    /// [`DeviceError`].
+    pub fn compare(
+        &mut self,
+        mut progress: impl FnMut(u32, u32),
+    ) -> Result<Option<Figures>, DeviceError> {
+        let wanted = PROOF_TURNS_LEAST.into();
+        let deadline = Instant::now() + COMPARING;
+        loop {
+            let figures = self.preview()?;
+            let turns = figures.map_or(0, |figures| figures.turns);
+            progress(turns.min(wanted), wanted);
+            let enough = turns >= wanted || Instant::now() > deadline;
+            if enough || self.live()?.speed_raw == 0 {
+                return Ok(figures);
+            }
+            thread::sleep(LOOK);
+        }
+    }
+
     /// Commits the table that waits, and waits until it is in flash. What the device says of it then.
     ///
     /// # Errors
-    /// [`DeviceError`], [`Fault::Failed`] where it is not in flash.
+    /// [`DeviceError`], [`Fault::Failed`] where it is not in flash; [`Fault::Refused`] where the interlock holds it back, and
+    /// then it still waits.
     pub fn commit(&mut self) -> Result<Option<TableInfo>, DeviceError> {
         const WHAT: &str = "commit";
         self.change(WHAT, &Request::Commit)?;
+        let mut held_back = 0;
         let deadline = Instant::now() + WRITING;
         loop {
             match self.status() {
@@ -99,6 +130,12 @@ impl<P: Port> Client<P> {
                         return Err(self.fault(Fault::Unanswered { what: WHAT, wait }));
                     }
                     Stage::Committing => {}
+                    // The interlock said no between command and writing: asked once more, it says why.
+                    Stage::ReadyToCommit if held_back < HELD_BACK_MOST => {
+                        held_back += 1;
+                        self.change(WHAT, &Request::Commit)?;
+                    }
+                    Stage::ReadyToCommit => return Err(self.fault(Fault::HeldBack)),
                     Stage::Failed(failure) => return Err(self.fault(Fault::Failed(failure))),
                     Stage::Done => return Ok(status.table),
                     _ => return Err(self.fault(Fault::Gone)),

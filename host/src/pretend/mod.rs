@@ -2,7 +2,6 @@
 //! `quadcal device` commands can be tried and tested without hardware.
 
 mod flash;
-mod learner;
 mod parts;
 mod rig;
 mod serve;
@@ -14,7 +13,7 @@ use std::time::Instant;
 
 use quadcal::access::{AccessConfig, Key};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
-use quadcal::device::{Device, DeviceConfig, Workbench, WorkbenchConfig};
+use quadcal::device::{Device, DeviceConfig, EstimatorLearner, Workbench, WorkbenchConfig};
 use quadcal::recalibrate::{Limits, Obstacle, WearConfig};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::Faults;
@@ -23,11 +22,11 @@ use quadcal::store::{LayoutError, Store};
 use quadcal::wire::{Refusal, WireBytes};
 use thiserror::Error;
 
+use crate::buffers::HeapMemory;
 use crate::sim::Simulation;
-use crate::twin::TwinError;
+use crate::twin::{Twin, TwinError};
 
 use flash::Flash;
-pub use learner::HeapLearner;
 use parts::{Drawn, Switches};
 
 pub use serve::{Listener, serve, serve_port};
@@ -108,7 +107,7 @@ pub enum PretendError {
 /// A pretend device that runs.
 pub struct Running {
     device: Device<Flash, Drawn, Switches>,
-    bench: Workbench<'static, HeapLearner, Flash>,
+    bench: Workbench<'static, EstimatorLearner<HeapMemory>, Flash>,
     decoder: QuadratureDecoder,
     edges: Option<Peekable<Simulation>>,
     flash: Flash,
@@ -130,7 +129,7 @@ impl Pretend {
         let decoder = decoder.map_err(PretendError::Sensor)?;
         let edges = match self.r_min {
             0.0 => None,
-            _ => Some(Simulation::new(&rig::twin(self))?.peekable()),
+            _ => Some(Simulation::new(&self.twin())?.peekable()),
         };
         let flash = Flash::load(shape, self.file())?;
         let config = DeviceConfig {
@@ -158,7 +157,7 @@ impl Pretend {
             clock_hz: CLOCK_HZ,
             still: CLOCK_HZ,
         };
-        let learner = HeapLearner::new(shape, CLOCK_HZ);
+        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape));
         let mut bench = Workbench::new(workbench, learner, flash.clone());
         device.begin(&mut bench).map_err(PretendError::Begin)?;
         Ok(Running {
@@ -172,6 +171,12 @@ impl Pretend {
             noisy_line: self.noisy_line,
             replies: 0,
         })
+    }
+
+    /// The rig whose edges it sees: the paper's, with errors in proportion to a line.
+    #[must_use]
+    pub fn twin(&self) -> Twin {
+        rig::twin(self)
     }
 
     fn file(&self) -> Option<&std::path::Path> {
@@ -204,6 +209,11 @@ impl Running {
         self.bench.note(now, &faults);
         self.device.poll(self.now_ms(), &mut self.bench);
         self.flash.save(self.file.as_deref())
+    }
+
+    /// What keeps it from committing from now on.
+    pub const fn hold_commits_back(&mut self, obstacle: Option<Obstacle>) {
+        self.device.interlock().commit = obstacle;
     }
 
     /// Takes bytes from the port and gives what is to be sent.

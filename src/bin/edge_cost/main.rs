@@ -11,13 +11,14 @@
 mod counter;
 mod locate;
 mod rig;
+mod stage;
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, heprintln, hprintln};
+use cortex_m_semihosting::{debug, heprintln};
 use quadcal::corrector::Corrector;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::edge::Sample;
@@ -30,6 +31,7 @@ use quadcal::units::{TickDelta8, TurnDelta32};
 
 use counter::InstructionCounter;
 use rig::{BLOCK, LINES, Rig, SLOTS};
+use stage::{Stage, idle};
 
 /// Makes a change of the memory layout rebuild the image; the linker finds the file by itself.
 const _: &[u8] = include_bytes!("../../../memory.x");
@@ -43,29 +45,6 @@ const WARM: usize = 3 * SLOTS as usize / BLOCK;
 type Learner = Estimator<&'static mut StaticBuffers<{ LINES as usize }, 4>>;
 
 static ENTRIES: [i16; SLOTS as usize] = [7; SLOTS as usize];
-
-/// Instructions of one stage, summed over blocks.
-#[derive(Default)]
-struct Stage {
-    instructions: u64,
-    edges: u64,
-}
-
-impl Stage {
-    fn count(&mut self, counter: &InstructionCounter, work: impl FnOnce()) {
-        let begin = counter.now();
-        work();
-        self.instructions += counter.now() - begin;
-        self.edges += BLOCK as u64;
-    }
-
-    /// Prints instructions an edge to a tenth, `empty` taken off.
-    fn print(&self, name: &str, empty: &Self) {
-        let tenths = |stage: &Self| stage.instructions * 10 / stage.edges.max(1);
-        let net = tenths(self).saturating_sub(tenths(empty));
-        hprintln!("{}={}.{}", name, net / 10, net % 10);
-    }
-}
 
 #[entry]
 fn main() -> ! {
@@ -149,13 +128,6 @@ fn measure(
     learn.print("learn", &empty);
     locate::measure(&counter, samples)?;
     (learner.totals().turns == 4 && decoder == recorder).then_some(())
-}
-
-#[inline(never)]
-fn idle(samples: &[Sample]) {
-    for sample in samples {
-        black_box(black_box(sample));
-    }
 }
 
 #[inline(never)]

@@ -73,6 +73,22 @@ impl FileFlash {
         Ok(Self { file })
     }
 
+    /// Copies bytes of the file to where the processor sees them.
+    ///
+    /// # Safety
+    /// As for [`File::read_to`].
+    #[allow(dead_code, reason = "not every image maps its flash")]
+    pub unsafe fn copy_out(
+        &mut self,
+        at: usize,
+        address: usize,
+        length: usize,
+    ) -> Result<(), IoError> {
+        self.file.seek(at)?;
+        // SAFETY: the caller answers for the memory.
+        unsafe { self.file.read_to(address, length) }
+    }
+
     fn read_at(&mut self, at: usize, bytes: &mut [u8]) -> Result<(), IoError> {
         self.file.seek(at)?;
         let read = self.file.read(bytes)?;

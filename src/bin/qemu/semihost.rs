@@ -94,6 +94,25 @@ impl File {
         Ok(done)
     }
 
+    /// Reads what there is up to the buffer's length and says how many bytes came; none at the file's end, where more may come later.
+    pub fn read_some(&mut self, buffer: &mut [u8]) -> Result<usize, IoError> {
+        // SAFETY: as in `read`, with all of the buffer.
+        let missing = unsafe { syscall!(READ, self.handle, buffer.as_mut_ptr(), buffer.len()) };
+        buffer.len().checked_sub(missing).ok_or(IoError::Read)
+    }
+
+    /// Reads `length` bytes to memory at `address`, which may be flash: QEMU writes there as a debugger does.
+    ///
+    /// # Safety
+    /// Nothing that Rust knows of may change by it.
+    pub unsafe fn read_to(&mut self, address: usize, length: usize) -> Result<(), IoError> {
+        // SAFETY: READ writes at most `length` bytes to `address`; the caller answers for them.
+        match unsafe { syscall!(READ, self.handle, address, length) } {
+            0 => Ok(()),
+            _ => Err(IoError::Read),
+        }
+    }
+
     /// Writes all of `bytes`.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), IoError> {
         // SAFETY: WRITE reads the given length from the given address; both are those of `bytes`.
@@ -145,6 +164,15 @@ pub fn command_line(buffer: &mut [u8]) -> Result<&str, IoError> {
     let line = buffer.get(..length).ok_or(IoError::CommandLine)?;
     let line = line.split(|&byte| byte == 0).next().unwrap_or(line);
     core::str::from_utf8(line).map_err(|_| IoError::CommandLine)
+}
+
+/// Time since QEMU was started, nanoseconds: by the host's clock, so that it goes on while a call stops the target.
+pub fn elapsed_ns() -> u64 {
+    let mut ticks = [0_u32; 2];
+    // SAFETY: ELAPSED writes two words to the given address, those of `ticks`.
+    unsafe { syscall1(nr::ELAPSED, ticks.as_mut_ptr() as usize) };
+    let [low, high] = ticks;
+    u64::from(high) << 32 | u64::from(low)
 }
 
 /// Ends the run with exit code 0 or 1.

@@ -1,10 +1,13 @@
-//! The flash interface of a real STM32F405: registers, mapped flash, and the room that the linker keeps free.
+//! The flash interface of a real STM32F405: registers, mapped flash, the slots in it, and the room that the linker keeps free.
 
 use core::ops::Range;
 use core::ptr::{self, addr_of};
+use core::slice;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use quadcal::device::MappedFlash;
 use quadcal::stm32f405::{CAPACITY, Interface, Register, Unit};
+use quadcal::store::Layout;
 
 /// Where the flash is mapped (RM0090, "Flash module organization").
 const FLASH: usize = 0x0800_0000;
@@ -34,6 +37,39 @@ impl FlashInterface {
     pub fn take() -> Option<Self> {
         static TAKEN: AtomicBool = AtomicBool::new(false);
         (!TAKEN.swap(true, Ordering::Relaxed)).then_some(Self { _one: () })
+    }
+}
+
+/// The mapped bytes of tables, slot by slot.
+pub struct MappedSlots {
+    layout: Layout,
+}
+
+impl MappedSlots {
+    /// Slots at the places of `layout`.
+    ///
+    /// # Safety
+    /// What [`MappedFlash::bytes`] hands out must be given up before its place is erased or its slot written. A store of the same
+    /// `layout` writes and erases the place alone whose table does not count, but for its `erase`; so it is enough to use what was
+    /// handed out for the table that counts, and to give it up once another one counts and before all are erased. A workbench that
+    /// a device drives does that.
+    pub const unsafe fn new(layout: Layout) -> Self {
+        Self { layout }
+    }
+}
+
+impl MappedFlash<'static> for MappedSlots {
+    fn bytes(&self, offset: u32) -> Option<&'static [u8]> {
+        let slot = self.layout.slot_room(offset)?;
+        let (tables, length) = (room(), slot.len());
+        if slot.start < tables.start || slot.end > tables.end {
+            return None;
+        }
+        let first: *const u8 = ptr::without_provenance(FLASH + slot.start as usize);
+        // SAFETY: mapped flash in the room that the linker keeps free, so no Rust object lies there and it stays mapped. Nothing writes
+        // to it while the slice is used: marks lie outside it, the slot itself is written before it counts, and whoever made this
+        // value has promised to give the slice up before that happens to the slot again.
+        Some(unsafe { slice::from_raw_parts(first, length) })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::units::TickDelta8;
 
 /// Farthest that an edge may be off, 2^-32 turn: a sixteenth of a turn. A turn with more is not used.
-const OFF_MOST: i64 = 1 << 28;
+const OFF_MOST: i32 = 1 << 28;
 
 /// One turn with one table.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,10 +13,10 @@ pub(super) struct Sums {
     /// Way since then, in the direction of motion, 2^-32 turn.
     pub way: i64,
     /// r at the last edge.
-    last: i64,
-    /// Sum of r, the sum of those sums, and the sum of these.
-    first: i128,
-    second: i128,
+    last: i32,
+    /// Sum of r, the sum of those sums, and the sum of these: below 2^44, 2^60 and 2^76, as a turn has 2^16 edges at the most.
+    first: i64,
+    second: i64,
     third: i128,
     /// Sum of r^2.
     squares: u128,
@@ -43,18 +43,20 @@ impl From<TickDelta8> for Sums {
 
 impl Sums {
     /// Adds an edge; false where it is too far off.
+    #[inline]
     pub fn add(&mut self, off: i64) -> bool {
-        if off.abs() > OFF_MOST {
-            return false;
-        }
+        let off = match i32::try_from(off) {
+            Ok(off) if off.abs() <= OFF_MOST => off,
+            _ => return false,
+        };
+        // Both are below 2^30.
         let step = off - self.last;
         self.last = off;
-        self.first += i128::from(off);
+        self.first += i64::from(off);
         self.second += self.first;
-        self.third += self.second;
-        // Both are below 2^29.
-        self.squares += u128::from((off * off).unsigned_abs());
-        self.interval_squares += u128::from((step * step).unsigned_abs());
+        self.third += i128::from(self.second);
+        self.squares += u128::from(square(off));
+        self.interval_squares += u128::from(square(step));
         true
     }
 
@@ -62,23 +64,23 @@ impl Sums {
     pub fn powers(&self, edges: u32) -> Powers {
         let n = i128::from(edges);
         // The sums of w r and of w^2 r with w = n + 1 - k, which the running sums are.
-        let weighed = self.second;
-        let weighed_twice = 2 * self.third - self.second;
+        let [first, weighed] = [self.first, self.second].map(i128::from);
+        let weighed_twice = 2 * self.third - weighed;
         // The same with x = n + 1 - 2 w, which runs from 1 - n to n - 1, and with 3 x^2 - (n^2 - 1), whose sum is zero.
-        let slope = (n + 1) * self.first - 2 * weighed;
-        let square = (n + 1) * (n + 1) * self.first - 4 * (n + 1) * weighed + 4 * weighed_twice;
-        let bend = 3 * square - (n * n - 1) * self.first;
+        let slope = (n + 1) * first - 2 * weighed;
+        let square = (n + 1) * (n + 1) * first - 4 * (n + 1) * weighed + 4 * weighed_twice;
+        let bend = 3 * square - (n * n - 1) * first;
         let n = u128::from(edges);
         // The sums of the squares of 1, of x and of that.
         let slope_norm = n * (n * n - 1) / 3;
         let bend_norm = 4 * n * (n * n - 1) * (n * n - 4) / 5;
         let angle = self
             .squares
-            .saturating_sub(share(self.first, n))
+            .saturating_sub(share(first, n))
             .saturating_sub(share(slope, slope_norm))
             .saturating_sub(share(bend, bend_norm));
         let last = i128::from(self.last);
-        let interval_slope = (i128::from(edges) + 1) * last - 2 * self.first;
+        let interval_slope = (i128::from(edges) + 1) * last - 2 * first;
         let interval = self
             .interval_squares
             .saturating_sub(share(last, n))
@@ -88,6 +90,12 @@ impl Sums {
             angle: (angle << 8) / n,
         }
     }
+}
+
+/// In one multiplication.
+fn square(value: i32) -> u64 {
+    let value = i64::from(value);
+    (value * value).cast_unsigned()
 }
 
 /// `sum`^2 / `norm`.

@@ -3,7 +3,7 @@
 mod drive;
 
 use super::*;
-use crate::recalibrate::{Failure, Obstacle, Options, SpeedWindow, Waiting};
+use crate::recalibrate::{Failure, Figures, Obstacle, Options, SpeedWindow, Waiting, WriteFailure};
 use crate::wire::tests::Wires;
 use crate::wire::{Piece, Request, Status, TableFault, request_frame};
 use drive::{Drive, EDGES, disc};
@@ -170,6 +170,51 @@ fn a_table_read_from_one_drive_works_in_another_with_the_same_disc() {
     assert_eq!(dump(&mut other).len(), bytes.len());
 }
 
+/// What the preview says.
+fn preview(drive: &mut Drive) -> Option<Figures> {
+    match drive.ask(&Request::Preview) {
+        Reply::Preview(figures) => figures,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_table_handed_over_is_held_against_the_one_in_use_on_fresh_turns_and_may_be_committed_anyway() {
+    let own = dump(&mut calibrated());
+    let mut stranger = Drive::new(&Drive::flash(), &disc(2), disc(2));
+    assert_eq!(stranger.calibrate(), Stage::ReadyToCommit);
+    assert_eq!(stranger.demand(&Request::Commit), Reply::Done);
+    stranger.turn(1);
+    let others = dump(&mut stranger);
+
+    let mut drive = Drive::new(&Drive::flash(), &disc(1), blank());
+    load(&mut drive, &own);
+    assert_eq!(preview(&mut drive), None);
+    let raw = drive.turn(8);
+    assert!(raw > 3_000_000);
+    let figures = preview(&mut drive).unwrap();
+    assert!(figures.better && !figures.is_worse() && figures.turns >= 5);
+    assert!(figures.new.interval < 30_000 && figures.old.interval > 2_000_000);
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert!(drive.turn(1) < 100);
+
+    // The figures of the table before are not taken for the next one's.
+    drive.rest(3_600_000);
+    drive.leave();
+    load(&mut drive, &others);
+    assert_eq!(preview(&mut drive), None);
+    assert!(drive.turn(8) < 100);
+    let figures = preview(&mut drive).unwrap();
+    assert!(!figures.better && figures.is_worse() && figures.turns >= 5);
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert_eq!(drive.device.stage(), Stage::Done);
+    assert!(drive.turn(1) > 3_000_000);
+}
+
 #[test]
 fn what_is_handed_over_wrongly_is_refused_by_name() {
     let bytes = dump(&mut calibrated());
@@ -229,6 +274,38 @@ fn rolling_back_and_erasing_take_effect_at_once() {
 }
 
 #[test]
+fn a_place_that_counts_after_all_is_adopted_before_the_other_one_is_written() {
+    let mut drive = calibrated();
+    let bytes = dump(&mut drive);
+    let operations = |drive: &Drive| drive.flash.0.borrow().operations;
+    let commit = |drive: &mut Drive| {
+        drive.rest(3_600_000);
+        drive.leave();
+        load(drive, &bytes);
+        assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+        drive.turn(1);
+    };
+    let before = operations(&drive);
+    commit(&mut drive);
+    let whole = operations(&drive) - before;
+    let sequence = |drive: &mut Drive| drive.status().table.map(|table| table.sequence);
+    assert_eq!(sequence(&mut drive), Some(1));
+    // The last operation, which makes the table count, is done but reported to have failed.
+    let all_bits = 1;
+    drive.flash.0.borrow_mut().cut_at(whole - 1, all_bits);
+    commit(&mut drive);
+    let failed = Stage::Failed(Failure::NotWritten(WriteFailure::Flash));
+    assert_eq!(drive.device.stage(), failed);
+    assert_eq!(sequence(&mut drive), Some(1));
+    drive.flash.0.borrow_mut().restore();
+    // The next commit does not come as far as to erase, but its place is no longer the one in use.
+    drive.flash.0.borrow_mut().cut_at(0, 0);
+    commit(&mut drive);
+    assert_eq!(drive.device.stage(), failed);
+    assert_eq!(sequence(&mut drive), Some(2));
+}
+
+#[test]
 fn a_table_that_waits_too_long_is_given_up() {
     let mut drive = Drive::new(&Drive::flash(), &disc(1), disc(1));
     assert_eq!(drive.calibrate(), Stage::ReadyToCommit);
@@ -239,6 +316,40 @@ fn a_table_that_waits_too_long_is_given_up() {
     let refused = Reply::Refused(Refusal::Stage(late));
     assert_eq!(drive.demand(&Request::Commit), refused);
     assert_eq!(drive.flash.0.borrow().operations, 0);
+}
+
+#[test]
+fn an_interlock_that_says_no_after_the_command_holds_the_table_back_with_flash_untouched() {
+    let mut drive = calibrated();
+    drive.rest(3_600_000);
+    drive.leave();
+    let bytes = dump(&mut drive);
+    load(&mut drive, &bytes);
+    let before = drive.flash.0.borrow().bytes.clone();
+    let operations = drive.flash.0.borrow().operations;
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    assert_eq!(drive.device.stage(), Stage::Committing);
+    drive.switches.commit.set(Some(Obstacle::Moving));
+    assert!(drive.turn(1) < 100);
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    assert_eq!(drive.flash.0.borrow().operations, operations);
+    assert_eq!(drive.flash.0.borrow().bytes, before);
+    let refused = |obstacle| Reply::Refused(Refusal::Interlock(obstacle));
+    assert_eq!(drive.demand(&Request::Commit), refused(Obstacle::Moving));
+    assert_eq!(drive.device.stage(), Stage::ReadyToCommit);
+    // No erasure was spent, and the table is still there to be committed.
+    drive.switches.commit.set(None);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert_eq!(drive.device.stage(), Stage::Done);
+    assert_eq!(drive.status().table.unwrap().sequence, 1);
+    // What is done at once is asked for at once.
+    let before = drive.flash.0.borrow().bytes.clone();
+    drive.switches.commit.set(Some(Obstacle::Supply));
+    for request in [Request::RollBack, Request::Erase] {
+        assert_eq!(drive.demand(&request), refused(Obstacle::Supply));
+    }
+    assert_eq!(drive.flash.0.borrow().bytes, before);
 }
 
 #[test]

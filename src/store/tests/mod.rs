@@ -257,6 +257,22 @@ fn a_table_too_long_for_its_place_is_refused_and_nothing_is_touched() {
 }
 
 #[test]
+fn the_room_of_a_slot_has_neither_marks_nor_the_other_place_in_it() {
+    let mut store = store::<4>();
+    for serial in 1..=2 {
+        let found = commit(&mut store, serial).unwrap();
+        let room = store.layout.slot_room(found.offset).unwrap();
+        let place = PLACES[found.place as usize].clone();
+        assert_eq!(room, place.start + 96..place.end);
+        let bytes = &store.flash.bytes[room.start as usize..room.end as usize];
+        assert_eq!(Slot::parse(bytes).unwrap().header, found.header);
+        for other in [room.start - 1, room.start + 1, place.start, room.end] {
+            assert_eq!(store.layout.slot_room(other), None);
+        }
+    }
+}
+
+#[test]
 fn places_that_cannot_be_are_refused() {
     let flash = Flash::<4, 1024>::new(5);
     let new = |places| Layout::new(&flash, places, 1).unwrap_err();

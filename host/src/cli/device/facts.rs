@@ -130,6 +130,8 @@ pub(super) fn proof(facts: &mut Facts, figures: &Figures) {
     }
     let verdict = if figures.better {
         "certainly better"
+    } else if figures.is_worse() {
+        "WORSE"
     } else {
         "not certainly better"
     };

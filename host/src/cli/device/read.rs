@@ -73,7 +73,7 @@ the old one is the bare encoder.
 
 ";
 
-/// Show the last calibration's new table against the old one, on fresh turns
+/// Show the new table, learned or loaded, against the old one, on fresh turns
 #[derive(Debug, Args)]
 #[command(after_help = [PREVIEW_EXAMPLES, EXIT_CODES].concat())]
 pub(super) struct Preview {
@@ -90,7 +90,7 @@ impl Preview {
         match &figures {
             Some(figures) => facts::proof(&mut facts, figures),
             None => {
-                let none = "nothing yet; 'quadcal device recalibrate' makes a table to compare";
+                let none = "nothing yet; 'quadcal device recalibrate' or 'load' makes a table to compare while the shaft turns";
                 facts.push("Proven on", none);
             }
         }

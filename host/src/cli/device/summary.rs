@@ -156,6 +156,7 @@ pub(super) struct ProofSummary {
     old: ScatterSummary,
     new: ScatterSummary,
     better: bool,
+    worse: bool,
 }
 
 impl ProofSummary {
@@ -170,6 +171,7 @@ impl ProofSummary {
             old: scatter(figures.old),
             new: scatter(figures.new),
             better: figures.better,
+            worse: figures.is_worse(),
         }
     }
 }
@@ -269,5 +271,6 @@ pub(super) struct TransferSummary {
     pub turns: u32,
     pub standard_error_rad: f64,
     pub committed: bool,
+    pub proof: Option<ProofSummary>,
     pub table: Option<TableSummary>,
 }

@@ -1,8 +1,10 @@
 //! `quadcal device dump` and `load`: tables between device and file.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
+use quadcal::recalibrate::Figures;
 use quadcal::slot::Slot;
 use quadcal::units::RAD_PER_TURN32;
 use quadcal::wire::TableInfo;
@@ -15,7 +17,7 @@ use super::super::failure::Failure;
 use super::super::output::{Facts, JsonArg, Target, spare};
 use super::super::progress::Progress;
 use super::line::LineArgs;
-use super::summary::{TableSummary, TransferSummary};
+use super::summary::{ProofSummary, TableSummary, TransferSummary};
 use super::{EXIT_CODES, ask, facts};
 
 const DUMP_EXAMPLES: &str = "\
@@ -67,9 +69,14 @@ Examples:
 
 The table is checked before anything is sent: its check sum, and that its encoder has the shape and
 serial number of the device's. Loaded, it waits to be committed: with --commit, by answering yes, or
-by 'quadcal device commit'.
+by 'quadcal device commit'. Where the shaft turns, the device first holds it against the table in
+use on a few fresh turns; a worse one is warned of, but may be committed.
 
 ";
+
+/// What is said of a table that is worse than the one in use.
+const WORSE: &str = "on fresh turns the loaded table is worse than the one in use; 'quadcal device abort' gives it up, 'rollback' \
+                     brings the old one back";
 
 /// Hand a table over to the device
 #[derive(Debug, Args)]
@@ -101,6 +108,13 @@ impl Load {
         let loaded = client.load(&bytes, |done, whole| progress.of(done.into(), whole.into()));
         drop(progress);
         loaded.map_err(|error| Failure::loading(&self.table, error))?;
+        let mut progress = Progress::count("Comparing", "turns", None, globals);
+        let figures = client.compare(|done, whole| progress.of(done.into(), whole.into()));
+        drop(progress);
+        let figures = figures?;
+        if figures.as_ref().is_some_and(Figures::is_worse) {
+            let _ = writeln!(io::stderr(), "Warning: {WORSE}");
+        }
         let commit = self.commit || ask::yes("The table is loaded. Commit it?") == Some(true);
         let table = if commit { client.commit()? } else { None };
         client.close();
@@ -112,6 +126,9 @@ impl Load {
             table.as_ref().filter(|_| commit),
         )?;
         let mut facts = table_facts(&summary);
+        if let Some(figures) = &figures {
+            facts::proof(&mut facts, figures);
+        }
         if commit {
             facts::table(&mut facts, table.as_ref());
         } else {
@@ -119,6 +136,7 @@ impl Load {
         }
         let summary = TransferSummary {
             committed: commit,
+            proof: figures.as_ref().map(ProofSummary::new),
             ..summary
         };
         self.json.write(&summary, &facts)
@@ -144,6 +162,7 @@ fn transfer(
         turns: header.turns,
         standard_error_rad: f64::from(header.standard_error) * RAD_PER_TURN32,
         committed: false,
+        proof: None,
         table: table.map(TableSummary::new),
     })
 }

@@ -80,6 +80,7 @@ const fn device_code(fault: &Fault) -> u8 {
         | Fault::Refused { .. }
         | Fault::Failed(_)
         | Fault::Gone
+        | Fault::HeldBack
         | Fault::DamagedTable(_) => 1,
     }
 }
