@@ -11,6 +11,7 @@ use quadcal::device::{
     Device, DeviceConfig, EstimatorLearner, MappedFlash, Workbench, WorkbenchConfig,
 };
 use quadcal::edge::Sample;
+use quadcal::estimate::Solver;
 use quadcal::recalibrate::{Interlock, Limits, Obstacle, WearConfig};
 use quadcal::shape::EncoderShape;
 use quadcal::step::Flags;
@@ -123,7 +124,7 @@ impl Nonces for Counting {
 pub struct Field {
     /// The drive's service.
     pub device: Device<Flash, Counting, Allowed>,
-    bench: Workbench<'static, EstimatorLearner<HeapMemory>, Flash>,
+    bench: Workbench<'static, EstimatorLearner<HeapMemory, Box<Solver>>, Flash>,
     decoder: QuadratureDecoder,
     now_ms: u64,
     number: u16,
@@ -155,7 +156,7 @@ impl Field {
             clock_hz: CLOCK_HZ,
             still: CLOCK_HZ,
         };
-        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape));
+        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape), Box::default());
         let mut bench = Workbench::new(workbench, learner, flash.clone());
         device.begin(&mut bench).expect("flash can be read");
         Self {

@@ -32,7 +32,8 @@ pub trait Bench: SolveInSlices {
     /// How learning goes; asked at every poll.
     fn learning(&mut self) -> Learning;
 
-    /// Whether more turns would help, where that is known; asked once after every turn that was taken.
+    /// Works out, slice by slice, whether more turns would help; asked at every poll while it learns. What it comes to is said once, some
+    /// polls after a turn was taken.
     fn advice(&mut self) -> Option<Advice>;
 
     /// What fresh turns say so far.
@@ -66,7 +67,7 @@ pub trait Learner: SolveInSlices {
     /// Takes what a decoder made of a sample. On the edge path.
     fn push(&mut self, outcome: &Outcome);
 
-    /// Edges will be missing: what comes next may have another speed or direction.
+    /// Edges will be missing: what comes next may have another speed or direction. Constant work.
     fn interrupt(&mut self);
 
     /// As [`Bench::learning`].

@@ -1,11 +1,14 @@
 //! The core's estimator as a device's learner.
 
+use core::borrow::BorrowMut;
 use core::mem;
+use core::task::Poll;
 
 use super::bench::{Learner, Learning};
 use super::memory::LearnerMemory;
 use crate::estimate::{
-    Advice, Anchor, DriveKnowledge, EdgeBuffers, Estimator, Goal, Progress, Solution, SolveError,
+    Advice, Anchor, DriveKnowledge, EdgeBuffers, Estimator, Goal, Lookout, Progress, Slice,
+    Solution, SolveError, Solver,
 };
 use crate::recalibrate::{SolveInSlices, Solving};
 use crate::shape::EncoderShape;
@@ -26,18 +29,23 @@ enum State<B> {
 }
 
 /// Learns an encoder with an index. Takes its memory when there is something to learn or to put there, and gives it back afterwards.
-pub struct EstimatorLearner<M: LearnerMemory> {
+/// `S` is a [`Solver`] by reference, or in a box where there is a heap.
+pub struct EstimatorLearner<M: LearnerMemory, S> {
     shape: EncoderShape,
     clock_hz: u64,
     memory: M,
     goal: Goal,
     learned_until: Ticks,
     state: State<M::Buffers>,
+    /// How good the table would be, while that is worked out, and the turns that it was last asked of.
+    lookout: Option<Lookout>,
+    seen: u32,
+    solver: S,
 }
 
-impl<M: LearnerMemory> EstimatorLearner<M> {
+impl<M: LearnerMemory, S: BorrowMut<Solver>> EstimatorLearner<M, S> {
     /// Of an encoder whose edges are stamped by a clock of so many hertz. Memory for another number of edges learns nothing.
-    pub const fn new(shape: EncoderShape, clock_hz: u64, memory: M) -> Self {
+    pub const fn new(shape: EncoderShape, clock_hz: u64, memory: M, solver: S) -> Self {
         Self {
             shape,
             clock_hz,
@@ -45,29 +53,39 @@ impl<M: LearnerMemory> EstimatorLearner<M> {
             goal: Goal { error: 0 },
             learned_until: 0,
             state: State::Released,
+            lookout: None,
+            seen: 0,
+            solver,
         }
     }
 }
 
-impl<M: LearnerMemory> SolveInSlices for EstimatorLearner<M> {
-    /// Solves for the whole table at once.
+impl<M: LearnerMemory, S: BorrowMut<Solver>> SolveInSlices for EstimatorLearner<M, S> {
     fn slice(&mut self) -> Solving {
-        self.state = match mem::replace(&mut self.state, State::Released) {
-            State::Learning(estimator) => match estimator.solve() {
-                Ok(solution) => State::Solved(solution),
-                Err(SolveError::TooFewTurns(turns)) => State::TooFewTurns(turns),
-            },
-            state => state,
+        let State::Learning(estimator) = &mut self.state else {
+            return match self.state {
+                State::Solved(_) => Solving::Solved,
+                State::TooFewTurns(turns) => Solving::TooFewTurns(turns),
+                _ => Solving::TooFewTurns(0),
+            };
         };
-        match self.state {
-            State::Solved(_) => Solving::Solved,
-            State::TooFewTurns(turns) => Solving::TooFewTurns(turns),
-            _ => Solving::TooFewTurns(0),
+        match estimator.slice(self.solver.borrow_mut()) {
+            Ok(Slice::More(percent)) => Solving::Working(percent),
+            Ok(Slice::Solved(findings)) => {
+                if let State::Learning(estimator) = mem::replace(&mut self.state, State::Released) {
+                    self.state = State::Solved(estimator.finish(findings));
+                }
+                Solving::Solved
+            }
+            Err(SolveError::TooFewTurns(turns)) => {
+                self.state = State::TooFewTurns(turns);
+                Solving::TooFewTurns(turns)
+            }
         }
     }
 }
 
-impl<M: LearnerMemory> Learner for EstimatorLearner<M> {
+impl<M: LearnerMemory, S: BorrowMut<Solver>> Learner for EstimatorLearner<M, S> {
     fn prepare(&mut self, knowledge: DriveKnowledge, goal: Goal) {
         self.goal = goal;
         // First the memory has to be back.
@@ -79,6 +97,8 @@ impl<M: LearnerMemory> Learner for EstimatorLearner<M> {
         if let Some(estimator) = estimator {
             self.state = State::Learning(estimator.with_knowledge(knowledge));
         }
+        self.solver.borrow_mut().restart();
+        (self.lookout, self.seen) = (None, 0);
     }
 
     fn push(&mut self, outcome: &Outcome) {
@@ -92,7 +112,7 @@ impl<M: LearnerMemory> Learner for EstimatorLearner<M> {
 
     fn interrupt(&mut self) {
         if let State::Learning(estimator) = &mut self.state {
-            estimator.interrupt();
+            estimator.lose_track();
         }
     }
 
@@ -114,7 +134,17 @@ impl<M: LearnerMemory> Learner for EstimatorLearner<M> {
         let State::Learning(estimator) = &mut self.state else {
             return None;
         };
-        let outlook = estimator.outlook();
+        let turns = estimator.totals().turns;
+        if self.lookout.is_none() && turns == self.seen {
+            return None;
+        }
+        if self.lookout.is_none() {
+            (self.lookout, self.seen) = (Some(Lookout::new()), turns);
+        }
+        let Poll::Ready(outlook) = estimator.look_out(self.lookout.as_mut()?) else {
+            return None;
+        };
+        self.lookout = None;
         outlook.map(|outlook| outlook.advice(self.goal))
     }
 
@@ -155,10 +185,12 @@ impl<M: LearnerMemory> Learner for EstimatorLearner<M> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use crate::device::Shelf;
     use crate::estimate::StaticBuffers;
     use crate::step::{Flags, Step};
+    use std::boxed::Box;
 
     const LINES: u32 = 8;
     type Buffers = StaticBuffers<8, 4, 32>;
@@ -168,7 +200,7 @@ mod tests {
     }
 
     /// Whole turns of an encoder whose rising edges of A are late by a tenth of a step.
-    fn turn<M: LearnerMemory>(learner: &mut EstimatorLearner<M>, turns: u32) {
+    fn turn<M: LearnerMemory>(learner: &mut EstimatorLearner<M, Box<Solver>>, turns: u32) {
         let mut before = 0;
         for k in 0..=turns * 4 * LINES {
             let late = if k % 4 == 0 { 100 } else { 0 };
@@ -187,7 +219,20 @@ mod tests {
         }
     }
 
-    fn prepare<M: LearnerMemory>(learner: &mut EstimatorLearner<M>) {
+    fn solve<M: LearnerMemory>(learner: &mut EstimatorLearner<M, Box<Solver>>) -> Solving {
+        let mut before = 0;
+        loop {
+            match learner.slice() {
+                Solving::Working(percent) => {
+                    assert!((before..100).contains(&percent));
+                    before = percent;
+                }
+                solved => return solved,
+            }
+        }
+    }
+
+    fn prepare<M: LearnerMemory>(learner: &mut EstimatorLearner<M, Box<Solver>>) {
         learner.prepare(DriveKnowledge::default(), Goal { error: 0 });
     }
 
@@ -195,7 +240,7 @@ mod tests {
     fn it_learns_again_and_again_in_the_same_memory_however_it_ends() {
         let mut buffers = Buffers::new();
         let shelf = Shelf::new(&mut buffers);
-        let mut learner = EstimatorLearner::new(shape(), 1_000_000, &shelf);
+        let mut learner = EstimatorLearner::new(shape(), 1_000_000, &shelf, Box::default());
         for _ in 0..2 {
             // Aborted.
             prepare(&mut learner);
@@ -212,7 +257,7 @@ mod tests {
             prepare(&mut learner);
             turn(&mut learner, 9);
             assert_eq!(learner.learning().turns, 8);
-            assert_eq!(learner.slice(), Solving::Solved);
+            assert_eq!(solve(&mut learner), Solving::Solved);
             assert_eq!(learner.slice(), Solving::Solved);
             let header = learner.header().unwrap();
             assert_eq!((header.turns, learner.entries().len()), (8, 32));
@@ -230,7 +275,7 @@ mod tests {
     fn what_is_put_in_its_room_stays_until_it_learns() {
         let mut buffers = Buffers::new();
         let shelf = Shelf::new(&mut buffers);
-        let mut learner = EstimatorLearner::new(shape(), 1_000_000, &shelf);
+        let mut learner = EstimatorLearner::new(shape(), 1_000_000, &shelf, Box::default());
         prepare(&mut learner);
         let room = learner.room().unwrap();
         assert_eq!(room.len(), 32);
@@ -240,21 +285,22 @@ mod tests {
         assert_eq!(learner.room().unwrap()[31], 7);
         prepare(&mut learner);
         turn(&mut learner, 9);
-        assert_eq!(learner.slice(), Solving::Solved);
+        assert_eq!(solve(&mut learner), Solving::Solved);
     }
 
     #[test]
     fn memory_of_another_size_or_in_use_elsewhere_learns_nothing() {
         let mut buffers = Buffers::new();
         let shelf = Shelf::new(&mut buffers);
-        let mut other = EstimatorLearner::new(EncoderShape::new(36, 4).unwrap(), 1, &shelf);
+        let mut other =
+            EstimatorLearner::new(EncoderShape::new(36, 4).unwrap(), 1, &shelf, Box::default());
         prepare(&mut other);
         assert_eq!(other.slice(), Solving::TooFewTurns(0));
         assert!(other.room().is_none());
-        let mut learner = EstimatorLearner::new(shape(), 1_000_000, &shelf);
+        let mut learner = EstimatorLearner::new(shape(), 1_000_000, &shelf, Box::default());
         assert!(learner.room().is_some());
         prepare(&mut other);
-        let mut third = EstimatorLearner::new(shape(), 1_000_000, &shelf);
+        let mut third = EstimatorLearner::new(shape(), 1_000_000, &shelf, Box::default());
         assert!(third.room().is_none());
         drop(learner);
         assert!(third.room().is_some());

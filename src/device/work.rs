@@ -69,11 +69,11 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
     fn look_at_learning(&mut self, now_ms: u64, bench: &mut impl Bench) -> Result<(), Refusal> {
         let Learning { turns, rejected } = bench.learning();
         self.rejected = rejected;
-        if turns == self.turns {
+        let advice = bench.advice();
+        if turns == self.turns && advice.is_none() {
             return Ok(());
         }
         self.turns = turns;
-        let advice = bench.advice();
         self.tell(Event::Turn(Taken { turns, advice }), now_ms, bench)
     }
 

@@ -129,7 +129,7 @@ impl Solver {
             Stage::Differ(_) | Stage::Delays(_) | Stage::Undelay(_) => 75,
             Stage::Draw(_) => 78,
             Stage::Pack(_) => 97,
-            Stage::Done(_) => 100,
+            Stage::Done(_) => 99,
         }
     }
 }

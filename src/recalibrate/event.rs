@@ -27,7 +27,7 @@ pub enum Solving {
 pub struct Taken {
     /// Turns taken since the calibration began.
     pub turns: u32,
-    /// Whether more would help, where that is known.
+    /// Whether more would help, when that was found out; it takes a while after a turn.
     pub advice: Option<Advice>,
 }
 
@@ -47,7 +47,7 @@ pub enum Event {
     Tick,
     /// The shaft's speed either way, thousandths of a revolution a minute; 0: it stands still.
     Motion(u32),
-    /// A turn was taken to learn from.
+    /// A turn was taken to learn from, or it was found out whether more help.
     Turn(Taken),
     /// The solver did a slice.
     Slice(Solving),

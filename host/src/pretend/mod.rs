@@ -14,6 +14,7 @@ use std::time::Instant;
 use quadcal::access::{AccessConfig, Key};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{Device, DeviceConfig, EstimatorLearner, Workbench, WorkbenchConfig};
+use quadcal::estimate::Solver;
 use quadcal::recalibrate::{Limits, Obstacle, WearConfig};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::Faults;
@@ -107,7 +108,7 @@ pub enum PretendError {
 /// A pretend device that runs.
 pub struct Running {
     device: Device<Flash, Drawn, Switches>,
-    bench: Workbench<'static, EstimatorLearner<HeapMemory>, Flash>,
+    bench: Workbench<'static, EstimatorLearner<HeapMemory, Box<Solver>>, Flash>,
     decoder: QuadratureDecoder,
     edges: Option<Peekable<Simulation>>,
     flash: Flash,
@@ -157,7 +158,7 @@ impl Pretend {
             clock_hz: CLOCK_HZ,
             still: CLOCK_HZ,
         };
-        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape));
+        let learner = EstimatorLearner::new(shape, CLOCK_HZ, HeapMemory(shape), Box::default());
         let mut bench = Workbench::new(workbench, learner, flash.clone());
         device.begin(&mut bench).map_err(PretendError::Begin)?;
         Ok(Running {

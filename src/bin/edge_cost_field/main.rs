@@ -25,7 +25,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{Bench, EstimatorLearner, MappedFlash, Shelf, Workbench, WorkbenchConfig};
 use quadcal::edge::Sample;
-use quadcal::estimate::StaticBuffers;
+use quadcal::estimate::{Solver, StaticBuffers};
 use quadcal::recalibrate::{Action, Options, SolveInSlices, Solving};
 use quadcal::shape::EncoderShape;
 use quadcal::slot::{HEADER_BYTES, MAGIC, Slot, VERSION, slot_bytes};
@@ -98,7 +98,7 @@ impl<'f> MappedFlash<'f> for InPlace<'f> {
     }
 }
 
-type FieldBench<'a> = Workbench<'a, EstimatorLearner<&'a Shelf<'a>>, InPlace<'a>>;
+type FieldBench<'a> = Workbench<'a, EstimatorLearner<&'a Shelf<'a>, &'a mut Solver>, InPlace<'a>>;
 
 /// The encoder in front of the workbench.
 struct Line<'a> {
@@ -143,15 +143,17 @@ impl Line<'_> {
 fn main() -> ! {
     // The entry attribute hands these out as unique references: safe, and off the stack.
     static mut BUFFERS: Buffers = Buffers::new();
+    static mut SOLVER: Solver = Solver::new();
     static mut SAMPLES: [Sample; BLOCK] = [rig::NO_SAMPLE; BLOCK];
     static mut OUTCOMES: [Outcome; BLOCK] = [Outcome::Idle; BLOCK];
-    let done = measure(BUFFERS, SAMPLES, OUTCOMES);
+    let done = measure(BUFFERS, SOLVER, SAMPLES, OUTCOMES);
     qemu::finish(done.ok_or("the rig does not fit the core, or was not learned"))
 }
 
 /// Prints everything; `None` if the rig does not fit the core, or was not learned.
 fn measure(
     buffers: &mut Buffers,
+    solver: &mut Solver,
     samples: &mut [Sample; BLOCK],
     outcomes: &mut [Outcome; BLOCK],
 ) -> Option<()> {
@@ -164,7 +166,7 @@ fn measure(
         clock_hz: CLOCK_HZ,
         still: CLOCK_HZ,
     };
-    let learner = EstimatorLearner::new(shape, CLOCK_HZ, &shelf);
+    let learner = EstimatorLearner::new(shape, CLOCK_HZ, &shelf, solver);
     let mut bench = Workbench::new(config, learner, InPlace(&SLOT));
     let in_use = Found {
         place: Place::A,

@@ -28,7 +28,7 @@ use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{
     Device, DeviceConfig, EstimatorLearner, Learner, Shelf, Workbench, WorkbenchConfig,
 };
-use quadcal::estimate::StaticBuffers;
+use quadcal::estimate::{Solver, StaticBuffers};
 use quadcal::recalibrate::{Limits, Stage, WearConfig};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::SensorError;
@@ -97,8 +97,9 @@ type Buffers = StaticBuffers<{ LINES as usize }, 4, 1000>;
 fn main() -> ! {
     // The entry attribute hands these out as unique references: safe, and off the stack.
     static mut BUFFERS: Buffers = StaticBuffers::new();
+    static mut SOLVER: Solver = Solver::new();
     static mut LINE: [u8; 256] = [0; 256];
-    qemu::finish(run(LINE, BUFFERS))
+    qemu::finish(run(LINE, BUFFERS, SOLVER))
 }
 
 #[exception]
@@ -122,7 +123,7 @@ fn take_edges(
 }
 
 /// Never returns but with a failure.
-fn run(line: &mut [u8], buffers: &mut Buffers) -> Result<(), Failure> {
+fn run(line: &mut [u8], buffers: &mut Buffers, solver: &mut Solver) -> Result<(), Failure> {
     let mut words = semihost::command_line(line)?
         .split_ascii_whitespace()
         .skip(1);
@@ -162,7 +163,7 @@ fn run(line: &mut [u8], buffers: &mut Buffers) -> Result<(), Failure> {
         clock_hz: CLOCK_HZ.into(),
         still: CLOCK_HZ.into(),
     };
-    let learner = EstimatorLearner::new(shape, CLOCK_HZ.into(), &shelf);
+    let learner = EstimatorLearner::new(shape, CLOCK_HZ.into(), &shelf, solver);
     let mut bench = Workbench::new(workbench, learner, mapped);
     device.begin(&mut bench).map_err(Failure::Flash)?;
 
