@@ -208,7 +208,7 @@ mod tests {
             learner.push(&Outcome::Step(Step {
                 ticks,
                 edge: k % (4 * LINES),
-                position: k.into(),
+                position: k,
                 interval: u32::try_from(ticks - before).unwrap(),
                 resync: 0,
                 advance: 1,
