@@ -5,6 +5,7 @@
 //! it, and every byte of it must be as its sequence number says.
 
 mod act;
+mod commanded;
 mod machine;
 mod ram;
 
@@ -18,16 +19,19 @@ use std::time::{Duration, Instant};
 use quadcal::slot::{self, slot_bytes};
 use quadcal::stm32f405::{PLACES, layout};
 use quadcal::store::{Place, Store};
+use quadcal_host::device::DeviceError;
 use rand::RngExt;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use crate::field_trial::TrialError;
 use crate::firmware::{FirmwareError, build};
 use derive::EDGES;
 use machine::Machine;
 use ram::Ram;
 
 pub use act::{Act, ActTally, act};
+pub use commanded::{Command, CommandTally, commanded};
 
 /// Where the slot begins in a place.
 const SLOT_AT: usize = 96;
@@ -51,6 +55,12 @@ enum Left {
         /// Whether its last word is neither blank nor what it was to be.
         torn: bool,
     },
+}
+
+impl From<DeviceError> for PowerCutError {
+    fn from(error: DeviceError) -> Self {
+        Self::Drive(error.into())
+    }
 }
 
 /// Counts over all kills.
@@ -95,6 +105,9 @@ pub enum PowerCutError {
     /// The image can't be built or started.
     #[error(transparent)]
     Firmware(#[from] FirmwareError),
+    /// The drive can't be started or asked.
+    #[error(transparent)]
+    Drive(#[from] TrialError),
     /// The file or a pipe can't be read.
     #[error("{what}: {source}")]
     Io {

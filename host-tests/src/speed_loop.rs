@@ -169,7 +169,7 @@ impl Run {
         FreeRun::of(open, &self.header, self.plan, push, knowledge)
     }
 
-    /// Error left over the error of the encoder, RMS, of the mean over [`TURNS`] turns of the recording as it is.
+    /// Error left over the error of the encoder, RMS, of the mean over `TURNS` turns of the recording as it is.
     #[must_use]
     pub fn left_as_is(&self) -> f64 {
         self.left(self.rows.iter().copied())

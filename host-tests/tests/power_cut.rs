@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use quadcal::stm32f405::ROOM;
 use quadcal_host_tests::firmware::{Output, build, images, loaded, run_qemu, value};
-use quadcal_host_tests::power_cut::{self, Act};
+use quadcal_host_tests::power_cut::{self, Act, Command};
 
 const LIMIT: Duration = Duration::from_secs(60);
 
@@ -30,6 +30,15 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_table() {
 fn a_kill_while_rolling_back_or_erasing_leaves_what_counted_or_what_is_to_count() {
     for act in [Act::RollBack, Act::Erase] {
         let tally = power_cut::act(act, 4, 8).unwrap_or_else(|error| panic!("{error}"));
+        println!("{tally}");
+        assert_eq!((tally.kills, tally.before + tally.after), (4, 4));
+    }
+}
+
+#[test]
+fn a_kill_while_a_command_is_followed_leaves_the_old_or_the_new_table() {
+    for command in Command::ALL {
+        let tally = power_cut::commanded(command, 4, 9).unwrap_or_else(|error| panic!("{error}"));
         println!("{tally}");
         assert_eq!((tally.kills, tally.before + tally.after), (4, 4));
     }

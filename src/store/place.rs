@@ -155,7 +155,9 @@ fn in_marks<E: Entry, X>(
     let (mut mark, mut filled, mut at) = (BLANK, 0, 0);
     slot::write(header, entries, |bytes| {
         for byte in bytes {
-            mark[filled] = *byte;
+            if let Some(cell) = mark.get_mut(filled) {
+                *cell = *byte;
+            }
             filled += 1;
             if filled == MARK_BYTES {
                 visit(at, &mark)?;

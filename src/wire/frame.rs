@@ -169,7 +169,7 @@ impl Draft {
     /// The bytes for the wire: a zero, the stuffed frame, a zero. `seal` belongs to [`Kind::Sealed`] and nothing else.
     #[must_use]
     pub fn finish(mut self, seal: Option<Seal>) -> WireBytes {
-        let mut wire = WireBytes::new();
+        let (mut wire, mut stuffed) = (WireBytes::new(), [0; FRAME_MAX]);
         let mut put = |bytes: &[u8]| self.body.extend_from_slice(bytes);
         let sealed = seal.map_or(Ok(()), |seal| {
             put(&seal.counter.to_le_bytes()).and_then(|()| put(&seal.mac))
@@ -178,10 +178,11 @@ impl Draft {
         // Both have room for the longest message with a seal.
         if sealed.is_ok()
             && self.body.extend_from_slice(&crc.to_le_bytes()).is_ok()
-            && wire.resize(FRAME_MAX, 0).is_ok()
+            && let Ok(length) = cobs::try_encode(&self.body, &mut stuffed[1..])
+            // The zeros at both ends are there.
+            && let Some(stuffed) = stuffed.get(..length + 2)
         {
-            let length = cobs::try_encode_including_sentinels(&self.body, &mut wire);
-            wire.truncate(length.unwrap_or(0));
+            let _ = wire.extend_from_slice(stuffed);
         }
         wire
     }

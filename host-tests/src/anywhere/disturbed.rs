@@ -36,7 +36,7 @@ pub enum Disturbance {
     Wander,
     /// [`LOADS`] in each recording; 15 and 600 r/min, with the usual cogging.
     LoadSteps,
-    /// [`NEAR_R_MIN`] instead of 15 and 600 r/min, and torque at order 1 beside the usual cogging.
+    /// `NEAR_R_MIN` instead of 15 and 600 r/min, and torque at order 1 beside the usual cogging.
     NearSpeeds,
     /// Strong cogging and [`RAMP_LOADS`] on the ramp from 15 to 1500 r/min.
     Ramp,

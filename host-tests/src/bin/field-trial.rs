@@ -269,6 +269,11 @@ fn table(outcome: &Outcome) -> Result<String, std::fmt::Error> {
             )?;
         }
     }
+    writeln!(
+        text,
+        "RAM: {} bytes of statics (72,288 of them to learn in), {} of stack at the deepest.",
+        outcome.memory.statics, outcome.memory.stack
+    )?;
     Ok(text)
 }
 

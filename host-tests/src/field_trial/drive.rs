@@ -32,6 +32,13 @@ const SOCKET: &str = "port";
 /// Longest time from the start until the port is there.
 const START_MAX: Duration = Duration::from_secs(20);
 
+/// What was asked before the image had the port on is lost, so it is soon asked again.
+const TIMING: Timing = Timing {
+    read: Duration::from_millis(100),
+    tries: 50,
+    flash: Duration::from_secs(15),
+};
+
 /// A drive that is on; off when dropped.
 pub struct Drive {
     child: Child,
@@ -98,21 +105,27 @@ impl Drive {
                 }
             }
         };
-        let mut host = Client::new(port, "QEMU", Timing::default(), Some(KEY));
+        let mut host = Client::new(port, "QEMU", TIMING, Some(KEY));
         host.identify()?;
         Ok(host)
     }
 
-    /// Ends it by SIGKILL, as a power cut would.
+    /// Ends it by SIGKILL, as a power cut would. What the image had logged.
     ///
     /// # Errors
     /// [`TrialError::Io`] where the system refuses.
-    pub fn cut_power(&mut self) -> Result<(), TrialError> {
+    pub fn cut_power(&mut self) -> Result<String, TrialError> {
+        let mut log = String::new();
         let killed = self.child.kill().and_then(|()| self.child.wait());
-        killed.map(drop).map_err(|source| TrialError::Io {
+        let read = killed.and_then(|_| match self.child.stdout.take() {
+            Some(mut output) => output.read_to_string(&mut log),
+            None => Ok(0),
+        });
+        read.map_err(|source| TrialError::Io {
             what: "killing QEMU",
             source,
-        })
+        })?;
+        Ok(log)
     }
 
     /// What a run that ended by itself had to say.

@@ -7,6 +7,7 @@ pub mod shaft;
 mod timer;
 
 use std::io;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use quadcal::recalibrate::{Failure, Figures, Options, Stage};
@@ -91,10 +92,36 @@ pub struct Outcome {
     pub table: TableInfo,
     /// Speed with it.
     pub after: Ripple,
+    /// RAM that the image took until it had committed: statics, and stack at its deepest.
+    pub memory: Memory,
     /// How soon it answered while it learned and proved.
     pub answers_at_work: Answers,
     /// How soon it answered while it solved.
     pub answers_solving: Answers,
+}
+
+/// RAM of an image, bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// All statics, the estimator's buffers among them.
+    pub statics: u64,
+    /// Stack at its deepest.
+    pub stack: u64,
+}
+
+impl Memory {
+    /// The last that an image logged of it.
+    fn logged(log: &str) -> Option<Self> {
+        let last = |key: &str| {
+            let words = log.split_ascii_whitespace().rev();
+            let mut numbers = words.filter_map(|word| word.strip_prefix(key)?.parse().ok());
+            numbers.next()
+        };
+        Some(Self {
+            statics: last("static_bytes=")?,
+            stack: last("stack_bytes=")?,
+        })
+    }
 }
 
 impl Outcome {
@@ -198,7 +225,8 @@ impl Trial {
         let committed = host.commit()?.ok_or(TrialError::Missing("table"))?;
         progress(Progress::Committed(committed));
 
-        bench.reboot()?;
+        let log = bench.reboot()?;
+        let memory = Memory::logged(&log).ok_or(TrialError::Missing("log"))?;
         progress(Progress::Rebooted);
         let mut host = bench.drive.connect()?;
         let found = host.status()?.table;
@@ -214,6 +242,7 @@ impl Trial {
             figures,
             table,
             after,
+            memory,
             answers_at_work: work.at_work,
             answers_solving: work.solving,
         };
@@ -269,7 +298,7 @@ fn ripple(speeds: &Speeds) -> Result<Ripple, TrialError> {
 
 /// A shaft that turns, a drive that sees its edges, and a folder for flash, edges and port.
 pub struct Bench {
-    elf: std::path::PathBuf,
+    elf: PathBuf,
     folder: TempDir,
     shaft: Shaft,
     /// The drive.
@@ -300,12 +329,12 @@ impl Bench {
         })
     }
 
-    /// Cuts the power, and switches on again; the shaft turns on.
+    /// Cuts the power, and switches on again; the shaft turns on. What had been logged.
     ///
     /// # Errors
     /// [`TrialError`].
-    pub fn reboot(&mut self) -> Result<(), TrialError> {
-        self.drive.cut_power()?;
+    pub fn reboot(&mut self) -> Result<String, TrialError> {
+        let log = self.drive.cut_power()?;
         let edges = |boot: u32| format!("edges-{boot}.qcev");
         let _ = std::fs::remove_file(self.folder.path().join(edges(self.boots)));
         self.boots += 1;
@@ -314,12 +343,18 @@ impl Bench {
             .write_to(&self.folder.path().join(&edges))
             .map_err(io("writing edges"))?;
         self.drive = Drive::start(&self.elf, self.folder.path(), Some(&edges))?;
-        Ok(())
+        Ok(log)
+    }
+
+    /// Where flash and edges are.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     /// The drive's flash.
     #[must_use]
-    pub fn flash(&self) -> std::path::PathBuf {
-        self.folder.path().join(FLASH)
+    pub fn flash(&self) -> PathBuf {
+        self.folder().join(FLASH)
     }
 }

@@ -136,10 +136,10 @@ mod tests {
             assert_eq!(speeds.ripple(), None);
             // A turn in 2^24 ticks.
             let speed = i64::from(sign) << (SPEED_FRACTION_BITS - 24);
-            for k in 0..4 {
+            for k in 0..4_i64 {
                 speeds.add(&Live {
-                    ticks: 1_000_000 * u64::from(k),
-                    angle: (256_000_000_i64 * i64::from(k) * i64::from(sign)) as u32,
+                    ticks: 1_000_000 * k as u64,
+                    angle: (256_000_000 * k * i64::from(sign)) as u32,
                     speed_raw: if k % 2 == 0 {
                         speed / 4 * 5
                     } else {

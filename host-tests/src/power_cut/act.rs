@@ -142,7 +142,7 @@ pub fn act(act: Act, kills: u32, seed: u64) -> Result<ActTally, PowerCutError> {
 }
 
 /// Returns when the marks of a place in a flash's file are no longer what they were, or much too long has passed.
-fn wait_for_a_mark(file: &Path, before: &[u8]) -> std::io::Result<()> {
+pub(super) fn wait_for_a_mark(file: &Path, before: &[u8]) -> std::io::Result<()> {
     let mut flash = File::open(file)?;
     let begin = Instant::now();
     while begin.elapsed() < ANSWER_MAX {

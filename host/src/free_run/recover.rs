@@ -271,7 +271,7 @@ impl FreeRun {
         (free_ticks / FINER).saturating_sub(self.clock_hz)
     }
 
-    /// The rows of the free run from those of the recording, in [`FINER`] ticks, a second later.
+    /// The rows of the free run from those of the recording, in `FINER` ticks, a second later.
     pub fn rows<I>(&self, rows: I) -> FreeRows<I>
     where
         I: Iterator<Item = Result<Row, ReadError>>,

@@ -14,6 +14,8 @@ mod edges;
 #[path = "../qemu/flash.rs"]
 mod file_flash;
 mod flash;
+#[path = "../qemu/memory.rs"]
+mod memory;
 #[path = "../qemu/mod.rs"]
 mod qemu;
 mod supplies;
@@ -23,6 +25,7 @@ use core::fmt;
 
 use cortex_m::Peripherals;
 use cortex_m_rt::{entry, exception};
+use cortex_m_semihosting::hprintln;
 use quadcal::access::AccessConfig;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{
@@ -34,7 +37,7 @@ use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::SensorError;
 use quadcal::stm32f405::layout;
 use quadcal::store::{LayoutError, Store};
-use quadcal::wire::Refusal;
+use quadcal::wire::{LogLevel, Refusal};
 
 use edges::{Edges, EdgesError};
 use flash::{ChipFlash, Mapped};
@@ -107,6 +110,18 @@ fn SysTick() {
     Wake::tick();
 }
 
+/// Says on QEMU's output where the calibration stands, and what memory it took so far.
+fn log(level: LogLevel, stage: Stage) {
+    if matches!(level, LogLevel::Info | LogLevel::Debug) {
+        hprintln!(
+            "{:?} stack_bytes={} static_bytes={}",
+            stage,
+            memory::stack_high_water(),
+            memory::static_bytes()
+        );
+    }
+}
+
 /// Passes on what edges have come in; whether there may be more.
 fn take_edges(
     edges: Option<&mut Edges>,
@@ -171,6 +186,7 @@ fn run(line: &mut [u8], buffers: &mut Buffers, solver: &mut Solver) -> Result<()
     let mut wake = Wake::start(peripherals.SYST);
     let mut now_ms = 0;
     let mut more = false;
+    let mut stage = device.stage();
     loop {
         if more || wake.ticked() {
             now_ms = semihost::elapsed_ns() / 1_000_000;
@@ -178,7 +194,11 @@ fn run(line: &mut [u8], buffers: &mut Buffers, solver: &mut Solver) -> Result<()
         }
         let Ok(()) = device.serve(&mut port, now_ms, &mut bench);
         device.poll(now_ms, &mut bench);
-        let working = matches!(device.stage(), Stage::Solving | Stage::Committing);
+        if device.stage() != stage {
+            stage = device.stage();
+            log(device.log_level(), stage);
+        }
+        let working = matches!(stage, Stage::Solving | Stage::Committing);
         if !more && !working {
             wake.wait(&mut port);
         }

@@ -1,7 +1,8 @@
-//! Tables committed, rolled back and erased, with the power failing at every operation.
+//! Tables committed, rolled back and erased.
 
 extern crate std;
 
+mod cuts;
 pub(crate) mod flash;
 
 use super::*;
@@ -126,71 +127,6 @@ fn sequences_go_on_past_their_largest_number() {
     let mut store = store::<4>();
     commit(&mut store, 1).unwrap();
     assert!(later(0, u32::MAX) && later(5, u32::MAX - 5) && !later(u32::MAX, 0) && !later(3, 3));
-}
-
-/// Lets the power fail at every operation of `act`, in several ways, on what `prepare` left; after each, one of the tables that
-/// `may_count` must count, and committing must work. Returns the number of cuts.
-fn every_cut<const W: usize>(
-    prepare: &[u64],
-    act: impl Fn(&mut Store<Flash<W, 1024>>) -> Result<(), StoreError<Fault>>,
-    may_count: &[Option<u64>],
-) -> u32 {
-    let mut prepared = store::<W>();
-    for serial in prepare {
-        commit(&mut prepared, *serial).unwrap();
-    }
-    let prepared = prepared.into_flash();
-    let mut whole = store_on(prepared.clone());
-    act(&mut whole).unwrap();
-    let operations = whole.flash.operations - prepared.operations;
-    assert!(may_count.contains(&counting(&mut whole)));
-    let mut cuts = 0;
-    for operation in 0..operations {
-        for seed in 0..12 {
-            let mut flash = prepared.clone();
-            flash.cut_at(operation, seed * 977 + operation * 4 + seed);
-            let mut store = store_on(flash);
-            assert!(act(&mut store).is_err());
-            store.flash.restore();
-            let found = counting(&mut store);
-            assert!(
-                may_count.contains(&found),
-                "cut {operation}, {seed}: {found:?}"
-            );
-            commit(&mut store, 99).unwrap();
-            assert_eq!(counting(&mut store), Some(99));
-            cuts += 1;
-        }
-    }
-    cuts
-}
-
-fn every_cut_of_everything<const W: usize>() -> u32 {
-    let first = |store: &mut Store<_>| commit(store, 1).map(drop);
-    let third = |store: &mut Store<_>| commit(store, 3).map(drop);
-    every_cut::<W>(&[], first, &[None, Some(1)])
-        + every_cut::<W>(
-            &[1],
-            |store| commit(store, 2).map(drop),
-            &[Some(1), Some(2)],
-        )
-        + every_cut::<W>(&[1, 2], third, &[Some(2), Some(3)])
-        + every_cut::<W>(
-            &[1, 2],
-            |store| store.roll_back().map(drop),
-            &[Some(2), Some(1)],
-        )
-        + every_cut::<W>(&[1, 2], Store::erase, &[Some(2), None])
-        + every_cut::<W>(&[1], Store::erase, &[Some(1), None])
-}
-
-#[test]
-fn wherever_the_power_fails_one_whole_table_counts() {
-    let cuts = every_cut_of_everything::<4>()
-        + every_cut_of_everything::<1>() / 8
-        + every_cut_of_everything::<32>();
-    std::println!("{cuts} cuts");
-    assert!(cuts > 10_000);
 }
 
 #[test]

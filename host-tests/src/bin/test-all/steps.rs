@@ -44,6 +44,16 @@ pub const STEPS: &[Step] = &[
         },
     },
     Step {
+        name: "doc",
+        about: "the documentation, its links included",
+        run: || {
+            let mut doc = Command::new("cargo");
+            doc.args(["doc", "--workspace", "--no-deps", "--lib", "--release"]);
+            doc.current_dir(firmware::workspace());
+            run(doc.env("RUSTDOCFLAGS", "-D warnings"))
+        },
+    },
+    Step {
         name: "defmt",
         about: "the core for the target, with every optional feature",
         run: defmt,
