@@ -11,6 +11,7 @@ use quadcal::recalibrate::Stage;
 use quadcal::units::RAD_PER_TURN32;
 use quadcal::wire::{Status, TableInfo};
 use quadcal_host::device::stage_text;
+use quadcal_host::report::si;
 use quadcal_host_tests::field_trial::drive::{KEY, LINES};
 use quadcal_host_tests::field_trial::ripple::{Answers, Ripple};
 use quadcal_host_tests::field_trial::{Bench, GAIN_LEAST, Outcome, Progress, Trial};
@@ -129,13 +130,13 @@ impl Screen {
                 self.say(&format!(
                     "learned from {} turns; expected to be left {}",
                     learned.turns,
-                    micro(learned.standard_error)
+                    rad(learned.standard_error)
                 ));
                 self.say(&format!(
                     "on {} fresh turns, from edge to edge: {} off without a table, {} with the new one",
                     figures.turns,
-                    micro(figures.old.interval),
-                    micro(figures.new.interval)
+                    rad(figures.old.interval),
+                    rad(figures.new.interval)
                 ));
             }
             Progress::Committed(table) => self.say(&format!("committed: {}", table_text(table))),
@@ -204,9 +205,9 @@ fn percent(share: f64) -> String {
     format!("{:.3} %", 100.0 * share)
 }
 
-/// 2^-32 turn in microradians.
-fn micro(turn32: u32) -> String {
-    format!("{:.2} urad", f64::from(turn32) * RAD_PER_TURN32 * 1e6)
+/// 2^-32 turn in rad.
+fn rad(turn32: u32) -> String {
+    si(f64::from(turn32) * RAD_PER_TURN32, "rad")
 }
 
 /// Before and after, side by side.
@@ -241,13 +242,13 @@ fn table(outcome: &Outcome) -> Result<String, std::fmt::Error> {
     )?;
     row(
         "edge to edge, on fresh turns, RMS",
-        &micro(figures.old.interval),
-        &micro(figures.new.interval),
+        &rad(figures.old.interval),
+        &rad(figures.new.interval),
     )?;
     row(
         "angle over the turn, on fresh turns, RMS *",
-        &micro(figures.old.angle),
-        &micro(figures.new.angle),
+        &rad(figures.old.angle),
+        &rad(figures.new.angle),
     )?;
     writeln!(
         text,

@@ -1,26 +1,25 @@
 //! A trial in the field, whole: firmware in QEMU, a simulated, badly made encoder behind it whose edges come in real time, and a host at
 //! its port. Everything that is reported comes from the device, over the wire.
 
+mod bench;
 pub mod drive;
+mod error;
 pub mod ripple;
 pub mod shaft;
 mod timer;
 
-use std::io;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use quadcal::recalibrate::{Failure, Figures, Options, Stage};
+use quadcal::recalibrate::{Figures, Options, Stage};
 use quadcal::wire::{Learned, Request, Status, TableInfo};
-use quadcal_host::device::DeviceError;
 use quadcal_host::pretend::Pretend;
-use quadcal_host::twin::{Twin, TwinError};
-use tempfile::TempDir;
+use quadcal_host::twin::Twin;
 
-use crate::firmware::FirmwareError;
-use drive::{CLOCK_HZ, Drive, FLASH, Host, LINES};
+use drive::{Host, LINES};
 use ripple::{Answers, Ripple, Speeds};
-use shaft::Shaft;
+
+pub use bench::Bench;
+pub use error::TrialError;
 
 /// Longest time that anything may take that the trial waits for.
 const WAIT: Duration = Duration::from_secs(180);
@@ -132,65 +131,6 @@ impl Outcome {
     }
 }
 
-/// Why a trial came to nothing.
-#[derive(Debug, thiserror::Error)]
-pub enum TrialError {
-    /// The image can't be built or started.
-    #[error(transparent)]
-    Firmware(#[from] FirmwareError),
-    /// The encoder can't be simulated.
-    #[error(transparent)]
-    Twin(#[from] TwinError),
-    /// The device refused, or does not answer.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// A file or socket failed.
-    #[error("{what}: {source}")]
-    Io {
-        /// What was tried.
-        what: &'static str,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// The image ended.
-    #[error("the image ended; it said `{0}`")]
-    Ended(String),
-    /// The index was not seen.
-    #[error("no index was seen in {limit} s", limit = WAIT.as_secs())]
-    NoIndex,
-    /// The shaft does not turn.
-    #[error("the shaft stands still")]
-    Standstill,
-    /// A device with empty flash has a table.
-    #[error("a table is in use before any was learned: {0:?}")]
-    TableAlready(TableInfo),
-    /// The calibration came to no table.
-    #[error("the calibration failed: {0:?}")]
-    Calibration(Failure),
-    /// It did not come to its end.
-    #[error("the calibration was still at stage {stage:?} after {limit} s", limit = WAIT.as_secs())]
-    Stuck {
-        /// Where it stands.
-        stage: Stage,
-    },
-    /// What a calibration should leave is not there.
-    #[error("the device has no {0}")]
-    Missing(&'static str),
-    /// After the reboot another table is in use, or none.
-    #[error("{committed:?} was committed, but after the reboot {found:?} is in use")]
-    Lost {
-        /// The table committed.
-        committed: TableInfo,
-        /// The one found.
-        found: Option<TableInfo>,
-    },
-}
-
-/// Maps the system's reason.
-fn io(what: &'static str) -> impl FnOnce(io::Error) -> TrialError {
-    move |source| TrialError::Io { what, source }
-}
-
 impl Trial {
     /// The badly made encoder and its shaft: the paper's.
     #[must_use]
@@ -294,67 +234,4 @@ struct Work {
 
 fn ripple(speeds: &Speeds) -> Result<Ripple, TrialError> {
     speeds.ripple().ok_or(TrialError::Missing("speed"))
-}
-
-/// A shaft that turns, a drive that sees its edges, and a folder for flash, edges and port.
-pub struct Bench {
-    elf: PathBuf,
-    folder: TempDir,
-    shaft: Shaft,
-    /// The drive.
-    pub drive: Drive,
-    boots: u32,
-}
-
-impl Bench {
-    /// With a drive whose flash is empty.
-    ///
-    /// # Errors
-    /// [`TrialError`].
-    pub fn start(twin: &Twin) -> Result<Self, TrialError> {
-        let elf = drive::build()?;
-        let folder = tempfile::tempdir().map_err(io("making a folder"))?;
-        let shaft = Shaft::start(twin, LINES, CLOCK_HZ)?;
-        let edges = "edges-1.qcev";
-        shaft
-            .write_to(&folder.path().join(edges))
-            .map_err(io("writing edges"))?;
-        let drive = Drive::start(&elf, folder.path(), Some(edges))?;
-        Ok(Self {
-            elf,
-            folder,
-            shaft,
-            drive,
-            boots: 1,
-        })
-    }
-
-    /// Cuts the power, and switches on again; the shaft turns on. What had been logged.
-    ///
-    /// # Errors
-    /// [`TrialError`].
-    pub fn reboot(&mut self) -> Result<String, TrialError> {
-        let log = self.drive.cut_power()?;
-        let edges = |boot: u32| format!("edges-{boot}.qcev");
-        let _ = std::fs::remove_file(self.folder.path().join(edges(self.boots)));
-        self.boots += 1;
-        let edges = edges(self.boots);
-        self.shaft
-            .write_to(&self.folder.path().join(&edges))
-            .map_err(io("writing edges"))?;
-        self.drive = Drive::start(&self.elf, self.folder.path(), Some(&edges))?;
-        Ok(log)
-    }
-
-    /// Where flash and edges are.
-    #[must_use]
-    pub fn folder(&self) -> &Path {
-        self.folder.path()
-    }
-
-    /// The drive's flash.
-    #[must_use]
-    pub fn flash(&self) -> PathBuf {
-        self.folder().join(FLASH)
-    }
 }

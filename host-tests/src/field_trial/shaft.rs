@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use quadcal::replay::{Header, TimerWidth, Wiring};
+use quadcal::edge::Sample;
+use quadcal::replay::{Event, Header, TimerWidth, Wiring};
 use quadcal::units::Ticks;
 use quadcal_host::sim::Simulation;
 use quadcal_host::twin::{Twin, TwinError};
@@ -22,13 +23,52 @@ const LOOK: Duration = Duration::from_millis(1);
 /// Changes of level that are made up in one go at the most.
 const BURST: usize = 20_000;
 
+/// Bytes that a file keeps: seconds of edges, of which a reader is milliseconds behind.
+const KEPT: u64 = 16 << 20;
+
 /// Where edges go.
 #[derive(Default)]
 struct Wire {
     file: Option<File>,
     timer: Timer,
+    /// Bytes written, and of those the ones given back to the disk.
+    written: u64,
+    freed: u64,
     failed: Option<io::Error>,
 }
+
+impl Wire {
+    /// Writes what the timer saw of these changes of level, and then up to `now`.
+    fn write(&mut self, due: &[Sample], now: Ticks) {
+        let Some(file) = &mut self.file else { return };
+        let mut bytes = Vec::new();
+        let mut record = |event: Event| bytes.extend(event.emit());
+        for sample in due {
+            self.timer.capture(*sample, &mut record);
+        }
+        self.timer.pass(now, &mut record);
+        match file.write_all(&bytes) {
+            Ok(()) => self.written += bytes.len() as u64,
+            Err(error) => self.failed = Some(error),
+        }
+        if self.written - self.freed > 2 * KEPT {
+            let old = self.written - KEPT;
+            free(file, self.freed, old - self.freed);
+            self.freed = old;
+        }
+    }
+}
+
+/// Gives bytes of a file back to the disk, where the system can; the file stays as long as it is.
+#[cfg(target_os = "linux")]
+fn free(file: &File, from: u64, bytes: u64) {
+    use rustix::fs::{FallocateFlags, fallocate};
+    let hole = FallocateFlags::PUNCH_HOLE | FallocateFlags::KEEP_SIZE;
+    let _ = fallocate(file, hole, from, bytes);
+}
+
+#[cfg(not(target_os = "linux"))]
+fn free(_: &File, _: u64, _: u64) {}
 
 /// The shaft, which stops when this is dropped.
 pub struct Shaft {
@@ -112,23 +152,7 @@ fn turn(mut edges: Peekable<Simulation>, clock_hz: u32, wire: &Mutex<Wire>, stop
         // Where the computer is too slow, time goes on as far as there are edges.
         let late = next.row.ticks <= now;
         now = now.min(next.row.ticks.saturating_sub(1));
-        let mut wire = lock(wire);
-        let Wire {
-            file,
-            timer,
-            failed,
-        } = &mut *wire;
-        if let Some(file) = file {
-            let mut bytes = Vec::new();
-            let mut record = |event: quadcal::replay::Event| bytes.extend(event.emit());
-            due.iter()
-                .for_each(|sample| timer.capture(*sample, &mut record));
-            timer.pass(now, &mut record);
-            if let Err(error) = file.write_all(&bytes) {
-                *failed = Some(error);
-            }
-        }
-        drop(wire);
+        lock(wire).write(&due, now);
         due.clear();
         if !late {
             thread::sleep(LOOK);
