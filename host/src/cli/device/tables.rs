@@ -112,7 +112,7 @@ impl Load {
         let figures = client.compare(|done, whole| progress.of(done.into(), whole.into()));
         drop(progress);
         let figures = figures?;
-        if figures.as_ref().is_some_and(Figures::is_worse) {
+        if !globals.quiet && figures.as_ref().is_some_and(Figures::is_worse) {
             let _ = writeln!(io::stderr(), "Warning: {WORSE}");
         }
         let commit = self.commit || ask::yes("The table is loaded. Commit it?") == Some(true);
