@@ -18,7 +18,7 @@
 //! | decoder and corrector in a row | 98 |
 //! | [`interval::Interval::push`] | 39 |
 //! | [`interval::Interval::speed_at`], for the control loop | 96 |
-//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 124 |
+//! | [`estimate::Estimator::push`], one turn coming in and one being folded | 125 |
 //! | [`fingerprint::Trail::push`], its call included | 25 |
 //!
 //! On the edge path of a drive that can be calibrated in the field (feature `device`), counted by `cargo qemu --bin edge_cost_field`:

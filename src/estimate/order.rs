@@ -76,10 +76,10 @@ impl OrderPlan {
     /// Of no encoder.
     pub(super) const NONE: Self = Self {
         edges: 0,
-        lines: 1,
+        lines: 0,
         single: 0,
-        blocks: 1,
-        decimation: 1,
+        blocks: 0,
+        decimation: 0,
     };
 
     /// For an encoder that is learned in so many blocks.

@@ -9,7 +9,7 @@ pub const LINES: u32 = 2500;
 pub const SLOTS: u32 = 4 * LINES;
 
 /// Edges made at a time; a turn is a whole number of blocks.
-pub const BLOCK: usize = 250;
+pub const BLOCK: usize = 125;
 
 /// Levels after edge 0, 1, 2, 3.
 const STATES: [u8; 4] = [1, 3, 2, 0];
