@@ -1,13 +1,11 @@
 //! A drive in QEMU, recalibrated by command, and the `quadcal device` commands at its port.
 #![cfg(unix)]
 
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use quadcal::slot::Slot;
 use quadcal_host_tests::field_trial::drive::KEY;
 use quadcal_host_tests::field_trial::{Bench, Trial};
-use quadcal_host_tests::firmware::workspace;
 
 /// A trial that is soon over.
 const QUICK: Trial = Trial {
@@ -21,26 +19,10 @@ const QUICK: Trial = Trial {
 /// All RAM of the chip that is not core-coupled, bytes.
 const RAM: u64 = 128 << 10;
 
-/// Builds the command, as no test of its own package needs it here.
-fn quadcal() -> PathBuf {
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(workspace()).args(["build", "--quiet"]);
-    cargo.args(["-p", "quadcal-host", "--bin", "quadcal"]);
-    if !cfg!(debug_assertions) {
-        cargo.arg("--release");
-    }
-    // The folder of the profile, where this test's own `deps` is.
-    let test = std::env::current_exe().unwrap();
-    let profile = test.ancestors().nth(2).unwrap();
-    cargo.arg("--target-dir").arg(profile.parent().unwrap());
-    assert!(cargo.status().unwrap().success());
-    profile.join("quadcal")
-}
-
 /// Runs `quadcal device` with these words at a drive's port.
-fn device(command: &Path, bench: &Bench, words: &str) -> Output {
+fn device(bench: &Bench, words: &str) -> Output {
     let key: String = KEY.iter().map(|byte| format!("{byte:02x}")).collect();
-    let output = Command::new(command)
+    let output = Command::new(env!("CARGO_BIN_EXE_quadcal-under-test"))
         .current_dir(bench.folder())
         .arg("device")
         .args(words.split_ascii_whitespace())
@@ -53,13 +35,13 @@ fn device(command: &Path, bench: &Bench, words: &str) -> Output {
 }
 
 /// What it prints.
-fn said(command: &Path, bench: &Bench, words: &str) -> String {
-    String::from_utf8(device(command, bench, words).stdout).unwrap()
+fn said(bench: &Bench, words: &str) -> String {
+    String::from_utf8(device(bench, words).stdout).unwrap()
 }
 
 /// The same without blanks, as JSON may have them anywhere.
-fn packed(command: &Path, bench: &Bench, words: &str) -> String {
-    said(command, bench, words).split_whitespace().collect()
+fn packed(bench: &Bench, words: &str) -> String {
+    said(bench, words).split_whitespace().collect()
 }
 
 #[test]
@@ -83,14 +65,13 @@ fn a_drive_in_qemu_learns_by_command_and_starts_again_with_what_it_learned() {
     assert_eq!((outcome.table.place, outcome.table.sequence), (0, 0));
     assert!(outcome.memory.statics + outcome.memory.stack < RAM);
 
-    let command = quadcal();
-    let identity = packed(&command, &bench, "identify --json -");
+    let identity = packed(&bench, "identify --json -");
     assert!(identity.contains(r#""edges_per_turn":10000"#), "{identity}");
     assert!(identity.contains(r#""serial":405"#), "{identity}");
-    let status = packed(&command, &bench, "status --json -");
+    let status = packed(&bench, "status --json -");
     assert!(status.contains(r#""stage":"idle""#), "{status}");
     assert!(status.contains(r#""sequence":0"#), "{status}");
-    let watched = said(&command, &bench, "watch --seconds 1 --json -");
+    let watched = said(&bench, "watch --seconds 1 --json -");
     let lines: Vec<&str> = watched.lines().collect();
     assert!(lines.len() > 10, "{watched}");
     let (summary, samples) = lines.split_last().unwrap();
@@ -101,15 +82,15 @@ fn a_drive_in_qemu_learns_by_command_and_starts_again_with_what_it_learned() {
     );
     assert!(summary.contains(r#""kind":"summary""#), "{summary}");
 
-    device(&command, &bench, "dump -o drive.qct");
+    device(&bench, "dump -o drive.qct");
     let dumped = std::fs::read(bench.folder().join("drive.qct")).unwrap();
     let slot = Slot::parse(&dumped).unwrap();
     assert_eq!(slot.header.turns, outcome.learned.turns);
     let flash = std::fs::read(bench.flash()).unwrap();
     assert!(flash.windows(dumped.len()).any(|bytes| bytes == dumped));
     // Handed over again it becomes the next one, and taken back the first one counts again.
-    device(&command, &bench, "load drive.qct --commit");
-    assert!(said(&command, &bench, "status").contains("number 1 at place B"));
-    device(&command, &bench, "rollback");
-    assert!(said(&command, &bench, "status").contains("number 0 at place A"));
+    device(&bench, "load drive.qct --commit");
+    assert!(said(&bench, "status").contains("number 1 at place B"));
+    device(&bench, "rollback");
+    assert!(said(&bench, "status").contains("number 0 at place A"));
 }
