@@ -123,21 +123,23 @@ impl<B: EdgeBuffers> Estimator<B> {
                     return Poll::Pending;
                 }
                 self.settle_fold();
-                *stage = Stage::Close(Closing::new());
+                go_to(stage, || Stage::Close(Closing::new()));
             }
             Stage::Close(closing) => {
                 let scales = scales(moments, self.fold.shape.unit_shift);
                 *fine = ready!(closing.slice(&mut parts, plan, scales));
-                *stage = Stage::Contrast(Contrasting::default());
+                go_to(stage, || Stage::Contrast(Contrasting::default()));
             }
             Stage::Contrast(contrasting) => {
                 *leftovers = ready!(contrasting.slice(&mut parts, plan, moments, speeds));
-                *stage = Stage::ClassMeans(ClassMeans::new());
+                go_to(stage, || Stage::ClassMeans(ClassMeans::new()));
             }
             Stage::ClassMeans(means) => {
                 *offsets = ready!(means.slice(parts.sum, classes));
                 *jitter = jitter_q16(plan, speeds);
-                *stage = Stage::Take(Coarse::PlainContrast, TakeOrders::START);
+                go_to(stage, || {
+                    Stage::Take(Coarse::PlainContrast, TakeOrders::START)
+                });
             }
             Stage::Take(coarse, take) => {
                 let third = coarse_sum(&mut parts, plan, *coarse);
@@ -146,7 +148,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                     Coarse::PlainContrast => &mut orders.doubt,
                     Coarse::Contrast => &mut orders.noise,
                     Coarse::Difference => {
-                        *stage = Stage::Settle(Settling::of(Estimated::Difference));
+                        go_to(stage, || Stage::Settle(Settling::of(Estimated::Difference)));
                         return Poll::Ready(());
                     }
                 };
@@ -157,7 +159,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                     Coarse::PlainContrast => Coarse::Contrast,
                     _ => Coarse::Difference,
                 };
-                *stage = Stage::Take(next, TakeOrders::START);
+                go_to(stage, || Stage::Take(next, TakeOrders::START));
             }
             Stage::Settle(settling) => {
                 let known = Known {
@@ -171,12 +173,12 @@ impl<B: EdgeBuffers> Estimator<B> {
                 match settling.estimated() {
                     Estimated::Difference => {
                         ready!(settling.slice(known, &mut orders.doubt, &mut orders.own));
-                        *stage = Stage::Settle(Settling::of(Estimated::Weighed));
+                        go_to(stage, || Stage::Settle(Settling::of(Estimated::Weighed)));
                     }
                     Estimated::Weighed => {
                         *settled =
                             ready!(settling.slice(known, &mut orders.noise, &mut orders.own));
-                        *stage = Stage::Split(SplitOrders::START);
+                        go_to(stage, || Stage::Split(SplitOrders::START));
                     }
                 }
             }
@@ -188,11 +190,13 @@ impl<B: EdgeBuffers> Estimator<B> {
                     let scratch = parts.cells.as_chunks_mut().0;
                     split.slice(parts.sum, scratch, plan, sizes)
                 });
-                *stage = Stage::Separate(Separation::new(moments, damping_square_q16(speeds)));
+                go_to(stage, || {
+                    Stage::Separate(Separation::new(moments, damping_square_q16(speeds)))
+                });
             }
             Stage::Separate(separation) => {
                 ready!(separation.slice(plan, orders, fine_now, torques));
-                *stage = Stage::Weigh(Weighting::START);
+                go_to(stage, || Stage::Weigh(Weighting::START));
             }
             Stage::Weigh(weighting) => {
                 let estimate = Estimate {
@@ -208,7 +212,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 };
                 // The doubt about torque has been used.
                 ready!(weighting.slice(plan, &estimate, &mut orders.doubt, weights));
-                *stage = Stage::Differ(Cursor::START);
+                go_to(stage, || Stage::Differ(Cursor::START));
             }
             Stage::Differ(cursor) => {
                 // What is to be added to the weighed mean: w_n g_n - w_common c_n, of which the difference holds g_n - c_n.
@@ -219,18 +223,18 @@ impl<B: EdgeBuffers> Estimator<B> {
                         .minus(weighed(mean, weights.common));
                 }
                 ready!(cursor.at_end(plan.single));
-                *stage = Stage::Delays(DelayFit::START);
+                go_to(stage, || Stage::Delays(DelayFit::START));
             }
             Stage::Delays(fit) => {
                 *delays = ready!(fit.slice(&self.delays, &self.fold.shape, speeds.reference()));
-                *stage = Stage::Undelay(MeanSpeed::default());
+                go_to(stage, || Stage::Undelay(MeanSpeed::default()));
             }
             Stage::Undelay(mean) => {
                 if let Some(delays) = delays {
                     let speed_q16 = ready!(mean.slice(moments, speeds));
                     delays.take_from(offsets, speed_q16, fine_now);
                 }
-                *stage = Stage::Draw(Drawing::START);
+                go_to(stage, || Stage::Draw(Drawing::START));
             }
             Stage::Draw(drawing) => {
                 let geometry = |n: usize| weighed(orders.coefficients[n], weights.single[n].into());
@@ -248,7 +252,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                     let grid = &mut parts.cells.as_chunks_mut().0[..samples];
                     drawing.slice(parts.sum, grid, more, believed, plan, fine_now)
                 });
-                *stage = Stage::Pack(Packing::default());
+                go_to(stage, || Stage::Pack(Packing::default()));
             }
             Stage::Pack(packing) => {
                 let offsets = class_offsets(offsets, fine_now);
@@ -321,6 +325,12 @@ fn scales(moments: &Moments, unit_shift: u32) -> Scales {
         weighed: of_weight(moments.weight_q16),
         plain: of_weight(u64::from(moments.turns) << 16),
     }
+}
+
+/// Begins a stage, which is built on the stack first: not on that of the slices to come.
+#[inline(never)]
+fn go_to(stage: &mut Stage, next: impl FnOnce() -> Stage) {
+    *stage = next();
 }
 
 /// A coarse sum at the blocks there are.
