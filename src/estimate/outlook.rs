@@ -1,7 +1,7 @@
 //! How good the table would be if learning ended now, and whether more turns would make it better.
 
 /// What a table would come to. The size of geometry is judged by the steps from edge to edge, as if all orders had the same. Torque
-/// that is left in at one speed is not counted, nor what telling it from geometry costs at its few orders: those take [`Estimator::solve`].
+/// that is left in at one speed is not counted, nor what telling it from geometry costs at its few orders: those take [`Estimator::solve`](super::Estimator::solve).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outlook {
