@@ -226,6 +226,24 @@ fn no_slice_is_long_however_the_shaft_was_driven() {
 }
 
 #[test]
+fn no_slice_is_long_whatever_the_encoder() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_qemu(&image("qemu_slices"), &[], folder.path(), LIMIT)
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert!(output.success, "{}", output.stderr);
+    println!("{}", output.stdout);
+    let longest = |key: &str| {
+        let words = output.stdout.split_ascii_whitespace();
+        let values = words.filter_map(|word| word.strip_prefix(key)?.parse::<u64>().ok());
+        let values: Vec<u64> = values.collect();
+        assert_eq!(values.len(), 12, "{key}");
+        values.into_iter().max().unwrap()
+    };
+    assert!(longest("solve_longest=") < 20_000);
+    assert!(longest("look_out_longest=") < 20_000);
+}
+
+#[test]
 fn the_edge_path_has_no_panic_no_division_and_no_float() {
     let elf = image("qemu_cost");
     for stage in ["front", "learn", "correct", "angle_at"] {

@@ -17,8 +17,8 @@ pub struct Learning {
     pub rejected: u32,
 }
 
-/// The part that sees the edges, as the main loop sees it. [`super::Workbench`] is one; firmware whose edges come in an interrupt
-/// wraps that in whatever it shares state with, and holds edges up no longer than one of these calls takes.
+/// The part that sees the edges, as the main loop sees it, which takes them from the capture interrupt by a queue. [`super::Workbench`] is
+/// one; none of these calls takes longer than a slice of solving does.
 pub trait Bench: SolveInSlices {
     /// Does what the machine says; all but writing, which is the store's.
     fn perform(&mut self, action: &Action);

@@ -14,6 +14,63 @@
 //! Only the last takes long, and on chips that execute from the flash they write it halts everything; the
 //! [`Interlock`] says when that may be. Edges are the workbench's and go on all the while: the table in use
 //! corrects them until [`Bench::adopt`] exchanges it.
+//!
+//! # Who calls what
+//!
+//! The capture interrupt reads the timer and the levels and puts the sample into a queue, nothing else; it may break into everything.
+//! All the rest is the main loop's, so nothing is shared but the queue. Between two looks into it lies one call of
+//! [`Device::serve`] and one of [`Device::poll`]: a slice of solving takes fewer than 20,000 instructions of a Cortex-M4, 120 us at 168
+//! MHz, so the queue holds the edges of twice that time at the highest speed to learn at. A control loop in an interrupt of its own
+//! gets what [`Workbench::push`] hands out by way of a cell. Solving takes some 2,500 slices; a main loop that comes round once a
+//! millisecond is done in 3 s, with numbers of edges that have no small divisors in up to a minute.
+//!
+//! ```no_run
+//! use core::convert::Infallible;
+//!
+//! use embedded_storage::nor_flash::NorFlash;
+//! use heapless::spsc::Consumer;
+//! use quadcal::access::Nonces;
+//! use quadcal::corrector::CorrectedEdge;
+//! use quadcal::decoder::QuadratureDecoder;
+//! use quadcal::device::{Device, Learner, MappedFlash, Workbench};
+//! use quadcal::edge::Sample;
+//! use quadcal::recalibrate::Interlock;
+//!
+//! /// The interrupt has the queue's other end: `producer.enqueue(Sample { ticks, levels })`.
+//! fn main_loop<'f, F, N, I, L, M, P>(
+//!     device: &mut Device<F, N, I>,
+//!     bench: &mut Workbench<'f, L, M>,
+//!     decoder: &mut QuadratureDecoder,
+//!     edges: &mut Consumer<'_, Sample>,
+//!     port: &mut P,
+//!     now_ms: impl Fn() -> u64,
+//!     hand_on: impl Fn(CorrectedEdge),
+//! ) -> Result<Infallible, P::Error>
+//! where
+//!     F: NorFlash,
+//!     N: Nonces,
+//!     I: Interlock,
+//!     L: Learner,
+//!     M: MappedFlash<'f>,
+//!     P: embedded_io::Read + embedded_io::ReadReady + embedded_io::Write,
+//! {
+//!     loop {
+//!         while let Some(sample) = edges.dequeue() {
+//!             if let Some(edge) = bench.push(&decoder.push(sample)) {
+//!                 hand_on(edge);
+//!             }
+//!             bench.note(sample.ticks, decoder.faults());
+//!         }
+//!         device.serve(port, now_ms(), bench)?;
+//!         device.poll(now_ms(), bench);
+//!     }
+//! }
+//! ```
+//!
+//! Beside the buffers of [`StaticBuffers`](crate::estimate::StaticBuffers) it takes a [`Solver`](crate::estimate::Solver), 11 KiB, best
+//! as a `static`, and what `Device` and `Workbench` are. What may wait long: a commit, a roll back and an erasure, for as long as the
+//! flash does (a place of the STM32F405: 1.1 s), in which a chip that runs from that flash serves no interrupt either. So the
+//! [`Interlock`] allows them at standstill only.
 
 mod bench;
 mod learner;

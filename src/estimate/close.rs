@@ -14,6 +14,9 @@ use crate::shape::CLASSES_MAX;
 const ADDED: usize = 1500;
 const WALKED: usize = 200;
 
+/// Lines that a slice goes through at the most: with few classes they cost more than their edges.
+const LINES: usize = 400;
+
 /// How a sum over turns becomes angle: it counts 2^`unit_shift` of 2^-32 turn, for turns of `weight_q16` together.
 #[derive(Clone, Copy)]
 pub(super) struct SumScale {
@@ -224,7 +227,7 @@ impl ClassMeans {
     pub(super) fn slice(&mut self, errors: &mut [i32], classes: usize) -> Poll<[i32; CLASSES_MAX]> {
         let classes = classes.max(1);
         let lines = errors.len() / classes;
-        let stretch = self.cursor.next(ADDED / 2 / classes, lines);
+        let stretch = self.cursor.next((ADDED / 2 / classes).min(LINES), lines);
         let stretch = &mut errors[stretch.start * classes..stretch.end * classes];
         let Some(mut means) = self.means else {
             for line in stretch.chunks_exact(classes) {

@@ -57,6 +57,9 @@ struct LowLevel {
 
 /// Edges and orders of a slice.
 const EDGES: usize = 500;
+
+/// Lines of a slice at the most: with few classes they cost more than their edges.
+const LINES: usize = 250;
 const ORDERS: usize = 4;
 
 impl Lookout {
@@ -163,7 +166,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 let classes = self.shape.classes() as usize;
                 let sum = self.buffers.parts().sum;
                 let lines = sum.len() / classes;
-                let stretch = lookout.cursor.next(EDGES / classes, lines);
+                let stretch = lookout.cursor.next((EDGES / classes).min(LINES), lines);
                 add_steps(
                     &sum[stretch.start * classes..stretch.end * classes],
                     of_class,

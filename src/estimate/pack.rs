@@ -22,6 +22,9 @@ pub(super) fn with_offsets(rms: u32, class_offsets: &[TurnDelta32]) -> u32 {
 const MEASURED: usize = 250;
 const PACKED: usize = 800;
 
+/// Lines that are measured in a slice at the most: with few classes they cost more than their edges.
+const LINES: usize = 150;
+
 /// Scales the errors to 2^-32 turn and packs them as 16-bit entries in the cells.
 #[derive(Default)]
 pub(super) struct Packing {
@@ -54,7 +57,7 @@ impl Packing {
         let edges = parts.sum.len();
         let Some(shift) = self.shift else {
             let lines = edges / classes;
-            let stretch = self.cursor.next(MEASURED / classes, lines);
+            let stretch = self.cursor.next((MEASURED / classes).min(LINES), lines);
             let stretch = &mut parts.sum[stretch.start * classes..stretch.end * classes];
             for line in stretch.chunks_exact_mut(classes) {
                 for (entry, offset) in line.iter_mut().zip(class_offsets) {

@@ -17,8 +17,8 @@ use super::transform::TakeOrders;
 use super::weigh::{Weighting, Weights};
 use crate::shape::CLASSES_MAX;
 
-/// Memory that [`Estimator::slice`](super::Estimator::slice) works with: 11 KiB, to be kept where stacks are short. It is of no use to
-/// another estimator before [`Solver::restart`].
+/// Memory that [`Estimator::slice`](super::Estimator::slice) works with: 11 KiB, best kept as a `static`. Once it has solved, or
+/// was given up, it is of no use to the next estimator before [`Solver::restart`].
 pub struct Solver {
     pub(super) stage: Stage,
     pub(super) plan: OrderPlan,
