@@ -18,7 +18,8 @@ pub struct Learning {
 }
 
 /// The part that sees the edges, as the main loop sees it, which takes them from the capture interrupt by a queue. [`super::Workbench`] is
-/// one; none of these calls takes longer than a slice of solving does.
+/// one; none of these calls takes longer than a slice of solving, but for getting ready to learn, which clears
+/// the memory, and adopting a table, whose check sum is taken.
 pub trait Bench: SolveInSlices {
     /// Does what the machine says; all but writing, which is the store's.
     fn perform(&mut self, action: &Action);

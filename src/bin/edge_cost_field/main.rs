@@ -21,6 +21,7 @@ use core::hint::black_box;
 
 use cortex_m::Peripherals;
 use cortex_m_rt::entry;
+use cortex_m_semihosting::hprintln;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{Bench, EstimatorLearner, MappedFlash, Shelf, Workbench, WorkbenchConfig};
@@ -173,7 +174,8 @@ fn measure(
         header,
         offset: 0,
     };
-    if !bench.adopt(Some(&in_use)) {
+    let adopted = timed(counter, "adopt", || bench.adopt(Some(&in_use)));
+    if !adopted {
         return None;
     }
     let mut line = Line {
@@ -184,16 +186,19 @@ fn measure(
     };
     line.count(&mut bench, counter, "push_with_nothing_to_do", WARM);
 
-    bench.perform(&Action::Prepare(Options::default()));
+    let options = Options::default();
+    timed(counter, "prepare", || {
+        bench.perform(&Action::Prepare(options));
+    });
     bench.perform(&Action::Learn);
     line.count(&mut bench, counter, "push_learning", WARM);
 
     bench.perform(&Action::Solve);
     while let Solving::Working(_) = bench.slice() {}
     bench.candidate()?;
-    bench.perform(&Action::Prove);
+    timed(counter, "prove", || bench.perform(&Action::Prove));
     line.count(&mut bench, counter, "push_proving", WARM);
-    let proven = bench.figures().turns;
+    let proven = timed(counter, "figures", || bench.figures()).turns;
 
     bench.perform(&Action::Release);
     bench.room()?.fill(7);
@@ -201,6 +206,14 @@ fn measure(
     bench.compare(&header);
     line.count(&mut bench, counter, "push_comparing", WARM);
     (proven >= 3 && bench.figures().turns >= 3).then_some(())
+}
+
+/// Does a call of the main loop and prints what it takes.
+fn timed<T>(counter: &InstructionCounter, name: &str, call: impl FnOnce() -> T) -> T {
+    let begin = counter.now();
+    let result = call();
+    hprintln!("{}={}", name, counter.now() - begin);
+    result
 }
 
 #[inline(never)]
