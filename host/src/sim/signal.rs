@@ -49,6 +49,11 @@ impl Signals {
         }
     }
 
+    /// Sets the levels before the first change.
+    pub(super) fn start(&mut self, levels: Levels) {
+        self.levels = Some(levels);
+    }
+
     /// Delay of the change that a mark makes when it is passed in a direction, s.
     pub(super) fn delay_s(&self, mark: &Mark, direction: Direction) -> f64 {
         let (bit, high) = change_at(mark, direction);
@@ -61,7 +66,8 @@ impl Signals {
         self.delays_s[channel][usize::from(high)]
     }
 
-    /// Sends the change that a mark makes, `after` being the levels with it but without delays. Changes are sent in order of time.
+    /// Sends the change that a mark makes, the crossing's levels being those with it but without delays. Changes are sent in order of
+    /// time.
     ///
     /// Where the change before on the same channel would arrive later than this one, the pulse between them is too short to be
     /// seen: neither arrives.
@@ -70,11 +76,10 @@ impl Signals {
         crossing: Crossing,
         mark: &Mark,
         direction: Direction,
-        after: Levels,
         taken: bool,
     ) {
         let (bit, high) = change_at(mark, direction);
-        self.levels.get_or_insert(Levels(after.0 ^ bit));
+        self.levels.get_or_insert(Levels(crossing.levels.0 ^ bit));
         self.horizon_s = crossing.truth.time_s;
         let before = self.coming.iter().rposition(|change| change.bit == bit);
         if let Some(before) = before.filter(|&i| self.coming[i].arrival_s > crossing.arrival_s) {
@@ -109,12 +114,14 @@ impl Signals {
         while self.coming.front()?.arrival_s <= time_s {
             let change = self.coming.pop_front()?;
             let levels = self.levels.get_or_insert(Levels(0));
+            let before = levels.0;
             levels.0 = if change.high {
-                levels.0 | change.bit
+                before | change.bit
             } else {
-                levels.0 & !change.bit
+                before & !change.bit
             };
-            if change.taken {
+            // A slip may bring an index to where its level is that already.
+            if change.taken && levels.0 != before {
                 return Some(Crossing {
                     truth: change.truth,
                     stamp: change.stamp,
