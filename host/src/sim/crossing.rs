@@ -6,7 +6,15 @@ use super::disc::Mark;
 use super::track::Motion;
 use super::{Simulation, Truth};
 
-/// A change of level on its way to its row.
+/// A mark that was passed: what goes off to the timer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passed {
+    pub(super) truth: Truth,
+    pub(super) stamp: u64,
+    pub(super) arrival_s: f64,
+}
+
+/// A change of level that has arrived.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
     pub(super) truth: Truth,
@@ -47,9 +55,8 @@ impl Simulation {
             return None;
         }
         self.place += i64::from(direction.sign());
-        let levels = self.disc.levels_after(place, direction);
         let mark = *self.disc.mark(place);
-        self.send_crossing(mark, direction, self.piece.time_of(way), way, levels);
+        self.send_crossing(mark, direction, self.piece.time_of(way), way);
         Some(())
     }
 
@@ -67,10 +74,8 @@ impl Simulation {
         if self.beyond_end(way) {
             return None;
         }
-        let tracks = self.tracks.as_mut()?;
-        tracks.pass(mark.class, tau, direction);
-        let levels = tracks.levels(&self.disc);
-        self.send_crossing(mark, direction, tau, way, levels);
+        self.tracks.as_mut()?.pass(mark.class, tau, direction);
+        self.send_crossing(mark, direction, tau, way);
         Some(())
     }
 
@@ -90,20 +95,12 @@ impl Simulation {
         };
         let direction = direction_of(self.shaft.motion());
         if let Some(mark) = tracks.slip(&self.disc, angle, now, direction) {
-            let levels = tracks.levels(&self.disc);
-            self.send_crossing(mark, Direction::Forward, 0.0, 0.0, levels);
+            self.send_crossing(mark, Direction::Forward, 0.0, 0.0);
         }
     }
 
     /// Sends off the change of level of a mark that is passed `tau` s after the piece's start, `way` from there.
-    fn send_crossing(
-        &mut self,
-        mark: Mark,
-        direction: Direction,
-        tau: f64,
-        way: f64,
-        levels: Levels,
-    ) {
+    fn send_crossing(&mut self, mark: Mark, direction: Direction, tau: f64, way: f64) {
         let time_s = self.segment_start_s + self.within_s.plus(tau);
         let arrival_s = time_s + self.signals.delay_s(&mark, direction);
         let stamp = self.capture.stamp(arrival_s);
@@ -113,7 +110,7 @@ impl Simulation {
         {
             speed_loop.edge(stamp, direction, self.disc.steps_into(k, direction));
         }
-        let crossing = Crossing {
+        let passed = Passed {
             truth: Truth {
                 time_s,
                 angle_rad: self.shaft.angle_after(way),
@@ -122,9 +119,8 @@ impl Simulation {
             },
             stamp,
             arrival_s,
-            levels,
         };
-        self.signals.send(crossing, &mark, direction, taken);
+        self.signals.send(passed, &mark, direction, taken);
     }
 }
 

@@ -133,13 +133,9 @@ impl Disc {
         turn * TAU + mark.angle_rad - error
     }
 
-    /// Levels right after the mark at `place` is crossed in a direction.
-    pub(super) fn levels_after(&self, place: i64, direction: Direction) -> Levels {
-        let seen_forward = match direction {
-            Direction::Forward => place,
-            Direction::Reverse => place - 1,
-        };
-        Levels(self.mark(seen_forward).levels)
+    /// Levels between the mark before a place and the one at it.
+    pub(super) fn levels_before(&self, place: i64) -> Levels {
+        Levels(self.mark(place - 1).levels)
     }
 
     /// The first place whose angle lies above `angle_rad`.

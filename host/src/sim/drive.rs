@@ -60,8 +60,24 @@ impl Knot {
     }
 }
 
-/// The profile of a drive as knots, by time, the first at 0.
+/// The profile of a drive as knots, by time, the first at 0. A speed that drifts down to zero stays there.
 pub(super) fn knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
+    let mut knots = profile_knots(twin, plant);
+    let rate = twin.speed_drift.and_then(|drift| drift.fraction_per_s);
+    if let Some(rate) = rate.filter(|rate| *rate < 0.0) {
+        let ends_s = -1.0 / rate;
+        let from = knots.partition_point(|knot| knot.from_s < ends_s);
+        for knot in knots[from..].iter_mut().filter(|knot| knot.driven) {
+            *knot = Knot::following(plant, knot.from_s, 0.0, 0.0);
+        }
+        if knots[from - 1].driven {
+            knots.insert(from, Knot::following(plant, ends_s, 0.0, 0.0));
+        }
+    }
+    knots
+}
+
+fn profile_knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
     let rad_s = |r_min: f64| r_min * (TAU / 60.0);
     let hold = |from_s, r_min| Knot::following(plant, from_s, rad_s(r_min), 0.0);
     match &twin.drive {

@@ -125,15 +125,16 @@ impl Simulation {
             }
             Duration::Seconds(seconds) => (f64::INFINITY, seconds),
         };
-        let mut signals = Signals::new(twin);
         let tracks = Shifts::new(twin)
             .map(|shifts| Tracks::new(&disc, shifts, angle, crossing::direction_of(start_speed)));
-        if let Some(tracks) = &tracks {
-            signals.start(tracks.levels(&disc));
-        }
+        let place = disc.place_above(angle);
+        let levels = match &tracks {
+            Some(tracks) => tracks.levels(&disc),
+            None => disc.levels_before(place),
+        };
         Ok(Self {
             header: event::header_of(twin),
-            place: disc.place_above(angle),
+            place,
             knots,
             knot: 0,
             speed_loop: SpeedLoop::new(twin, &plant),
@@ -149,7 +150,7 @@ impl Simulation {
                 angle,
                 start_speed,
             ),
-            signals,
+            signals: Signals::new(twin, levels),
             tracks,
             capture: Capture::new(twin),
             segment_start_s: 0.0,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// `speed_drift`: the speed of an open-loop drive is that of its profile times 1 + fraction_per_s t, or times
-/// 1 + fraction (1 - exp(-t / tau)). The drive's push follows it, as that of a ramp does.
+/// 1 + fraction (1 - exp(-t / tau)). The drive's push follows it, as that of a ramp does. A speed that drifts down to zero stays there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedDrift {

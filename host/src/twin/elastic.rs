@@ -15,7 +15,7 @@ pub struct StickSlip {
 }
 
 /// `torsional_resonance`: a share of the inertia is behind a spring with a damper; encoder, drive, friction, ripples and loads are on the
-/// near side. With the share s, the spring has K = (2 pi f)^2 s (1 - s) J and the damper 2 damping_ratio (2 pi f) s (1 - s) J.
+/// near side. Sizes given by the speed swing they make are those of a stiff shaft. With the share s, the spring has K = (2 pi f)^2 s (1 - s) J and the damper 2 damping_ratio (2 pi f) s (1 - s) J.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorsionalResonance {

@@ -1,5 +1,7 @@
 //! Tones, drift and friction against closed forms and a plain Runge-Kutta.
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::twin::{GearMesh, SpeedDrift, TorqueTone};
 
@@ -173,4 +175,82 @@ fn all_friction_on_a_driven_ramp_is_balanced_and_a_run_down_is_that_of_a_plain_r
         events += 1;
     }
     assert!(events > 2000, "{events}");
+}
+
+#[test]
+fn a_speed_that_drifts_down_to_zero_stays_there() {
+    let mut twin = plain(60.0, 1.0);
+    twin.shaft.coulomb_n_m = 1e-3;
+    twin.duration = Duration::Seconds(10.0);
+    twin.speed_drift = Some(SpeedDrift {
+        fraction_per_s: Some(-0.5),
+        ..SpeedDrift::default()
+    });
+    let last = Simulation::new(&twin).unwrap().last().unwrap().truth;
+    // Half of 2 s at a turn a second.
+    assert!(
+        last.angle_rad <= TAU && TAU - last.angle_rad < 1e-3,
+        "{last:?}"
+    );
+    assert!((1.9..=2.0).contains(&last.time_s));
+}
+
+proptest! {
+    #[test]
+    fn any_allowed_rig_with_friction_springs_and_tones_gives_rows_in_order_and_gets_on(
+        seed in 0..1000_u64,
+        r_min in -3000.0..3000.0_f64,
+        inertia in -6.0..0.0_f64,
+        coulomb in -6.0..1.0_f64,
+        stribeck in -6.0..1.0_f64,
+        stribeck_speed in -3.0..3.0_f64,
+        drag in -9.0..0.0_f64,
+        torque in -6.0..-1.0_f64,
+        f_hz in 0.0..3.0_f64,
+        share in 0.01..0.99_f64,
+        spring in -4.0..2.0_f64,
+        kind in 0..4_u8,
+        profile in 0..3_u8,
+    ) {
+        let mut twin = plain(r_min, 2.0);
+        twin.seed = seed;
+        twin.encoder = Encoder::Hall { pole_pairs: 3 };
+        twin.duration = Duration::Seconds(0.2);
+        twin.shaft.inertia_kg_m2 = 10_f64.powf(inertia);
+        twin.shaft.coulomb_n_m = 10_f64.powf(coulomb);
+        twin.shaft.stribeck_n_m = 10_f64.powf(stribeck);
+        twin.shaft.stribeck_rad_s = 10_f64.powf(stribeck_speed);
+        twin.shaft.drag_n_m_s2 = 10_f64.powf(drag);
+        twin.torque_tone = vec![TorqueTone {
+            f_hz: 10_f64.powf(f_hz),
+            phase_rad: 0.0,
+            torque_n_m: Some(10_f64.powf(torque)),
+            speed_fraction: None,
+        }];
+        if kind & 1 != 0 {
+            twin.torsional_resonance = Some(twin::TorsionalResonance {
+                f_hz: 10_f64.powf(3.0 - f_hz),
+                damping_ratio: 0.01,
+                inertia_share: share,
+                load_psd_n2_m2_s: Some(1e-9),
+                load_hold_s: Some(1e-3),
+            });
+        }
+        if kind & 2 != 0 {
+            twin.stick_slip = Some(twin::StickSlip { stiffness_n_m_rad: 10_f64.powf(spring) });
+        }
+        twin.hysteresis = Some(twin::Hysteresis { angle_rad: 0.1, channel: None });
+        twin.drive = match profile {
+            0 => Drive::Constant { r_min },
+            1 => Drive::Ramp { from_r_min: r_min, to_r_min: -r_min, over_s: 0.1 },
+            _ => Drive::RunDown { r_min, off_s: 0.01 },
+        };
+        prop_assume!(twin.check().is_ok());
+        let mut last = (0, 0_f64);
+        for event in Simulation::new(&twin).unwrap().take(5_000) {
+            prop_assert!(event.row.ticks >= last.0 && event.truth.time_s >= last.1);
+            prop_assert!(event.truth.time_s <= 0.2);
+            last = (event.row.ticks, event.truth.time_s);
+        }
+    }
 }

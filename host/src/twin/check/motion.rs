@@ -86,6 +86,23 @@ impl Twin {
             "1e-6 or more with stribeck_n_m",
             "give the speed over which the friction goes",
         );
+        let speed = self.drive.nominal_rad_s().abs().max(1.0);
+        let most = 0.5 * DAMPING_MAX * s.inertia_kg_m2 / speed;
+        c.require(
+            s.drag_n_m_s2 <= most,
+            "shaft.drag_n_m_s2",
+            s.drag_n_m_s2,
+            &format!("up to {most:?} with this inertia and speed"),
+            "lower it or raise the inertia: the time constant is below a microsecond",
+        );
+        let most = DAMPING_MAX * s.inertia_kg_m2 * s.stribeck_rad_s;
+        c.require(
+            s.stribeck_n_m <= most,
+            "shaft.stribeck_n_m",
+            s.stribeck_n_m,
+            &format!("up to {most:?} with this inertia and stribeck_rad_s"),
+            "lower it or raise stribeck_rad_s: the time constant is below a microsecond",
+        );
     }
 
     pub(super) fn check_drive(&self, c: &mut Checker<'_>) {
