@@ -4,6 +4,9 @@
 //! Stribeck friction where a twin has them, is integrated by Taylor series of 16 terms between the instants at which the drive, a load, the noise or the loop change, with a step that keeps the truncated
 //! rest near 1e-16 rad; edges are roots of the series. Ten times finer steps move no edge by 1e-10 rad.
 //!
+//! Marks are passed at their angle less e(k); where a level, a play or a run-out shifts them, at the root of the motion less the shift
+//! at that very time. Each mark changes its channel once for each passage.
+//!
 //! Same seed, same bytes: all random numbers are ChaCha8 streams of their own purpose, `sin`, `cos`, `exp` and `log` come from the
 //! `libm` crate, and the rest is IEEE 754 addition, multiplication, division and square root, none fused. So the edges do not
 //! depend on machine or system, on any target with 64-bit IEEE arithmetic (32-bit x86 without SSE2 is none).
@@ -174,7 +177,8 @@ impl Simulation {
         self.header.clone()
     }
 
-    /// The encoder's true errors e(k), rad, for every edge of the grid; 0 for the edges of missing teeth. Edge k happens at its grid
+    /// The encoder's true errors e(k), rad, for every edge of the grid, without what does not repeat each turn; 0 for the edges of missing
+    /// teeth. Edge k happens at its grid
     /// angle 2 pi k / N minus e(k).
     #[must_use]
     pub fn true_errors(&self) -> Vec<f64> {

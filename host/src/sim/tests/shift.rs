@@ -87,7 +87,7 @@ fn the_level_of_the_very_time_of_each_edge_shifts_it() {
             } else {
                 -shift
             };
-            assert!((off - expected).abs() < 2e-12, "{event:?}: {off:e}");
+            assert!((off - expected).abs() < 1e-12, "{event:?}: {off:e}");
         }
         one_level_a_row(&twin);
     }
