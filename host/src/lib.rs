@@ -10,6 +10,7 @@ pub mod device;
 pub mod findings;
 pub mod free_run;
 pub mod locate;
+pub mod mechanism;
 pub mod pattern;
 pub mod pretend;
 pub mod recording;

@@ -36,11 +36,13 @@ fn every_file_in_the_folder_is_tried_here() {
             "hall.toml",
             "keys.txt",
             "load-step.toml",
+            "mechanisms.toml",
             "pair-fast.toml",
             "pair-slow.toml",
             "paper.toml",
             "run-down.toml",
             "speed-loop.toml",
+            "stick-slip.toml",
             "wander-0.1.toml",
             "wander-1.toml",
             "wheel-60-2.toml"
@@ -153,4 +155,63 @@ fn the_loads_slow_the_turns_that_they_are_in() {
     assert!(within(6, 0.555) && within(6, 0.59) && within(9, 0.86) && within(10, 0.98));
     assert!(turns[..5].iter().all(|turn| (turn - 0.1).abs() < 1e-4));
     assert!(turns[5] > 0.1004 && turns[9] > 0.1005, "{turns:?}");
+}
+
+#[test]
+fn every_section_of_the_twin_of_mechanisms_moves_edges() {
+    let whole = load("mechanisms.toml");
+    let rows = |twin: &Twin| -> Vec<u64> {
+        let events = Simulation::new(twin).unwrap();
+        events.map(|event| event.row.ticks).collect()
+    };
+    let all = rows(&whole);
+    assert!((22_000..25_000).contains(&all.len()), "{}", all.len());
+    let without: [fn(&mut Twin); 14] = [
+        |t| t.local_defect.clear(),
+        |t| t.speed_drift = None,
+        |t| t.gear_mesh.clear(),
+        |t| t.bearing.truncate(1),
+        |t| _ = t.bearing.remove(0),
+        |t| t.torque_tone.clear(),
+        |t| t.torsional_resonance = None,
+        |t| t.load_step.clear(),
+        |t| t.threshold_ripple = None,
+        |t| t.threshold_drift = None,
+        |t| t.hysteresis = None,
+        |t| t.backlash = None,
+        |t| t.index_slip.clear(),
+        |t| t.capture_latency = None,
+    ];
+    for (i, without) in without.iter().enumerate() {
+        let mut less = whole.clone();
+        without(&mut less);
+        assert_ne!(less, whole, "change {i}");
+        assert_ne!(rows(&less), all, "change {i}");
+    }
+    for change in [
+        |t: &mut Twin| t.shaft.drag_n_m_s2 = 0.0,
+        |t: &mut Twin| t.shaft.stribeck_n_m = 0.0,
+    ] {
+        let mut less = whole.clone();
+        change(&mut less);
+        assert_ne!(rows(&less), all);
+    }
+}
+
+#[test]
+fn the_slow_table_stands_for_most_of_the_time() {
+    let times: Vec<f64> = run("stick-slip.toml")
+        .iter()
+        .map(|event| event.truth.time_s)
+        .collect();
+    let rests: Vec<f64> = times
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|rest| *rest > 0.5)
+        .collect();
+    assert!((15..=25).contains(&rests.len()), "{rests:?}");
+    assert!(
+        rests.iter().sum::<f64>() > 0.8 * times.last().unwrap(),
+        "{rests:?}"
+    );
 }

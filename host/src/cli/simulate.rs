@@ -96,6 +96,10 @@ enum Example {
     Delays,
     /// A spindle whose load bites twice
     LoadStep,
+    /// A spindle with something of nearly every mechanism: sections to copy
+    Mechanisms,
+    /// A slow table that sticks and slips
+    StickSlip,
     /// The slow one of a pair: one encoder, eccentric, with torque ripple, at two speeds
     PairSlow,
     /// The fast one of the pair
@@ -113,6 +117,8 @@ impl Example {
             Self::SpeedLoop => include_str!("../../twins/speed-loop.toml"),
             Self::Delays => include_str!("../../twins/delays.toml"),
             Self::LoadStep => include_str!("../../twins/load-step.toml"),
+            Self::Mechanisms => include_str!("../../twins/mechanisms.toml"),
+            Self::StickSlip => include_str!("../../twins/stick-slip.toml"),
             Self::PairSlow => include_str!("../../twins/pair-slow.toml"),
             Self::PairFast => include_str!("../../twins/pair-fast.toml"),
         }

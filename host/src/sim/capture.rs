@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use quadcal::edge::Levels;
 
+use super::latency::Latency;
 use super::random::{Purpose, Stream};
 use super::{Class, Event, Truth};
 use crate::recording::Row;
@@ -23,6 +24,7 @@ pub(super) struct Capture {
     mask: u64,
     jitter_s: f64,
     jitter: Stream,
+    latency: Latency,
     faults: Faults,
     lost: Stream,
     glitch: Stream,
@@ -47,6 +49,7 @@ impl Capture {
             },
             jitter_s: twin.timer.jitter_s,
             jitter: Stream::new(twin.seed, Purpose::Jitter),
+            latency: Latency::new(twin),
             faults,
             lost: Stream::new(twin.seed, Purpose::LostEdge),
             glitch: Stream::new(twin.seed, Purpose::Glitch),
@@ -76,7 +79,8 @@ impl Capture {
         } else {
             0.0
         };
-        self.ticks(time_s + error)
+        let captured_s = self.latency.captured_s(time_s);
+        self.ticks(captured_s + error)
     }
 
     /// Whether the edge that just came gets through; draws its faults.

@@ -5,15 +5,17 @@ use std::f64::consts::TAU;
 use quadcal::edge::{Direction, Levels};
 
 use super::Class;
-use super::error_list;
 use super::random::{Purpose, Stream};
-use crate::twin::{Encoder, Errors, Per, Position, Twin, TwinError};
+use super::{defect, error_list};
+use crate::twin::{Bearing, Encoder, Errors, Per, Position, Twin, TwinError};
 
 /// One change of level on the disc.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mark {
     /// True shaft angle, 0 to 2 pi.
     angle_rad: f64,
+    /// Grid angle, by which run-out at an order that is not whole goes.
+    grid_rad: f64,
     /// Number of the edge; none for the index.
     pub(super) edge: Option<u32>,
     /// What changes, seen forward.
@@ -27,7 +29,17 @@ pub(super) struct Mark {
 pub(super) struct Disc {
     marks: Vec<Mark>,
     errors: Vec<f64>,
+    /// Errors that do not repeat each turn.
+    runouts: Vec<Runout>,
     encoder: Encoder,
+}
+
+/// An error amplitude sin(order theta + phase) through all turns.
+#[derive(Clone, Copy, Debug)]
+struct Runout {
+    order: f64,
+    phase_rad: f64,
+    amplitude_rad: f64,
 }
 
 impl Disc {
@@ -51,18 +63,20 @@ impl Disc {
                 });
             }
         }
-        let mark = |angle_rad: f64, edge, class| Mark {
+        let mark = |angle_rad: f64, error_rad: f64, edge, class| Mark {
             angle_rad: angle_rad.rem_euclid(TAU),
+            grid_rad: angle_rad.rem_euclid(TAU) + error_rad,
             edge,
             class,
             levels: 0,
         };
         let mut marks: Vec<Mark> = (0..real)
-            .map(|k| mark(angle(k), Some(k), class_of(encoder, k)))
+            .map(|k| mark(angle(k), errors[k as usize], Some(k), class_of(encoder, k)))
             .collect();
-        if let Encoder::Quadrature { index: true, .. } = encoder {
-            marks.push(mark(angle(0) - 0.5 * step, None, Class::IndexRise));
-            marks.push(mark(angle(0) + 0.5 * step, None, Class::IndexFall));
+        if encoder.has_index() {
+            let (before, after) = (angle(0) - 0.5 * step, angle(0) + 0.5 * step);
+            marks.push(mark(before, errors[0], None, Class::IndexRise));
+            marks.push(mark(after, errors[0], None, Class::IndexFall));
         }
         marks.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad));
         // Every channel changes at least once a turn, so the second time round the levels are right.
@@ -77,6 +91,7 @@ impl Disc {
         Ok(Self {
             marks,
             errors,
+            runouts: runouts_of(twin),
             encoder,
         })
     }
@@ -103,13 +118,24 @@ impl Disc {
         turn * TAU + self.marks[index].angle_rad
     }
 
-    /// Levels right after the mark at `place` is crossed in a direction.
-    pub(super) fn levels_after(&self, place: i64, direction: Direction) -> Levels {
-        let seen_forward = match direction {
-            Direction::Forward => place,
-            Direction::Reverse => place - 1,
-        };
-        Levels(self.mark(seen_forward).levels)
+    /// The marks of one turn, by angle.
+    pub(super) fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
+    /// True shaft angle of a mark in a turn, rad, run-out included.
+    pub(super) fn mark_angle_rad(&self, turn: f64, mark: &Mark) -> f64 {
+        let grid = turn * TAU + mark.grid_rad;
+        let runouts = self.runouts.iter();
+        let error = runouts.fold(0.0, |sum, runout| {
+            sum + runout.amplitude_rad * libm::sin(runout.order * grid + runout.phase_rad)
+        });
+        turn * TAU + mark.angle_rad - error
+    }
+
+    /// Levels between the mark before a place and the one at it.
+    pub(super) fn levels_before(&self, place: i64) -> Levels {
+        Levels(self.mark(place - 1).levels)
     }
 
     /// The first place whose angle lies above `angle_rad`.
@@ -147,12 +173,25 @@ fn class_of(encoder: Encoder, k: u32) -> Class {
 
 fn errors_of(twin: &Twin) -> Result<Vec<f64>, TwinError> {
     let edges = twin.encoder.grid_edges();
-    if let Some(path) = twin.error_list_path() {
-        return error_list::read(&path, edges);
+    let mut errors = if let Some(path) = twin.error_list_path() {
+        error_list::read(&path, edges)?
+    } else if twin.errors.list_rad.is_empty() {
+        drawn_errors(twin)
+    } else {
+        twin.errors.list_rad.clone()
+    };
+    if !twin.local_defect.is_empty() {
+        for k in 0..twin.encoder.real_edges() {
+            let grid = f64::from(k) * (TAU / f64::from(edges));
+            errors[k as usize] += defect::error_rad(twin, class_of(twin.encoder, k), grid);
+        }
     }
-    if !twin.errors.list_rad.is_empty() {
-        return Ok(twin.errors.list_rad.clone());
-    }
+    Ok(errors)
+}
+
+/// Errors of the parts that a twin declares.
+fn drawn_errors(twin: &Twin) -> Vec<f64> {
+    let edges = twin.encoder.grid_edges();
     let seed = twin.errors.seed.unwrap_or(twin.seed);
     let mut random = Stream::new(seed, Purpose::LinePosition);
     let mut position = 0.0;
@@ -164,7 +203,18 @@ fn errors_of(twin: &Twin) -> Result<Vec<f64>, TwinError> {
     });
     let mut errors: Vec<f64> = errors.collect();
     errors[twin.encoder.real_edges() as usize..].fill(0.0);
-    Ok(errors)
+    errors
+}
+
+fn runouts_of(twin: &Twin) -> Vec<Runout> {
+    let runout = |bearing: &Bearing| {
+        Some(Runout {
+            order: bearing.order,
+            phase_rad: bearing.phase_rad,
+            amplitude_rad: bearing.runout_rad?,
+        })
+    };
+    twin.bearing.iter().filter_map(runout).collect()
 }
 
 fn line_position(twin: &Twin, k: u32, last: f64, random: &mut Stream) -> f64 {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use quadcal::edge::Direction;
 
 use super::plant::Plant;
-use super::random::{Purpose, Stream};
+use super::random::Stream;
 use super::shaft::sign;
 use crate::twin::{self, Drive, SeenSpeed, Twin};
 
@@ -19,6 +19,14 @@ pub(super) struct Knot {
     pub(super) slope: f64,
     /// Viscous friction and stiffness, 1/s.
     pub(super) damping: f64,
+    /// Speed asked for at `from_s`, rad/s.
+    pub(super) speed: f64,
+    /// Its rate, rad/s^2.
+    pub(super) rate: f64,
+    /// Direction in which friction is balanced: -1, 0 or 1.
+    pub(super) towards: f64,
+    /// Whether an open-loop drive is on.
+    pub(super) driven: bool,
 }
 
 impl Knot {
@@ -30,12 +38,46 @@ impl Knot {
             level: dw + plant.damping * w + plant.coulomb * towards,
             slope: plant.damping * dw,
             damping: plant.damping,
+            speed: w,
+            rate: dw,
+            towards,
+            driven: true,
+        }
+    }
+
+    /// No push of a profile from a time on.
+    fn free(plant: &Plant, from_s: f64) -> Self {
+        Self {
+            from_s,
+            level: 0.0,
+            slope: 0.0,
+            damping: plant.viscous,
+            speed: 0.0,
+            rate: 0.0,
+            towards: 0.0,
+            driven: false,
         }
     }
 }
 
-/// The profile of a drive as knots, by time, the first at 0.
+/// The profile of a drive as knots, by time, the first at 0. A speed that drifts down to zero stays there.
 pub(super) fn knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
+    let mut knots = profile_knots(twin, plant);
+    let rate = twin.speed_drift.and_then(|drift| drift.fraction_per_s);
+    if let Some(rate) = rate.filter(|rate| *rate < 0.0) {
+        let ends_s = -1.0 / rate;
+        let from = knots.partition_point(|knot| knot.from_s < ends_s);
+        for knot in knots[from..].iter_mut().filter(|knot| knot.driven) {
+            *knot = Knot::following(plant, knot.from_s, 0.0, 0.0);
+        }
+        if knots[from - 1].driven {
+            knots.insert(from, Knot::following(plant, ends_s, 0.0, 0.0));
+        }
+    }
+    knots
+}
+
+fn profile_knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
     let rad_s = |r_min: f64| r_min * (TAU / 60.0);
     let hold = |from_s, r_min| Knot::following(plant, from_s, rad_s(r_min), 0.0);
     match &twin.drive {
@@ -61,20 +103,9 @@ pub(super) fn knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
             .map(|(i, step)| hold(if i == 0 { 0.0 } else { step.t_s }, step.r_min))
             .collect(),
         Drive::RunDown { r_min, off_s } => {
-            let off = Knot {
-                from_s: *off_s,
-                level: 0.0,
-                slope: 0.0,
-                damping: plant.viscous,
-            };
-            vec![hold(0.0, *r_min), off]
+            vec![hold(0.0, *r_min), Knot::free(plant, *off_s)]
         }
-        Drive::SpeedLoop { .. } => vec![Knot {
-            from_s: 0.0,
-            level: 0.0,
-            slope: 0.0,
-            damping: plant.viscous,
-        }],
+        Drive::SpeedLoop { .. } => vec![Knot::free(plant, 0.0)],
     }
 }
 
@@ -138,9 +169,9 @@ pub(super) struct Noise {
 
 impl Noise {
     /// Noise of `sigma` rad/s^2, new every `hold_s`.
-    pub(super) fn new(seed: u64, sigma: f64, hold_s: f64) -> Self {
+    pub(super) fn new(random: Stream, sigma: f64, hold_s: f64) -> Self {
         Self {
-            random: Stream::new(seed, Purpose::Torque),
+            random,
             sigma,
             hold_s,
             steps: 0,

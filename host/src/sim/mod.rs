@@ -1,8 +1,11 @@
 //! The simulator: a twin in, edges with their true angles out.
 //!
-//! The shaft's equation J dw/dt = drive - b w - coulomb sgn(w) + ripple(theta) + load(t) + noise(t) is integrated by Taylor series
-//! of 16 terms between the instants at which the drive, a load, the noise or the loop change, with a step that keeps the truncated
+//! The shaft's equation J dw/dt = drive - b w - coulomb sgn(w) + ripple(theta) + load(t) + noise(t), with tones, springs, drag and
+//! Stribeck friction where a twin has them, is integrated by Taylor series of 16 terms between the instants at which the drive, a load, the noise or the loop change, with a step that keeps the truncated
 //! rest near 1e-16 rad; edges are roots of the series. Ten times finer steps move no edge by 1e-10 rad.
+//!
+//! Marks are passed at their angle less e(k); where a level, a play or a run-out shifts them, at the root of the motion less the shift
+//! at that very time. Each mark changes its channel once for each passage.
 //!
 //! Same seed, same bytes: all random numbers are ChaCha8 streams of their own purpose, `sin`, `cos`, `exp` and `log` come from the
 //! `libm` crate, and the rest is IEEE 754 addition, multiplication, division and square root, none fused. So the edges do not
@@ -12,18 +15,28 @@
 
 mod capture;
 mod crossing;
+mod defect;
 mod disc;
 mod drive;
 mod error_list;
 mod event;
+mod extended;
+mod latency;
 mod load;
 mod plant;
+mod profile;
 mod random;
+mod segment;
 mod shaft;
+mod shift;
 mod signal;
+mod spring;
+mod start;
 mod taylor;
 #[cfg(test)]
 mod tests;
+mod tone;
+mod track;
 
 use std::f64::consts::TAU;
 
@@ -36,11 +49,14 @@ use capture::Capture;
 use crossing::Crossing;
 use disc::Disc;
 use drive::{Knot, Noise, SpeedLoop};
+use extended::Extended;
 use load::Loads;
 use plant::Plant;
-use shaft::{Forcing, LongSum, Shaft};
+use shaft::{LongSum, Shaft};
+use shift::Shifts;
 use signal::Signals;
 use taylor::{Integrator, Piece};
+use track::Tracks;
 
 /// A running simulation: an iterator of events in the order of their capture.
 #[derive(Clone, Debug)]
@@ -55,6 +71,8 @@ pub struct Simulation {
     load_push: f64,
     noise: Option<Noise>,
     noise_push: f64,
+    /// Noise on the far side of a torsional spring, and its acceleration there.
+    far_noise: Option<(Noise, f64)>,
     shaft: Shaft,
     signals: Signals,
     capture: Capture,
@@ -66,6 +84,8 @@ pub struct Simulation {
     piece_travel: f64,
     /// First place above the shaft's angle: the next one going forward.
     place: i64,
+    /// In place of it, where marks are shifted.
+    tracks: Option<Tracks>,
     travelled: LongSum,
     travel_end: f64,
     end_s: f64,
@@ -94,7 +114,11 @@ impl Simulation {
         let plant = Plant::new(twin);
         let knots = drive::knots(twin, &plant);
         let ripples = plant.ripples(twin);
-        let start_speed = plant.start_speed(twin, &knots[0], &ripples);
+        let mut extended = Extended::new(twin, &plant);
+        let start_speed = match &mut extended {
+            Some(extended) => start::settled(twin, &plant, &knots[0], &ripples, extended),
+            None => plant.start_speed(twin, &knots[0], &ripples),
+        };
         let angle = twin.shaft.initial_angle_rad;
         let (travel_end, end_s) = match twin.duration {
             Duration::Turns(turns) => {
@@ -104,9 +128,16 @@ impl Simulation {
             }
             Duration::Seconds(seconds) => (f64::INFINITY, seconds),
         };
+        let tracks = Shifts::new(twin)
+            .map(|shifts| Tracks::new(&disc, shifts, angle, crossing::direction_of(start_speed)));
+        let place = disc.place_above(angle);
+        let levels = match &tracks {
+            Some(tracks) => tracks.levels(&disc),
+            None => disc.levels_before(place),
+        };
         Ok(Self {
             header: event::header_of(twin),
-            place: disc.place_above(angle),
+            place,
             knots,
             knot: 0,
             speed_loop: SpeedLoop::new(twin, &plant),
@@ -115,13 +146,15 @@ impl Simulation {
             load_push: 0.0,
             noise: plant.noise(twin),
             noise_push: 0.0,
+            far_noise: plant.far_noise(twin).map(|noise| (noise, 0.0)),
             shaft: Shaft::new(
-                Integrator::new(ripples, finer),
+                Integrator::new(ripples, extended, finer),
                 plant.coulomb,
                 angle,
                 start_speed,
             ),
-            signals: Signals::new(twin),
+            signals: Signals::new(twin, levels),
+            tracks,
             capture: Capture::new(twin),
             segment_start_s: 0.0,
             segment_end_s: 0.0,
@@ -144,80 +177,12 @@ impl Simulation {
         self.header.clone()
     }
 
-    /// The encoder's true errors e(k), rad, for every edge of the grid; 0 for the edges of missing teeth. Edge k happens at its grid
+    /// The encoder's true errors e(k), rad, for every edge of the grid, without what does not repeat each turn; 0 for the edges of missing
+    /// teeth. Edge k happens at its grid
     /// angle 2 pi k / N minus e(k).
     #[must_use]
     pub fn true_errors(&self) -> Vec<f64> {
         self.disc.errors().to_vec()
-    }
-
-    /// Ends the current piece and starts the next.
-    fn advance(&mut self) {
-        if self.piece.length_s > 0.0 {
-            self.shaft.finish(&self.piece);
-        }
-        self.travelled.add(self.piece_travel.abs());
-        self.within_s.add(self.piece.length_s);
-        let mut segment_s = self.segment_end_s - self.segment_start_s;
-        let mut rest = segment_s - self.within_s.plus(0.0);
-        // A rest this short is rounding: the segment is over.
-        if rest <= 1e-12 * segment_s {
-            self.start_segment();
-            segment_s = self.segment_end_s - self.segment_start_s;
-            rest = segment_s;
-        }
-        let now = self.segment_start_s + self.within_s.plus(0.0);
-        if now >= self.end_s || self.travelled.plus(0.0) >= self.travel_end {
-            self.done = true;
-            return;
-        }
-        let knot = self.knots[self.knot];
-        let forcing = Forcing {
-            level: knot.level
-                + knot.slope * (now - knot.from_s)
-                + self.load_push
-                + self.noise_push
-                + self.loop_push,
-            slope: knot.slope,
-            damping: knot.damping,
-        };
-        self.piece = self.shaft.next_piece(forcing, rest, segment_s);
-        self.piece_travel = self.piece.travel(self.piece.length_s);
-        // Torques so large that the motion overflows end the run.
-        self.done = !self.piece_travel.is_finite();
-    }
-
-    /// Takes every change that is due and finds when the next one is.
-    fn start_segment(&mut self) {
-        let now = self.segment_end_s;
-        let next_knot = |at: usize| {
-            self.knots
-                .get(at + 1)
-                .map_or(f64::INFINITY, |knot| knot.from_s)
-        };
-        while next_knot(self.knot) <= now {
-            self.knot += 1;
-        }
-        let mut end = self.end_s.min(next_knot(self.knot));
-        while self.loads.next_s() <= now {
-            self.load_push = self.loads.change();
-        }
-        end = end.min(self.loads.next_s());
-        if let Some(noise) = &mut self.noise {
-            while noise.next_s() <= now {
-                self.noise_push = noise.change();
-            }
-            end = end.min(noise.next_s());
-        }
-        if let Some(speed_loop) = &mut self.speed_loop {
-            while speed_loop.next_s() <= now {
-                self.loop_push = speed_loop.sample();
-            }
-            end = end.min(speed_loop.next_s());
-        }
-        self.segment_start_s = now;
-        self.segment_end_s = end;
-        self.within_s = LongSum::default();
     }
 }
 

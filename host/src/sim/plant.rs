@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::drive::{Knot, Noise};
 use super::random::{Purpose, Stream};
 use super::taylor::RippleTerm;
+use super::tone::Tone;
 use crate::twin::{self, Drive, Twin};
 
 /// Steps of the noise grid in one correlation time, at least.
@@ -51,21 +52,68 @@ impl Plant {
         }
     }
 
-    /// The ripples as accelerations.
+    /// Everything that is torque at an order, as accelerations.
     pub(super) fn ripples(&self, twin: &Twin) -> Vec<RippleTerm> {
-        let term = |ripple: &twin::Ripple| RippleTerm {
-            order: ripple.order,
-            phase_rad: ripple.phase_rad,
-            amplitude: match (ripple.torque_n_m, ripple.speed_fraction) {
-                (Some(torque), _) => torque / twin.shaft.inertia_kg_m2,
-                (None, fraction) => {
-                    let turning = ripple.order * self.nominal;
-                    let impedance = (turning * turning + self.damping * self.damping).sqrt();
-                    fraction.unwrap_or(0.0) * self.nominal.abs() * impedance
-                }
-            },
+        let inertia = twin.shaft.inertia_kg_m2;
+        let term = |order: f64, phase_rad: f64, torque: Option<f64>, fraction: Option<f64>| {
+            let size = self.size(inertia, order * self.nominal, torque, fraction);
+            RippleTerm {
+                order,
+                phase_rad,
+                amplitude: size,
+            }
         };
-        twin.ripple.iter().map(term).collect()
+        let ripples = twin.ripple.iter();
+        let gears = twin.gear_mesh.iter();
+        let bearings = twin.bearing.iter().filter(|b| b.runout_rad.is_none());
+        ripples
+            .map(|r| term(r.order, r.phase_rad, r.torque_n_m, r.speed_fraction))
+            .chain(gears.map(|g| term(g.order, g.phase_rad, g.torque_n_m, g.speed_fraction)))
+            .chain(bearings.map(|b| term(b.order, b.phase_rad, b.torque_n_m, b.speed_fraction)))
+            .collect()
+    }
+
+    /// The tones as accelerations.
+    pub(super) fn tones(&self, twin: &Twin) -> Vec<Tone> {
+        let inertia = twin.shaft.inertia_kg_m2;
+        let tones = twin.torque_tone.iter().map(|tone| {
+            let turning = TAU * tone.f_hz;
+            Tone {
+                turning,
+                phase_rad: tone.phase_rad,
+                amplitude: self.size(inertia, turning, tone.torque_n_m, tone.speed_fraction),
+            }
+        });
+        tones.collect()
+    }
+
+    /// Amplitude, rad/s^2, of a torque given as such or as the relative speed swing that it makes at `turning` rad/s.
+    fn size(
+        &self,
+        inertia: f64,
+        turning: f64,
+        torque_n_m: Option<f64>,
+        speed_fraction: Option<f64>,
+    ) -> f64 {
+        match (torque_n_m, speed_fraction) {
+            (Some(torque), _) => torque / inertia,
+            (None, fraction) => {
+                let impedance = (turning * turning + self.damping * self.damping).sqrt();
+                fraction.unwrap_or(0.0) * self.nominal.abs() * impedance
+            }
+        }
+    }
+
+    /// Noise on the far side of a torsional spring, if there is any: accelerations of that side.
+    pub(super) fn far_noise(&self, twin: &Twin) -> Option<Noise> {
+        let resonance = twin.torsional_resonance?;
+        let psd = resonance.load_psd_n2_m2_s?;
+        let hold = resonance
+            .load_hold_s
+            .unwrap_or(1.0 / (NOISE_STEPS * resonance.f_hz));
+        let inertia = twin.shaft.inertia_kg_m2 * resonance.inertia_share;
+        let random = Stream::new(twin.seed, Purpose::LoadTorque);
+        Some(Noise::new(random, (psd / hold).sqrt() / inertia, hold))
     }
 
     /// The torque noise, if there is any.
@@ -95,19 +143,13 @@ impl Plant {
                 )
             }
         };
-        Some(Noise::new(twin.seed, sigma, hold_s))
+        let random = Stream::new(twin.seed, Purpose::Torque);
+        Some(Noise::new(random, sigma, hold_s))
     }
 
     /// Speed at time 0, rad/s: the profile's, with ripple and wander as if it had run so for long. A shaft at rest starts at rest.
     pub(super) fn start_speed(&self, twin: &Twin, first: &Knot, ripples: &[RippleTerm]) -> f64 {
-        let rad_s = |r_min: f64| r_min * (TAU / 60.0);
-        let speed = match &twin.drive {
-            Drive::Ramp { from_r_min, .. } => rad_s(*from_r_min),
-            Drive::Steps(steps) => steps.first().map_or(0.0, |step| rad_s(step.r_min)),
-            Drive::Constant { .. } | Drive::RunDown { .. } | Drive::SpeedLoop { .. } => {
-                self.nominal
-            }
-        };
+        let speed = self.profile_speed(twin);
         if speed == 0.0 {
             return 0.0;
         }
@@ -118,12 +160,28 @@ impl Plant {
             let square = turning * turning + first.damping * first.damping;
             ripple.amplitude * (first.damping * sin - turning * cos) / square
         });
-        let wander = match twin.noise {
+        speed + swing.sum::<f64>() + self.start_wander(twin)
+    }
+
+    /// The profile's speed at time 0, rad/s.
+    pub(super) fn profile_speed(&self, twin: &Twin) -> f64 {
+        let rad_s = |r_min: f64| r_min * (TAU / 60.0);
+        match &twin.drive {
+            Drive::Ramp { from_r_min, .. } => rad_s(*from_r_min),
+            Drive::Steps(steps) => steps.first().map_or(0.0, |step| rad_s(step.r_min)),
+            Drive::Constant { .. } | Drive::RunDown { .. } | Drive::SpeedLoop { .. } => {
+                self.nominal
+            }
+        }
+    }
+
+    /// What a wander adds to the speed at time 0, rad/s.
+    pub(super) fn start_wander(&self, twin: &Twin) -> f64 {
+        match twin.noise {
             Some(twin::Noise::SpeedWander { rms_fraction, .. }) => {
                 rms_fraction * self.nominal * Stream::new(twin.seed, Purpose::StartSpeed).normal()
             }
             _ => 0.0,
-        };
-        speed + swing.sum::<f64>() + wander
+        }
     }
 }

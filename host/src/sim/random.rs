@@ -14,6 +14,8 @@ pub(super) enum Purpose {
     Jitter = 4,
     LostEdge = 5,
     Glitch = 6,
+    Latency = 7,
+    LoadTorque = 8,
 }
 
 /// One stream.

@@ -1,6 +1,7 @@
 //! The turning shaft: state, Coulomb friction and standstill, one piece of motion after another.
 
-use super::taylor::{Integrator, Piece, Push, bisect};
+use super::drive::Knot;
+use super::taylor::{DEGREE, Integrator, Piece, Push, bisect};
 
 /// A sum that keeps what rounding drops, so that millions of steps do not drift.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,9 +67,23 @@ impl Shaft {
         self.angle.plus(travel)
     }
 
+    /// Sign of the motion; 0 at standstill.
+    pub(super) const fn motion(&self) -> f64 {
+        self.motion
+    }
+
     /// How far it is to an angle, rad.
     pub(super) fn way_to(&self, angle_rad: f64) -> f64 {
         (angle_rad - self.angle.high) - self.angle.low
+    }
+
+    /// Works out pushes that are given in time, for the next piece; false where the profile is a straight line and has no part in that.
+    pub(super) fn prepare(&mut self, knot: &Knot, now_s: f64, far_push: f64) -> bool {
+        match self.integrator.extended() {
+            Some(extended) => extended.prepare(knot, now_s, far_push),
+            None => return false,
+        }
+        true
     }
 
     /// The motion from now on, at most to `rest_s`, the end of a segment `segment_s` long. It turns nowhere within.
@@ -77,14 +92,24 @@ impl Shaft {
         let angle = self.angle.plus(0.0);
         if self.motion == 0.0 {
             let pull = forcing.level + self.integrator.ripple_at(angle);
-            if let Some(rest) = self.standstill(pull, forcing.slope, longest) {
+            if let Some(extended) = self.integrator.extended() {
+                match extended.rest(pull, self.coulomb, longest) {
+                    Ok(rest) => return rest,
+                    Err(motion) => self.motion = motion,
+                }
+            } else if let Some(rest) = self.standstill(pull, forcing.slope, longest) {
                 return rest;
-            }
-            self.motion = if pull == 0.0 {
-                sign(forcing.slope)
             } else {
-                sign(pull)
-            };
+                self.motion = if pull == 0.0 {
+                    sign(forcing.slope)
+                } else {
+                    sign(pull)
+                };
+            }
+        }
+        let motion = self.motion;
+        if let Some(extended) = self.integrator.extended() {
+            extended.set_motion(motion);
         }
         let push = Push {
             level: forcing.level - self.coulomb * self.motion,
@@ -122,6 +147,14 @@ impl Shaft {
     pub(super) fn finish(&mut self, piece: &Piece) {
         self.angle.add(piece.travel(piece.length_s));
         self.speed.add(piece.speed_gain(piece.length_s));
+        let terms = if self.motion == 0.0 {
+            DEGREE
+        } else {
+            piece.terms()
+        };
+        if let Some(extended) = self.integrator.extended() {
+            extended.finish(piece.length_s, terms);
+        }
         if self.motion == 0.0 || self.speed.plus(0.0) * self.motion <= 0.0 {
             self.speed = LongSum::new(0.0);
             self.motion = 0.0;

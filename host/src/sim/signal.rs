@@ -4,8 +4,9 @@ use std::collections::VecDeque;
 
 use quadcal::edge::{Direction, Levels};
 
+use super::Truth;
+use super::crossing::{Crossing, Passed};
 use super::disc::Mark;
-use super::{Crossing, Truth};
 use crate::twin::Twin;
 
 /// A change of one channel on its way.
@@ -29,14 +30,15 @@ pub(super) struct Signals {
     third: bool,
     /// By arrival; of one channel, rises and falls take turns.
     coming: VecDeque<Change>,
-    /// Levels as they arrived, once there was a change.
-    levels: Option<Levels>,
+    /// Levels as they arrived.
+    levels: Levels,
     /// What happens later arrives later than this, s.
     horizon_s: f64,
 }
 
 impl Signals {
-    pub(super) fn new(twin: &Twin) -> Self {
+    /// Signals of a twin whose levels at time 0 are these.
+    pub(super) fn new(twin: &Twin, levels: Levels) -> Self {
         let edge = twin.edge_delay.unwrap_or_default();
         let skew = twin.channel_skew.unwrap_or_default();
         let channels = [(edge.a, skew.a_s), (edge.b, skew.b_s), (edge.c, skew.c_s)];
@@ -44,7 +46,7 @@ impl Signals {
             delays_s: channels.map(|(edge, skew_s)| [edge.fall_s + skew_s, edge.rise_s + skew_s]),
             third: matches!(twin.encoder, crate::twin::Encoder::Hall { .. }),
             coming: VecDeque::new(),
-            levels: None,
+            levels,
             horizon_s: 0.0,
         }
     }
@@ -61,33 +63,25 @@ impl Signals {
         self.delays_s[channel][usize::from(high)]
     }
 
-    /// Sends the change that a mark makes, `after` being the levels with it but without delays. Changes are sent in order of time.
+    /// Sends the change that a mark makes. Changes are sent in order of time.
     ///
     /// Where the change before on the same channel would arrive later than this one, the pulse between them is too short to be
     /// seen: neither arrives.
-    pub(super) fn send(
-        &mut self,
-        crossing: Crossing,
-        mark: &Mark,
-        direction: Direction,
-        after: Levels,
-        taken: bool,
-    ) {
+    pub(super) fn send(&mut self, passed: Passed, mark: &Mark, direction: Direction, taken: bool) {
         let (bit, high) = change_at(mark, direction);
-        self.levels.get_or_insert(Levels(after.0 ^ bit));
-        self.horizon_s = crossing.truth.time_s;
+        self.horizon_s = passed.truth.time_s;
         let before = self.coming.iter().rposition(|change| change.bit == bit);
-        if let Some(before) = before.filter(|&i| self.coming[i].arrival_s > crossing.arrival_s) {
+        if let Some(before) = before.filter(|&i| self.coming[i].arrival_s > passed.arrival_s) {
             self.coming.remove(before);
             return;
         }
         let at = self
             .coming
-            .partition_point(|change| change.arrival_s <= crossing.arrival_s);
+            .partition_point(|change| change.arrival_s <= passed.arrival_s);
         let change = Change {
-            truth: crossing.truth,
-            stamp: crossing.stamp,
-            arrival_s: crossing.arrival_s,
+            truth: passed.truth,
+            stamp: passed.stamp,
+            arrival_s: passed.arrival_s,
             bit,
             high,
             taken,
@@ -108,18 +102,19 @@ impl Signals {
     fn arrived_by(&mut self, time_s: f64) -> Option<Crossing> {
         while self.coming.front()?.arrival_s <= time_s {
             let change = self.coming.pop_front()?;
-            let levels = self.levels.get_or_insert(Levels(0));
-            levels.0 = if change.high {
-                levels.0 | change.bit
+            let before = self.levels.0;
+            self.levels.0 = if change.high {
+                before | change.bit
             } else {
-                levels.0 & !change.bit
+                before & !change.bit
             };
-            if change.taken {
+            // A slip may bring an index to where its level is that already.
+            if change.taken && self.levels.0 != before {
                 return Some(Crossing {
                     truth: change.truth,
                     stamp: change.stamp,
                     arrival_s: change.arrival_s,
-                    levels: *levels,
+                    levels: self.levels,
                 });
             }
         }

@@ -1,11 +1,15 @@
 //! Integration of the shaft's motion by its Taylor series.
 //!
 //! d theta/dt = omega, d omega/dt = push + slope t - damping omega + sum of ripple sin(order theta + phase). The series of sine and
-//! cosine follow from that of omega, so any order costs one sine and cosine a ripple, and the polynomial is a dense output as
+//! cosine follow from that of omega, and those of further terms (see [`super::extended`]) term by term, so any order costs one sine and cosine a ripple, and the polynomial is a dense output as
 //! accurate as the step itself.
 
+use super::extended::Extended;
+
 /// Highest power of time kept.
-const DEGREE: usize = 16;
+pub(super) const DEGREE: usize = 16;
+/// Coefficients of the powers of time.
+pub(super) type Series = [f64; DEGREE];
 /// Largest size, rad, of the last two terms of a step.
 const TOLERANCE_RAD: f64 = 1e-16;
 /// A step this small is taken whatever its terms say, so that no input can stall the integration.
@@ -44,8 +48,8 @@ pub(super) struct Piece {
     /// Length of the step, s.
     pub(super) length_s: f64,
     /// Coefficients of the speed; that of the angle for power k + 1 is this one's for k over k + 1.
-    omega: [f64; DEGREE],
-    theta: [f64; DEGREE],
+    omega: Series,
+    theta: Series,
     terms: usize,
 }
 
@@ -58,6 +62,11 @@ impl Piece {
             theta: [0.0; DEGREE],
             terms: 1,
         }
+    }
+
+    /// How many coefficients are not zero.
+    pub(super) const fn terms(&self) -> usize {
+        self.terms
     }
 
     /// Angle travelled since the step's start, rad.
@@ -143,19 +152,27 @@ pub(super) fn bisect(mut low: f64, mut high: f64, sign_low: f64, f: impl Fn(f64)
 #[derive(Clone, Debug)]
 pub(super) struct Integrator {
     ripples: Vec<RippleTerm>,
-    series: Vec<([f64; DEGREE], [f64; DEGREE])>,
+    series: Vec<(Series, Series)>,
+    /// Terms beyond those of the plain equation.
+    extended: Option<Extended>,
     /// Steps are this many times shorter than accuracy asks for.
     finer: f64,
 }
 
 impl Integrator {
-    pub(super) fn new(ripples: Vec<RippleTerm>, finer: u32) -> Self {
+    pub(super) fn new(ripples: Vec<RippleTerm>, extended: Option<Extended>, finer: u32) -> Self {
         let series = vec![([0.0; DEGREE], [0.0; DEGREE]); ripples.len()];
         Self {
             ripples,
             series,
+            extended,
             finer: f64::from(finer.max(1)),
         }
+    }
+
+    /// The terms beyond those of the plain equation, if there are any.
+    pub(super) fn extended(&mut self) -> Option<&mut Extended> {
+        self.extended.as_mut()
     }
 
     /// Longest step within a segment of this length.
@@ -197,6 +214,9 @@ impl Integrator {
                 sine[k] = ripple.order * with_cosine / n;
                 cosine[k] = -ripple.order * with_sine / n;
             }
+            if let Some(extended) = &mut self.extended {
+                rate = extended.term(last, rate, &piece.omega);
+            }
             piece.omega[k] = rate / n;
             piece.theta[k] = piece.omega[k] / (n + 1.0);
             piece.terms = k + 1;
@@ -218,7 +238,7 @@ impl Integrator {
 }
 
 /// `longest_s`, halved until the last two terms are small.
-fn accurate_length(theta: &[f64; DEGREE], longest_s: f64) -> f64 {
+fn accurate_length(theta: &Series, longest_s: f64) -> f64 {
     let mut length = longest_s;
     while length > SHORTEST_S {
         let power = (1..DEGREE).fold(1.0, |power: f64, _| power * length);

@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use super::Twin;
+
 /// Inertia and friction of everything that turns.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shaft {
     /// Moment of inertia J, more than 0.
@@ -16,6 +18,15 @@ pub struct Shaft {
     /// Coulomb friction: constant against the motion, and the most a standing shaft resists.
     #[serde(default)]
     pub coulomb_n_m: f64,
+    /// Drag that grows with the square of the speed (air, oil): torque drag w |w|.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub drag_n_m_s2: f64,
+    /// Stribeck friction: comes on top of Coulomb friction at rest and goes with the speed as exp(-(w / stribeck_rad_s)^2).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub stribeck_n_m: f64,
+    /// Speed over which Stribeck friction goes; more than 0, needed where there is such friction.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub stribeck_rad_s: f64,
     /// How strongly an open-loop drive pulls towards its speed: torque a rad/s. 0 is pure torque mode.
     #[serde(default)]
     pub stiffness_n_m_s: f64,
@@ -24,10 +35,32 @@ pub struct Shaft {
     pub initial_angle_rad: f64,
 }
 
+impl Twin {
+    /// All friction but the viscous, against the motion, at a speed, N m.
+    pub(crate) fn friction_n_m(&self, rad_s: f64) -> f64 {
+        let shaft = &self.shaft;
+        let mut friction = shaft.coulomb_n_m;
+        if shaft.drag_n_m_s2 > 0.0 {
+            friction += shaft.drag_n_m_s2 * rad_s * rad_s;
+        }
+        if shaft.stribeck_n_m > 0.0 {
+            let over = rad_s / shaft.stribeck_rad_s;
+            friction += shaft.stribeck_n_m * libm::exp(-over * over);
+        }
+        friction
+    }
+}
+
+/// Whether a key may be left out of a file, as its default is 0.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 /// What drives the shaft; a negative speed is reverse.
 ///
 /// All but the speed loop are open loop: with w* the declared speed, the torque is J dw*/dt + b w* + coulomb sgn(w*) +
-/// stiffness (w* - w), so that without ripple and noise the shaft follows w* exactly wherever w* has no jump. At a jump the
+/// stiffness (w* - w), and to drag and Stribeck friction at w*, so that without ripple and noise the shaft follows w* exactly wherever w* has no jump. At a jump the
 /// shaft comes after with time constant J / (b + stiffness).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]

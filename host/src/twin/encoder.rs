@@ -42,6 +42,12 @@ impl Encoder {
         }
     }
 
+    /// Whether there is an index.
+    #[must_use]
+    pub const fn has_index(&self) -> bool {
+        matches!(self, Self::Quadrature { index: true, .. })
+    }
+
     /// Edges in a group that share a line, pole pair or tooth.
     #[must_use]
     pub const fn edges_per_line(&self) -> u32 {

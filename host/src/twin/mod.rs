@@ -4,25 +4,44 @@
 //! line, column and key ([`TwinError`]). `host/twins/` has a commented file for every kind of rig.
 
 mod check;
+mod defect;
 mod delay;
+mod drift;
 mod drive;
+mod elastic;
 mod encoder;
 mod error;
+mod index_slip;
+mod latency;
 mod load;
+mod paper;
+mod play;
+mod rotating;
 mod speed_loop;
 #[cfg(test)]
 mod tests;
+mod threshold;
+mod tone;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use defect::{Channel, Flank, LocalDefect};
 pub use delay::{ChannelSkew, EdgeDelay, RiseFall};
+pub use drift::SpeedDrift;
 pub use drive::{Drive, Noise, Ripple, Shaft, Step};
+pub use elastic::{StickSlip, TorsionalResonance};
 pub use encoder::{Encoder, Errors, Harmonic, Per, Position};
 pub use error::{BadValue, ErrorListFault, Place, TwinError};
+pub use index_slip::IndexSlip;
+pub use latency::CaptureLatency;
 pub use load::LoadStep;
+pub use play::{Backlash, Hysteresis};
+pub use rotating::{Bearing, GearMesh};
 pub use speed_loop::{Gains, SeenSpeed, SpeedLoop};
+pub use threshold::{ThresholdDrift, ThresholdRipple};
+pub use tone::TorqueTone;
 
 /// A declared rig: encoder, shaft, drive, noise, timer and what to record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,6 +57,9 @@ pub struct Twin {
     /// The encoder's own errors; none where left out.
     #[serde(default)]
     pub errors: Errors,
+    /// Places of the disc that are out of line; they add to [`Twin::errors`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub local_defect: Vec<LocalDefect>,
     /// Inertia and friction of everything that turns.
     pub shaft: Shaft,
     /// What drives the shaft.
@@ -45,18 +67,54 @@ pub struct Twin {
     /// Torque ripple locked to the shaft's angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ripple: Vec<Ripple>,
+    /// Torques at orders that gears give.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gear_mesh: Vec<GearMesh>,
+    /// Torque or run-out at orders tied to nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bearing: Vec<Bearing>,
+    /// Torques at fixed frequencies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub torque_tone: Vec<TorqueTone>,
     /// Torques that come and go at given times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_step: Vec<LoadStep>,
     /// White torque noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
+    /// A slow change of the drive's speed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_drift: Option<SpeedDrift>,
+    /// A spring between drive and shaft.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stick_slip: Option<StickSlip>,
+    /// A second mass behind a spring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsional_resonance: Option<TorsionalResonance>,
     /// Delays of rising and falling edges; none where left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub edge_delay: Option<EdgeDelay>,
     /// Delays of whole channels; none where left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel_skew: Option<ChannelSkew>,
+    /// A tone on the comparator's level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold_ripple: Option<ThresholdRipple>,
+    /// A drift of the comparator's level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold_drift: Option<ThresholdDrift>,
+    /// Edges that come late in either direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hysteresis: Option<Hysteresis>,
+    /// A play between shaft and disc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backlash: Option<Backlash>,
+    /// Slips of the index against the disc.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub index_slip: Vec<IndexSlip>,
+    /// Captures that come late.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capture_latency: Option<CaptureLatency>,
     /// The timer that stamps the edges.
     pub timer: Timer,
     /// Faults of the capture, for tests.
@@ -178,64 +236,6 @@ impl Twin {
     pub fn to_toml(&self) -> Result<String, TwinError> {
         self.check()?;
         Ok(toml::to_string(self)?)
-    }
-
-    /// The rig of the paper's simulation (section 4.1): 2500 lines, 15 r/min, 5 pole pairs with three harmonics.
-    ///
-    /// The paper gives no ripple amplitudes, no inertia and no clock. Chosen here: speed swings of 1 %, 0.5 % and 0.25 % at orders
-    /// 5, 10 and 15, a small servo motor's inertia and friction, the 84 MHz timer of an STM32F405, 12 turns.
-    #[must_use]
-    pub fn paper() -> Self {
-        let ripple = |order, phase_rad, speed_fraction| Ripple {
-            order,
-            phase_rad,
-            torque_n_m: None,
-            speed_fraction: Some(speed_fraction),
-        };
-        Self {
-            seed: 1,
-            duration: Duration::Turns(12.0),
-            encoder: Encoder::Quadrature {
-                lines: 2500,
-                index: true,
-            },
-            errors: Errors {
-                position: Some(Position::Uniform {
-                    amplitude_rad: 6.2832e-5,
-                    per: Per::Edge,
-                }),
-                width_a_rad: 1.2566e-4,
-                width_b_rad: 1.1310e-4,
-                quadrature_rad: 1.2566e-4,
-                ..Errors::default()
-            },
-            shaft: Shaft {
-                inertia_kg_m2: 1e-4,
-                viscous_n_m_s: 1e-4,
-                coulomb_n_m: 0.0,
-                stiffness_n_m_s: 0.0,
-                initial_angle_rad: 0.0,
-            },
-            drive: Drive::Constant { r_min: 15.0 },
-            ripple: vec![
-                ripple(5.0, 0.3, 0.01),
-                ripple(10.0, 1.1, 0.005),
-                ripple(15.0, 2.0, 0.0025),
-            ],
-            load_step: Vec::new(),
-            noise: None,
-            edge_delay: None,
-            channel_skew: None,
-            timer: Timer {
-                clock_hz: 84_000_000,
-                bits: 64,
-                jitter_s: 0.0,
-                raw_captures: false,
-            },
-            faults: Faults::default(),
-            name: "paper".to_owned(),
-            folder: PathBuf::new(),
-        }
     }
 
     /// `errors.csv` as a path that can be opened: relative to the twin's own file.

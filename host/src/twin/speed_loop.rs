@@ -66,7 +66,7 @@ impl Twin {
                 ki: ki_n_m.unwrap_or(0.0) / inertia,
             },
         };
-        let friction = self.shaft.coulomb_n_m / inertia * target.signum();
+        let friction = self.friction_n_m(target.abs()) / inertia * target.signum();
         let interval_s = TAU / f64::from(self.encoder.grid_edges()) / target.abs();
         Some(SpeedLoop {
             target_rad_s: target,

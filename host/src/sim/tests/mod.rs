@@ -1,8 +1,14 @@
 mod capture;
 mod delay;
 mod disc;
+mod elastic;
+mod extended;
+mod finer;
+mod latency;
 mod load;
 mod motion;
+mod shift;
+mod slip;
 
 use std::f64::consts::TAU;
 

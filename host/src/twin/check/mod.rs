@@ -1,13 +1,16 @@
 //! Ranges and conflicts of a twin's values.
 
 mod delay;
+mod elastic;
 mod encoder;
 mod motion;
+mod rotating;
+mod signal;
 mod torque;
 
 use std::fmt::Debug;
 
-use super::{BadValue, Place, Twin};
+use super::{BadValue, Channel, Encoder, Place, Twin};
 
 /// Keeps the first value that is not allowed.
 struct Checker<'a> {
@@ -72,6 +75,27 @@ impl Checker<'_> {
         );
     }
 
+    /// A phase.
+    fn phase(&mut self, key: &str, phase_rad: f64) {
+        self.between(key, phase_rad, -1e3, 1e3, "give radians");
+    }
+
+    /// A channel that this encoder has.
+    fn channel(&mut self, key: &str, channel: Option<Channel>, encoder: Encoder) {
+        let ok = match channel {
+            None | Some(Channel::A) => true,
+            Some(Channel::B) => !matches!(encoder, Encoder::Wheel { .. }),
+            Some(Channel::C) => matches!(encoder, Encoder::Hall { .. }),
+        };
+        self.require(
+            ok,
+            key,
+            channel,
+            "a channel of this encoder",
+            "name another channel, or leave it out for all",
+        );
+    }
+
     fn speed(&mut self, key: &str, r_min: f64) {
         self.between(
             key,
@@ -98,12 +122,22 @@ impl Twin {
         };
         self.check_encoder(&mut c);
         self.check_errors(&mut c);
+        self.check_defects(&mut c);
         self.check_shaft(&mut c);
+        self.check_friction(&mut c);
         self.check_drive(&mut c);
         self.check_ripple(&mut c);
         self.check_loads(&mut c);
+        self.check_rotating(&mut c);
+        self.check_tones(&mut c);
         self.check_noise(&mut c);
+        self.check_drift(&mut c);
+        self.check_elastic(&mut c);
         self.check_delays(&mut c);
+        self.check_thresholds(&mut c);
+        self.check_play(&mut c);
+        self.check_slips(&mut c);
+        self.check_latency(&mut c);
         self.check_capture(&mut c);
         c.bad
     }

@@ -64,6 +64,47 @@ impl Twin {
         );
     }
 
+    pub(super) fn check_friction(&self, c: &mut Checker<'_>) {
+        let s = &self.shaft;
+        for (key, value) in [
+            ("shaft.drag_n_m_s2", s.drag_n_m_s2),
+            ("shaft.stribeck_n_m", s.stribeck_n_m),
+        ] {
+            c.between(key, value, 0.0, TORQUE_MAX, "friction can't be negative");
+        }
+        c.between(
+            "shaft.stribeck_rad_s",
+            s.stribeck_rad_s,
+            0.0,
+            1e6,
+            "give the speed over which the friction goes",
+        );
+        c.require(
+            s.stribeck_n_m == 0.0 || s.stribeck_rad_s >= 1e-6,
+            "shaft.stribeck_rad_s",
+            s.stribeck_rad_s,
+            "1e-6 or more with stribeck_n_m",
+            "give the speed over which the friction goes",
+        );
+        let speed = self.drive.nominal_rad_s().abs().max(1.0);
+        let most = 0.5 * DAMPING_MAX * s.inertia_kg_m2 / speed;
+        c.require(
+            s.drag_n_m_s2 <= most,
+            "shaft.drag_n_m_s2",
+            s.drag_n_m_s2,
+            &format!("up to {most:?} with this inertia and speed"),
+            "lower it or raise the inertia: the time constant is below a microsecond",
+        );
+        let most = DAMPING_MAX * s.inertia_kg_m2 * s.stribeck_rad_s;
+        c.require(
+            s.stribeck_n_m <= most,
+            "shaft.stribeck_n_m",
+            s.stribeck_n_m,
+            &format!("up to {most:?} with this inertia and stribeck_rad_s"),
+            "lower it or raise stribeck_rad_s: the time constant is below a microsecond",
+        );
+    }
+
     pub(super) fn check_drive(&self, c: &mut Checker<'_>) {
         match &self.drive {
             Drive::Constant { r_min } => c.speed("drive.constant.r_min", *r_min),

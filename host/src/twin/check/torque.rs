@@ -19,47 +19,57 @@ impl Twin {
                 1e3,
                 "give radians",
             );
-            let key = format!("ripple[{i}]");
-            match (ripple.torque_n_m, ripple.speed_fraction) {
-                (Some(torque), None) => {
-                    c.between(
-                        &format!("{key}.torque_n_m"),
-                        torque,
-                        0.0,
-                        TORQUE_MAX,
-                        "turn the sign by the phase",
-                    );
-                }
-                (None, Some(fraction)) => {
-                    let key = format!("{key}.speed_fraction");
-                    c.between(
-                        &key,
-                        fraction,
-                        0.0,
-                        0.9,
-                        "give the swing over the nominal speed",
-                    );
-                    let turning = self.drive.nominal_rad_s() != 0.0;
-                    c.require(
-                        turning,
-                        &key,
-                        fraction,
-                        "torque_n_m for a drive at 0 r/min",
-                        "use torque_n_m",
-                    );
-                }
-                (torque, _) => c.require(
-                    false,
-                    &key,
-                    if torque.is_some() {
-                        "both sizes"
-                    } else {
-                        "no size"
-                    },
-                    "one of torque_n_m and speed_fraction",
-                    "give the ripple one size",
-                ),
+            let sizes = (ripple.torque_n_m, ripple.speed_fraction);
+            self.check_size(c, &format!("ripple[{i}]"), sizes);
+        }
+    }
+
+    /// One of a torque and a relative speed swing.
+    pub(super) fn check_size(
+        &self,
+        c: &mut Checker<'_>,
+        key: &str,
+        sizes: (Option<f64>, Option<f64>),
+    ) {
+        match sizes {
+            (Some(torque), None) => {
+                c.between(
+                    &format!("{key}.torque_n_m"),
+                    torque,
+                    0.0,
+                    TORQUE_MAX,
+                    "turn the sign by the phase",
+                );
             }
+            (None, Some(fraction)) => {
+                let key = format!("{key}.speed_fraction");
+                c.between(
+                    &key,
+                    fraction,
+                    0.0,
+                    0.9,
+                    "give the swing over the nominal speed",
+                );
+                let turning = self.drive.nominal_rad_s() != 0.0;
+                c.require(
+                    turning,
+                    &key,
+                    fraction,
+                    "torque_n_m for a drive at 0 r/min",
+                    "use torque_n_m",
+                );
+            }
+            (torque, _) => c.require(
+                false,
+                key,
+                if torque.is_some() {
+                    "both sizes"
+                } else {
+                    "no size"
+                },
+                "one of torque_n_m and speed_fraction",
+                "give it one size",
+            ),
         }
     }
 

@@ -1,3 +1,5 @@
+mod mechanisms;
+
 use super::*;
 
 fn paper_text() -> String {
