@@ -12,6 +12,7 @@
 )]
 
 pub mod capture;
+pub mod draw;
 pub mod effect;
 pub mod encoder;
 pub mod ideal;

@@ -131,6 +131,15 @@ impl Rig {
         }
     }
 
+    /// Damping that the speed's noise sees at a time, 1/s: a speed loop damps by its proportional gain.
+    #[must_use]
+    pub fn noise_damping(&self, time_s: f64) -> f64 {
+        match self.profile {
+            Profile::Loop { kp_n_m_s, .. } => (self.viscous + kp_n_m_s) / self.inertia,
+            _ => self.damping(self.driven(time_s)),
+        }
+    }
+
     /// Time for which a value of the torque noise is held, s: one grid step at the highest speed.
     #[must_use]
     pub fn hold_s(&self) -> f64 {
@@ -148,7 +157,7 @@ impl Rig {
     #[must_use]
     pub fn wander(&self, speed: f64) -> f64 {
         let rate = self.noise_psd / (self.inertia * self.inertia);
-        (rate / (2.0 * self.damping(true))).sqrt() / speed.abs()
+        (rate / (2.0 * self.noise_damping(0.0))).sqrt() / speed.abs()
     }
 
     /// Grid angle of an edge, rad.

@@ -98,7 +98,7 @@ impl<'a> Run<'a> {
         let rate = rig.noise_psd / (rig.inertia * rig.inertia);
         let noise = seed.map(|seed| {
             let hold_s = rig.hold_s();
-            let damping = rig.damping(rig.driven(0.0));
+            let damping = rig.noise_damping(0.0);
             if damping > 0.0 {
                 speed += (rate / (2.0 * damping)).sqrt() * Dice::new(seed, 1).normal();
             }
