@@ -158,7 +158,8 @@ fn faults(
     // Away from the ends and from each other, so that each is an event of its own.
     let share = crossings.len() as f64 * 0.9 / f64::from(count);
     for number in 0..count {
-        let place = 0.05 * crossings.len() as f64 + share * (f64::from(number) + dice.between(0.2, 0.8));
+        let place =
+            0.05 * crossings.len() as f64 + share * (f64::from(number) + dice.between(0.2, 0.8));
         let mut at = place as usize;
         while at + 2 < crossings.len() && crossings[at].class.is_none() {
             at += 1;

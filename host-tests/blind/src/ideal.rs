@@ -11,16 +11,17 @@
 //! counts (lost edges, glitches, an index that slips) needs one.
 
 mod project;
-mod variance;
 #[cfg(test)]
 mod tests;
+mod variance;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use crate::capture::arrivals;
 use crate::effect::Effect;
-use crate::rig::Rig;
-use crate::turning::{Course, turn};
+use crate::rig::{Profile, Rig};
+use crate::turning::{Course, turn_evenly};
 use crate::whiten::{Edge, Whitener};
 
 /// d' at which an effect counts as detectable.
@@ -37,6 +38,8 @@ pub(crate) struct Sight {
     pub(crate) k: Vec<usize>,
     /// Time of each.
     pub(crate) time: Vec<f64>,
+    /// Shaft angle of each, rad.
+    pub(crate) angle: Vec<f64>,
     pub(crate) speed: Vec<f64>,
     pub(crate) noise: Vec<Edge>,
     pub(crate) density: f64,
@@ -44,7 +47,7 @@ pub(crate) struct Sight {
 
 /// The ideal detector for the recordings of a rig.
 pub struct Ideal<'a> {
-    rigs: &'a [Rig],
+    rigs: Cow<'a, [Rig]>,
     sights: Vec<Sight>,
 }
 
@@ -52,22 +55,33 @@ impl<'a> Ideal<'a> {
     /// The detector; runs each rig once without effects and noise.
     #[must_use]
     pub fn new(rigs: &'a [Rig]) -> Self {
+        let mut rigs = Cow::Borrowed(rigs);
+        if rigs
+            .iter()
+            .any(|rig| matches!(rig.profile, Profile::Loop { .. }))
+        {
+            // Which interval a sample sees hangs on a hair, so on a rough disc the answer of a loop to a small effect is not small.
+            // An even disc shows the answer that a signal has on average.
+            for rig in rigs.to_mut() {
+                rig.disc_rad.fill(0.0);
+            }
+        }
         Self {
-            rigs,
             sights: rigs.iter().map(Sight::new).collect(),
+            rigs,
         }
     }
 
     /// d' of an effect.
     #[must_use]
     pub fn distance(&self, effect: &Effect) -> f64 {
-        if let Some(distance) = variance::distance(effect, self.rigs, &self.sights) {
+        if let Some(distance) = variance::distance(effect, &self.rigs, &self.sights) {
             return distance;
         }
         let signals: Vec<Vec<f64>> = (self.rigs.iter().zip(&self.sights))
             .map(|(rig, sight)| sight.signal(rig, effect))
             .collect();
-        project::length(self.rigs, &self.sights, &signals)
+        project::length(&self.rigs, &self.sights, &signals)
     }
 
     /// RMS by which an effect moves the edges, rad, in the recording where it moves them most.
@@ -97,7 +111,7 @@ impl<'a> Ideal<'a> {
                 return None;
             }
             // Variance goes as the square of a size.
-            let power = if variance::is_variance(effect) { 0.5 } else { 1.0 };
+            let power = if is_variance(effect) { 0.5 } else { 1.0 };
             let more = (DETECTABLE / distance).powf(power);
             factor *= more.clamp(1e-4, 1e4);
             if (more - 1.0).abs() < 1e-3 {
@@ -110,7 +124,7 @@ impl<'a> Ideal<'a> {
 
 impl Sight {
     fn new(rig: &Rig) -> Self {
-        let course = turn(rig, &[], None);
+        let course = turn_evenly(rig, &[]);
         let times = arrivals(&course, &[]);
         let edges: Vec<usize> = (0..course.crossings.len())
             .filter(|&at| course.crossings[at].class.is_some())
@@ -136,6 +150,9 @@ impl Sight {
                 .map(|c| c.place.rem_euclid(count) as usize)
                 .collect(),
             time: edges.iter().map(|&at| times[at]).collect(),
+            angle: (edges.iter().map(crossing))
+                .map(|c| c.place as f64 * rig.encoder.step_rad())
+                .collect(),
             speed: edges.iter().map(|at| crossing(at).speed).collect(),
             times,
             edges,
@@ -149,7 +166,7 @@ impl Sight {
     fn signal(&self, rig: &Rig, effect: &Effect) -> Vec<f64> {
         let changed = changed(rig, effect);
         let effects = std::slice::from_ref(effect);
-        let course = turn(&changed, effects, None);
+        let course = turn_evenly(&changed, effects);
         let times = arrivals(&course, effects);
         // An edge is the same if it is the nth time that its place is passed.
         let mut met: HashMap<(i64, u32), f64> = HashMap::with_capacity(times.len());
@@ -162,21 +179,25 @@ impl Sight {
             }
         }
         visits.clear();
-        let mut last = 0.0;
         let each = self.edges.iter().map(|&at| {
             let crossing = &self.course.crossings[at];
             let visit = visits.entry(crossing.place).or_insert(0);
             let time = met.get(&(crossing.place, *visit));
             *visit += 1;
-            // At the run's end the last difference holds: an edge that was not met says nothing.
-            if let Some(time) = time {
-                last = (time - self.times[at]) * crossing.speed;
-            }
+            time.map(|time| (time - self.times[at]) * crossing.speed)
+        });
+        let signal: Vec<Option<f64>> = each.collect();
+        // An edge that was not met, as at either end of the run, says nothing: the difference beside it holds.
+        let mut last = signal.iter().flatten().next().copied().unwrap_or(0.0);
+        let filled = signal.into_iter().map(|value| {
+            last = value.unwrap_or(last);
             last
         });
-        each.collect()
+        filled.collect()
     }
 }
+
+pub use variance::is_variance;
 
 /// The rig that really turns: an effect may take the place of what the twin declares.
 #[must_use]
@@ -188,7 +209,7 @@ pub fn changed(rig: &Rig, effect: &Effect) -> Rig {
         f_hz,
     } = *effect
     {
-        rig.profile = crate::rig::Profile::Loop {
+        rig.profile = Profile::Loop {
             speed: rig.profile.start(),
             f_hz,
             kp_n_m_s,

@@ -20,6 +20,8 @@ pub mod motion;
 pub mod random;
 pub mod rig;
 pub mod step;
+#[cfg(test)]
+mod testing;
 pub mod turning;
 pub mod whiten;
 pub mod write;

@@ -109,10 +109,15 @@ impl<'a> Plant<'a> {
             let (asked, rate) = self.asked(time_s);
             // Which way friction is fed forward must not hang on rounding where the speed asked for is zero.
             let (towards, _) = self.asked(self.inside_s);
-            torque += rig.inertia * rate
-                + (rig.viscous + rig.stiffness) * asked
-                + rig.coulomb * sign(towards)
-                - rig.stiffness * speed;
+            torque += match self.spring() {
+                Some(spring) => spring * (rig.start_rad + asked * time_s - theta),
+                None => {
+                    rig.inertia * rate
+                        + (rig.viscous + rig.stiffness) * asked
+                        + rig.coulomb * sign(towards)
+                        - rig.stiffness * speed
+                }
+            };
         }
         for ripple in &rig.ripples {
             torque += ripple.torque_n_m * libm::sin(ripple.order * theta + ripple.phase_rad);
@@ -121,6 +126,16 @@ impl<'a> Plant<'a> {
             torque += effect.torque(time_s, self.inside_s, theta, speed, 0.0);
         }
         torque
+    }
+
+    /// Stiffness of a spring that the drive pulls through, N m/rad.
+    fn spring(&self) -> Option<f64> {
+        self.effects.iter().find_map(|effect| match effect {
+            Effect::StickSlip {
+                stiffness_n_m_rad, ..
+            } => Some(*stiffness_n_m_rad),
+            _ => None,
+        })
     }
 
     /// Derivative of the state while the shaft moves in a direction.
@@ -142,12 +157,12 @@ impl<'a> Plant<'a> {
     }
 
     /// Speed at time 0, rad/s, without noise: what is asked for, with the swing and the lag of the torques as if it had run so for
-    /// long. First order in the torques.
+    /// long, first order in the torques. Behind a spring the shaft starts at rest.
     #[must_use]
     pub fn start_speed(&self) -> f64 {
         let rig = self.rig;
         let asked = rig.profile.start();
-        if asked == 0.0 {
+        if asked == 0.0 || self.spring().is_some() {
             return 0.0;
         }
         let damping = rig.damping(rig.driven(0.0));

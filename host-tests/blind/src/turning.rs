@@ -36,15 +36,35 @@ pub struct Course {
 /// Turns the shaft of a rig with effects; with a seed there is torque noise and jitter, without there is none.
 #[must_use]
 pub fn turn(rig: &Rig, effects: &[Effect], seed: Option<u64>) -> Course {
-    let mut run = Run::new(rig, effects, seed);
-    while run.time_s < rig.longest_s && run.travelled < rig.turns * TAU {
-        run.piece();
+    Run::new(rig, effects, seed).run()
+}
+
+/// The same without noise, and with stamps that a speed loop sees unrounded, so that a small effect has a small answer.
+#[must_use]
+pub fn turn_evenly(rig: &Rig, effects: &[Effect]) -> Course {
+    let mut run = Run::new(rig, effects, None);
+    if let Some(control) = &mut run.speed_loop {
+        control.rounds = false;
     }
-    let speeds = run.course.crossings.iter().map(|c| c.speed);
-    run.course.speeds = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
-    });
-    run.course
+    run.run()
+}
+
+impl Run<'_> {
+    fn run(mut self) -> Course {
+        self.go();
+        self.course
+    }
+
+    fn go(&mut self) {
+        let run = self;
+        while run.time_s < run.rig.longest_s && run.travelled < run.rig.turns * TAU {
+            run.piece();
+        }
+        let speeds = run.course.crossings.iter().map(|c| c.speed);
+        run.course.speeds = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+    }
 }
 
 struct Noise {
@@ -64,6 +84,8 @@ struct Loop {
     samples: u64,
     seen: Option<f64>,
     last: Option<(f64, bool)>,
+    /// Whether stamps are whole ticks.
+    rounds: bool,
 }
 
 struct Run<'a> {
@@ -99,7 +121,7 @@ impl<'a> Run<'a> {
         let noise = seed.map(|seed| {
             let hold_s = rig.hold_s();
             let damping = rig.noise_damping(0.0);
-            if damping > 0.0 {
+            if damping > 0.0 && speed != 0.0 {
                 speed += (rate / (2.0 * damping)).sqrt() * Dice::new(seed, 1).normal();
             }
             Noise {
@@ -125,6 +147,7 @@ impl<'a> Run<'a> {
                 samples: 0,
                 seen: None,
                 last: None,
+                rounds: true,
             }),
             _ => None,
         };
@@ -327,8 +350,7 @@ impl<'a> Run<'a> {
             let before = self.course.crossings.len();
             index.collect(&way, &late, &mut self.course.crossings);
             if self.course.crossings.len() > before {
-                self.course.crossings[first..]
-                    .sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+                self.course.crossings[first..].sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
             }
         }
         for at in first..self.course.crossings.len() {
@@ -345,7 +367,8 @@ impl<'a> Run<'a> {
 impl Loop {
     fn edge(&mut self, crossing: &Crossing, rig: &Rig) {
         let clock = rig.clock_hz as f64;
-        let now = ((crossing.time_s + crossing.error_s) * clock).floor();
+        let now = (crossing.time_s + crossing.error_s) * clock;
+        let now = if self.rounds { now.floor() } else { now };
         if let Some((last, forward)) = self.last {
             let way = if crossing.forward { 1.0 } else { -1.0 } * rig.encoder.step_rad();
             if forward != crossing.forward {

@@ -172,13 +172,19 @@ mod tests {
         let mut draw = || (0..300).map(|_| dice.normal()).collect::<Vec<f64>>();
         let (x, y) = (draw(), draw());
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let (left, right) = (dot(&whitener.apply(&x), &y), dot(&x, &whitener.transposed(&y)));
+        let (left, right) = (
+            dot(&whitener.apply(&x), &y),
+            dot(&x, &whitener.transposed(&y)),
+        );
         assert!((left - right).abs() < 1e-8 * left.abs(), "{left} {right}");
     }
 
     #[test]
     fn closed_form_and_series_of_the_growth_meet() {
-        let (above, below) = (grown(2.0, 3.0, 0.0100001 / 3.0), grown(2.0, 3.0, 0.0099999 / 3.0));
+        let (above, below) = (
+            grown(2.0, 3.0, 0.0100001 / 3.0),
+            grown(2.0, 3.0, 0.0099999 / 3.0),
+        );
         for (a, b) in above.iter().zip(below) {
             assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
         }

@@ -9,7 +9,7 @@ use super::outside;
 use super::rigs::{Shape, rigs};
 use crate::capture::{Row, rows};
 use crate::effect::Effect;
-use crate::ideal::{DETECTABLE, Ideal, changed};
+use crate::ideal::{DETECTABLE, Ideal, changed, is_variance};
 use crate::random::Dice;
 use crate::rig::{Profile, Rig};
 use crate::turning::turn;
@@ -82,7 +82,13 @@ fn draw(dice: &mut Dice, kind: Kind, number: usize, attempt: usize) -> Option<Dr
         Kind::Several => several(dice, &mut drawn, attempt)?,
         Kind::Masked => masked(dice, &mut drawn, number, times)?,
         Kind::Loop => {
-            let ids = ["eccentricity", "disc_tilt", "torque_ripple", "gear_mesh", "torque_tone"];
+            let ids = [
+                "eccentricity",
+                "disc_tilt",
+                "torque_ripple",
+                "gear_mesh",
+                "torque_tone",
+            ];
             drawn.rigs = rigs(dice, Shape::Loops, |encoder| encoder.edges() >= 400);
             add(dice, &mut drawn, ids[number % ids.len()], times.max(10.0))?;
         }
@@ -146,14 +152,14 @@ fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
             let edges = edges * times as i32;
             (Effect::IndexSlip { at_s, edges }, times, 1.0)
         }
-        closed @ Effect::ClosedLoop { .. } => {
-            // A loop is as wide as it is: its size is what it does to this disc.
-            let times = ideal.distance(&closed) / DETECTABLE;
-            if !(3.0..1e4).contains(&times) {
+        whole @ (Effect::ClosedLoop { .. } | Effect::StickSlip { .. }) => {
+            // It has no size to scale: it is as large as what it does here.
+            let times = ideal.distance(&whole) / DETECTABLE;
+            if times.is_nan() || times < 3.0 {
                 return None;
             }
-            let size = closed.size() / times;
-            (closed, times, size)
+            let size = whole.size() / times;
+            (whole, times, size)
         }
         other => {
             let factor = ideal.factor(&other)?;
@@ -171,6 +177,12 @@ fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
     } else {
         ideal.distance(&effect)
     };
+    // Where d' does not grow with the size as it should, the size means nothing.
+    let power = if is_variance(&effect) { 2.0 } else { 1.0 };
+    let expected = DETECTABLE * times.powf(power);
+    if !(0.7..1.4).contains(&(distance / expected)) {
+        return None;
+    }
     Some(Sized {
         effect,
         times,
@@ -215,9 +227,22 @@ fn masked(dice: &mut Dice, drawn: &mut Drawn, number: usize, times: f64) -> Opti
     let known = number.is_multiple_of(2);
     // What is locked to the turn is part of a pattern that the twin does not give.
     let ids: &[&str] = if known {
-        &["eccentricity", "local_defect", "torque_ripple", "gear_mesh", "edge_delay", "threshold_ripple"]
+        &[
+            "eccentricity",
+            "local_defect",
+            "torque_ripple",
+            "gear_mesh",
+            "edge_delay",
+            "threshold_ripple",
+        ]
     } else {
-        &["torque_ripple", "gear_mesh", "torque_tone", "edge_delay", "threshold_ripple"]
+        &[
+            "torque_ripple",
+            "gear_mesh",
+            "torque_tone",
+            "edge_delay",
+            "threshold_ripple",
+        ]
     };
     let id = ids[(number / 2) % ids.len()];
     drawn.rigs = rigs(dice, Shape::TwoSpeeds, |encoder| {
@@ -244,9 +269,10 @@ fn masked(dice: &mut Dice, drawn: &mut Drawn, number: usize, times: f64) -> Opti
     let pattern: Vec<f64> = (0..drawn.rigs[0].encoder.edges())
         .map(|k| {
             let grid = drawn.rigs[0].grid_rad(k);
-            let low = orders.iter().zip(1..).map(|((a, phase), order)| {
-                scale * a * libm::sin(f64::from(order) * grid - phase)
-            });
+            let low = orders
+                .iter()
+                .zip(1..)
+                .map(|((a, phase), order)| scale * a * libm::sin(f64::from(order) * grid - phase));
             white * dice.normal().clamp(-4.0, 4.0) + low.sum::<f64>()
         })
         .collect();
@@ -331,14 +357,20 @@ fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option<Case> {
         let course = turn(&real, &effects, Some(noise ^ number as u64));
         let (rows, at) = rows(&course, &real, &effects, noise ^ number as u64);
         let slow = course.speeds.0 <= 0.05 * rig.profile.top();
-        let turns_back = matches!(rig.profile, Profile::Ramp { to, .. } if to < 0.0);
+        let sticks = |e: &Effect| matches!(e, Effect::StickSlip { .. });
+        let turns_back = matches!(rig.profile, Profile::Ramp { to, .. } if to < 0.0)
+            || effects.iter().any(sticks);
         if (slow && !turns_back) || rows.len() > 200_000 || rows.len() < 100 {
             return None;
         }
         events.extend(at);
         runs.push((rig.clone(), rows));
     }
-    let mechanisms: Vec<Value> = drawn.effects.iter().map(|s| mechanism(s, &events)).collect();
+    let mechanisms: Vec<Value> = drawn
+        .effects
+        .iter()
+        .map(|s| mechanism(s, &events))
+        .collect();
     let verdict = match kind {
         Kind::Nothing => "complete",
         Kind::LookAlike => "ambiguous",
@@ -371,10 +403,7 @@ fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option<Case> {
 fn mechanism(sized: &Sized, events: &[f64]) -> Value {
     let effect = &sized.effect;
     let mut parameters = effect.parameters();
-    if matches!(
-        effect,
-        Effect::LostEdges { .. } | Effect::ExtraEdges { .. }
-    ) {
+    if matches!(effect, Effect::LostEdges { .. } | Effect::ExtraEdges { .. }) {
         parameters.insert("times_s".to_owned(), json!(events));
     }
     json!({

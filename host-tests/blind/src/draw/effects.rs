@@ -9,7 +9,7 @@ use crate::random::Dice;
 use crate::rig::{Order, Profile, Rig};
 
 /// Ids that single effects are drawn from.
-pub const CATALOGUE: [&str; 25] = [
+pub const CATALOGUE: [&str; 26] = [
     "eccentricity",
     "disc_tilt",
     "local_defect",
@@ -35,6 +35,7 @@ pub const CATALOGUE: [&str; 25] = [
     "hysteresis",
     "torsional_resonance",
     "closed_loop",
+    "stick_slip",
 ];
 
 /// Speeds at which an effect can be told from its look-alikes.
@@ -44,7 +45,7 @@ pub fn shape(dice: &mut Dice, id: &str) -> Shape {
     match id {
         "local_defect" | "line_error" => dice.pick(&[Constant, TwoSpeeds, Ramp]),
         "load_step" | "speed_drift" | "threshold_drift" | "lost_edges" | "extra_edges"
-        | "index_slip" => Constant,
+        | "index_slip" | "stick_slip" => Constant,
         "timestamp_jitter" | "capture_latency" => dice.pick(&[TwoSpeeds, Ramp]),
         "friction" => RunDown,
         "hysteresis" | "backlash" => Reversal,
@@ -60,6 +61,7 @@ pub fn fits(id: &str, encoder: Encoder) -> bool {
         "channel_skew" | "quadrature_error" => matches!(encoder, Encoder::Quadrature { .. }),
         "index_slip" => encoder.index(),
         "local_defect" => encoder.edges() >= 100,
+        "stick_slip" => encoder.edges() >= 1000,
         // A loop that sees one edge in a while is another thing altogether.
         "closed_loop" => encoder.edges() >= 400,
         "torsional_resonance" => encoder.edges() >= 200,
@@ -217,6 +219,7 @@ pub fn effect(dice: &mut Dice, id: &str, rigs: &[Rig]) -> Effect {
             edges: if dice.chance(0.5) { 1 } else { -1 },
         },
         "hysteresis" => Effect::Hysteresis { angle_rad },
+        "stick_slip" => stick_slip(dice, rig, speed),
         "backlash" => Effect::Backlash { gap_rad: angle_rad },
         _ => {
             let hz = dice.log_between(2.0, 10.0);
@@ -227,6 +230,19 @@ pub fn effect(dice: &mut Dice, id: &str, rigs: &[Rig]) -> Effect {
                 f_hz: (50.0 * hz).min(speed / step / 3.0),
             }
         }
+    }
+}
+
+/// A limit cycle that takes a good part of a turn: the shaft sticks until the spring is wound up, and slips.
+fn stick_slip(dice: &mut Dice, rig: &Rig, speed: f64) -> Effect {
+    // Half the swing of a free slip is the drop of friction over the spring: here some turns' hundredths.
+    let stiffness_n_m_rad = rig.inertia * (speed * dice.between(6.0, 15.0)).powi(2);
+    let drop = stiffness_n_m_rad * dice.between(0.1, 0.3);
+    Effect::StickSlip {
+        stiffness_n_m_rad,
+        coulomb_n_m: drop * dice.between(0.5, 1.5),
+        stribeck_n_m: drop,
+        stribeck_rad_s: speed * dice.between(0.3, 0.6),
     }
 }
 

@@ -59,7 +59,8 @@ pub fn plan(cases: usize, seed: u64, only: Option<Kind>) -> Vec<(Kind, usize)> {
         for number in 0..cases {
             // The kind that lags furthest behind its share is next.
             let lag = |at: &usize| {
-                f64::from(Kind::SHARES[*at].1) * (number + 1) as f64 / 100.0 - f64::from(counts[*at])
+                f64::from(Kind::SHARES[*at].1) * (number + 1) as f64 / 100.0
+                    - f64::from(counts[*at])
             };
             let next = (0..counts.len()).max_by(|a, b| lag(a).total_cmp(&lag(b)));
             let next = next.unwrap_or(0);

@@ -12,7 +12,9 @@ pub fn plausible(effect: &Effect, rigs: &[Rig]) -> bool {
     let rig = &rigs[0];
     let step = rig.encoder.step_rad();
     let slow = slowest(rigs);
-    let top = rigs.iter().fold(0.0, |most: f64, rig| most.max(rig.profile.top()));
+    let top = rigs
+        .iter()
+        .fold(0.0, |most: f64, rig| most.max(rig.profile.top()));
     let swing = |o: &Order| o.torque_n_m / (rig.inertia * o.order * slow * slow) < 0.2;
     let sweep = |f_hz: f64, torque: f64| torque / (rig.inertia * TAU * f_hz * slow) < 0.2;
     let size = effect.size();
@@ -55,6 +57,7 @@ pub fn plausible(effect: &Effect, rigs: &[Rig]) -> bool {
         Effect::LostEdges { .. }
         | Effect::ExtraEdges { .. }
         | Effect::IndexSlip { .. }
+        | Effect::StickSlip { .. }
         | Effect::ClosedLoop { .. } => true,
     }
 }

@@ -155,12 +155,20 @@ fn disc(dice: &mut Dice, encoder: Encoder) -> Vec<f64> {
     let step = encoder.step_rad();
     let lines = step * dice.log_between(0.002, 0.03);
     let widths = [0, 1, 2].map(|_| step * dice.between(-0.05, 0.05));
-    let shifts = [0.0, step * dice.between(-0.05, 0.05), step * dice.between(-0.05, 0.05)];
+    let shifts = [
+        0.0,
+        step * dice.between(-0.05, 0.05),
+        step * dice.between(-0.05, 0.05),
+    ];
     let (round, phase) = (step * dice.log_between(0.01, 0.5), dice.between(0.0, TAU));
     (0..encoder.edges())
         .map(|k| {
             let class = encoder.class(k);
-            let width = if class.rises { 0.0 } else { widths[class.channel] };
+            let width = if class.rises {
+                0.0
+            } else {
+                widths[class.channel]
+            };
             let grid = TAU * k as f64 / encoder.edges() as f64;
             // Cut, so that no edge passes its neighbour.
             lines * dice.normal().clamp(-4.0, 4.0)

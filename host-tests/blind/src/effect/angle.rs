@@ -58,11 +58,7 @@ impl Effect {
                 (0..edges).map(|_| rms_rad * dice.normal()).collect()
             }
             Self::WidthError { rad } => each(&|_, class| {
-                if class.rises {
-                    0.0
-                } else {
-                    rad[class.channel]
-                }
+                if class.rises { 0.0 } else { rad[class.channel] }
             }),
             Self::QuadratureError { rad } => {
                 each(&|_, class| if class.channel == 1 { *rad } else { 0.0 })

@@ -139,6 +139,17 @@ pub enum Effect {
         /// Its scale, rad/s.
         stribeck_rad_s: f64,
     },
+    /// The drive pulls through a spring whose far end goes at the speed asked for, against friction that falls with speed.
+    StickSlip {
+        /// Stiffness of the spring, N m/rad.
+        stiffness_n_m_rad: f64,
+        /// Coulomb torque.
+        coulomb_n_m: f64,
+        /// Stribeck torque on top at standstill.
+        stribeck_n_m: f64,
+        /// Its scale, rad/s.
+        stribeck_rad_s: f64,
+    },
     /// Lightly damped mode: a share of the inertia sits behind a spring.
     TorsionalResonance {
         /// Frequency of the free, undamped mode.

@@ -27,6 +27,7 @@ impl Effect {
             Self::LoadStep { .. } => "load_step",
             Self::SpeedDrift { .. } => "speed_drift",
             Self::Friction { .. } => "friction",
+            Self::StickSlip { .. } => "stick_slip",
             Self::TorsionalResonance { .. } => "torsional_resonance",
             Self::TimestampJitter { .. } => "timestamp_jitter",
             Self::CaptureLatency { .. } | Self::CaptureTask { .. } => "capture_latency",
@@ -147,11 +148,22 @@ impl Effect {
                 "coulomb_n_m": coulomb_n_m, "viscous_n_m_s": viscous_n_m_s, "drag_n_m_s2": drag_n_m_s2,
                 "stribeck_n_m": stribeck_n_m, "stribeck_rad_s": stribeck_rad_s,
             }),
+            Self::StickSlip {
+                stiffness_n_m_rad,
+                coulomb_n_m,
+                stribeck_n_m,
+                stribeck_rad_s,
+            } => json!({
+                "stiffness_n_m_rad": stiffness_n_m_rad, "coulomb_n_m": coulomb_n_m, "stribeck_n_m": stribeck_n_m,
+                "stribeck_rad_s": stribeck_rad_s,
+            }),
             Self::TorsionalResonance {
                 f_hz,
                 damping_ratio,
                 inertia_share,
-            } => json!({"f_hz": f_hz, "damping_ratio": damping_ratio, "inertia_share": inertia_share}),
+            } => {
+                json!({"f_hz": f_hz, "damping_ratio": damping_ratio, "inertia_share": inertia_share})
+            }
             Self::TimestampJitter { jitter_s } => json!({"jitter_s": jitter_s}),
             Self::CaptureLatency { mean_s } => json!({"mean_s": mean_s}),
             Self::CaptureTask {

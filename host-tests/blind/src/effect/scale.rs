@@ -38,6 +38,9 @@ impl Effect {
                 stribeck_n_m,
                 ..
             } => vec![coulomb_n_m, viscous_n_m_s, drag_n_m_s2, stribeck_n_m],
+            Self::StickSlip {
+                stiffness_n_m_rad, ..
+            } => vec![stiffness_n_m_rad],
             Self::TorsionalResonance { inertia_share, .. } => vec![inertia_share],
             Self::TimestampJitter { jitter_s } => vec![jitter_s],
             Self::CaptureLatency { mean_s } => vec![mean_s],

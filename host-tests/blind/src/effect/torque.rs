@@ -68,6 +68,12 @@ impl Effect {
                 stribeck_n_m,
                 stribeck_rad_s,
                 ..
+            }
+            | Self::StickSlip {
+                coulomb_n_m,
+                stribeck_n_m,
+                stribeck_rad_s,
+                ..
             } => {
                 let slow = if *stribeck_n_m == 0.0 {
                     0.0

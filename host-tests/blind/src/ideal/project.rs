@@ -80,18 +80,19 @@ pub(super) fn length(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> f6
 /// Offset and mean speed of a recording, whitened, orthogonal and of length 1.
 fn nuisances(sight: &Sight) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    // A speed that is off by a share moves an edge by as much of the way travelled; an angle that is off moves all alike.
+    // An angle that is off moves all edges alike; a speed that is off moves one by the time gone, or by the way where it is off by a
+    // share.
     let ones = vec![1.0; sight.time.len()];
-    let shares: Vec<f64> = (sight.time.iter().zip(&sight.speed))
-        .map(|(time, speed)| time * speed.signum())
-        .collect();
-    for column in [ones, sight.time.clone(), shares] {
+    for column in [ones, sight.time.clone(), sight.angle.clone()] {
         let mut white = sight.whitener.apply(&column);
         let before = dot(&white, &white);
         for _ in 0..2 {
             for other in &basis {
                 let share = dot(&white, other);
-                white.iter_mut().zip(other).for_each(|(w, o)| *w -= share * o);
+                white
+                    .iter_mut()
+                    .zip(other)
+                    .for_each(|(w, o)| *w -= share * o);
             }
         }
         let after = dot(&white, &white);
@@ -108,7 +109,10 @@ fn clear(signals: &mut [Vec<f64>], nuisances: &[Vec<Vec<f64>>]) {
     for (signal, basis) in signals.iter_mut().zip(nuisances) {
         for column in basis {
             let share = dot(signal, column);
-            signal.iter_mut().zip(column).for_each(|(s, c)| *s -= share * c);
+            signal
+                .iter_mut()
+                .zip(column)
+                .for_each(|(s, c)| *s -= share * c);
         }
     }
 }

@@ -5,14 +5,12 @@ use crate::effect::Effect;
 use crate::rig::Rig;
 use crate::whiten::Whitener;
 
-/// Whether an effect's mark is variance alone.
+/// Whether an effect's mark is variance alone: then d' goes as the square of its size.
 #[must_use]
-pub(super) const fn is_variance(effect: &Effect) -> bool {
+pub const fn is_variance(effect: &Effect) -> bool {
     matches!(
         effect,
-        Effect::TimestampJitter { .. }
-            | Effect::CaptureLatency { .. }
-            | Effect::BurstNoise { .. }
+        Effect::TimestampJitter { .. } | Effect::CaptureLatency { .. } | Effect::BurstNoise { .. }
     )
 }
 
@@ -28,9 +26,10 @@ pub(super) fn distance(effect: &Effect, rigs: &[Rig], sights: &[Sight]) -> Optio
         inertia_share,
     } = *effect
     {
-        let each = rigs.iter().zip(sights).map(|(rig, sight)| {
-            resonance(rig, sight, f_hz, damping_ratio, inertia_share)
-        });
+        let each = rigs
+            .iter()
+            .zip(sights)
+            .map(|(rig, sight)| resonance(rig, sight, f_hz, damping_ratio, inertia_share));
         return Some(each.sum::<f64>().sqrt());
     }
     let information = |added: &dyn Fn(f64) -> f64| -> f64 {
