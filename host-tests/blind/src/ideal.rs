@@ -7,9 +7,13 @@
 //! whitened signal: an offset of the angle, the mean speed, and the disc's whole pattern where the twin does not give it. The size
 //! that the ideal detector needs is the one with d' = 5.
 //!
+//! Where an effect has look-alikes, their signals of any size are taken out as well: the d' that is left says how surely the
+//! recordings tell it from them.
+//!
 //! Effects that add no signal but variance have d' from the Fisher information of the innovations' variances; what comes in whole
 //! counts (lost edges, glitches, an index that slips) needs one.
 
+mod alike;
 mod project;
 #[cfg(test)]
 mod tests;
@@ -78,10 +82,28 @@ impl<'a> Ideal<'a> {
         if let Some(distance) = variance::distance(effect, &self.rigs, &self.sights) {
             return distance;
         }
+        project::length(&self.residual(effect))
+    }
+
+    /// d' that is left of an effect when its look-alikes, of any size, have explained what they can: how surely its name is the
+    /// right one. None where it has no look-alike that moves edges as it does.
+    #[must_use]
+    pub fn separation(&self, effect: &Effect) -> Option<f64> {
+        let others = alike::look_alikes(effect, &self.rigs);
+        if others.is_empty() {
+            return None;
+        }
+        let mut signal = self.residual(effect);
+        let others = others.iter().map(|other| self.residual(other)).collect();
+        project::take_out(&mut signal, others);
+        Some(project::length(&signal))
+    }
+
+    fn residual(&self, effect: &Effect) -> Vec<f64> {
         let signals: Vec<Vec<f64>> = (self.rigs.iter().zip(&self.sights))
             .map(|(rig, sight)| sight.signal(rig, effect))
             .collect();
-        project::length(&self.rigs, &self.sights, &signals)
+        project::residual(&self.rigs, &self.sights, &signals)
     }
 
     /// RMS by which an effect moves the edges, rad, in the recording where it moves them most.

@@ -35,6 +35,7 @@ struct Sized {
     times: f64,
     distance: f64,
     ideal: f64,
+    separation: Option<f64>,
 }
 
 struct Drawn {
@@ -77,6 +78,9 @@ fn draw(dice: &mut Dice, kind: Kind, number: usize, attempt: usize) -> Option<Dr
             let id = CATALOGUE[number % CATALOGUE.len()];
             let shape = effects::shape(dice, id);
             drawn.rigs = rigs(dice, shape, |encoder| effects::fits(id, encoder));
+            if id == "stick_slip" {
+                slow_down(&mut drawn.rigs[0], dice.log_between(0.2, 2.0));
+            }
             add(dice, &mut drawn, id, times)?;
         }
         Kind::Several => several(dice, &mut drawn, attempt)?,
@@ -130,6 +134,17 @@ fn needs_noise(sized: &Sized) -> bool {
     )
 }
 
+/// The rig at another constant speed, all else in proportion.
+fn slow_down(rig: &mut Rig, to: f64) {
+    let share = to / rig.profile.top();
+    rig.profile = Profile::Constant { speed: to };
+    rig.longest_s /= share;
+    rig.noise_psd *= share * share;
+    for ripple in &mut rig.ripples {
+        ripple.torque_n_m *= share * share;
+    }
+}
+
 fn add(dice: &mut Dice, drawn: &mut Drawn, id: &str, times: f64) -> Option<()> {
     let effect = effects::effect(dice, id, &drawn.rigs);
     drawn.effects.push(sized(&drawn.rigs, &effect, times)?);
@@ -138,7 +153,12 @@ fn add(dice: &mut Dice, drawn: &mut Drawn, id: &str, times: f64) -> Option<()> {
 
 /// The effect made so many times as large as the ideal detector needs; none where a rig can't have it.
 fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
-    let ideal = Ideal::new(rigs);
+    let seen = if happens_once(effect) {
+        &rigs[..1]
+    } else {
+        rigs
+    };
+    let ideal = Ideal::new(seen);
     let (effect, times, ideal_size) = match effect.clone() {
         Effect::LostEdges { seed, .. } => {
             let count = times as u32;
@@ -184,10 +204,11 @@ fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
         return None;
     }
     Some(Sized {
-        effect,
         times,
         distance,
         ideal: ideal_size,
+        separation: ideal.separation(&effect),
+        effect,
     })
 }
 
@@ -337,21 +358,22 @@ fn look_alike(dice: &mut Dice, drawn: &mut Drawn, number: usize) -> Option<()> {
     Some(())
 }
 
+/// Whether an effect happens at a time: then in the first recording only.
+const fn happens_once(effect: &Effect) -> bool {
+    matches!(
+        effect,
+        Effect::LostEdges { .. } | Effect::ExtraEdges { .. } | Effect::LoadStep { .. }
+    )
+}
+
 /// Makes the recordings; none where one is no use.
 fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option<Case> {
     let mut runs = Vec::new();
     let mut events = Vec::new();
-    let counted = |effect: &Effect| {
-        matches!(
-            effect,
-            Effect::LostEdges { .. } | Effect::ExtraEdges { .. } | Effect::LoadStep { .. }
-        )
-    };
     for (number, rig) in drawn.rigs.iter().enumerate() {
-        // What happens at a time happens in the first recording only.
         let effects: Vec<Effect> = (drawn.effects.iter())
             .map(|sized| sized.effect.clone())
-            .filter(|effect| number == 0 || !counted(effect))
+            .filter(|effect| number == 0 || !happens_once(effect))
             .collect();
         let real = effects.iter().fold(rig.clone(), |rig, e| changed(&rig, e));
         let course = turn(&real, &effects, Some(noise ^ number as u64));
@@ -414,5 +436,7 @@ fn mechanism(sized: &Sized, events: &[f64]) -> Value {
         "times_ideal": sized.times,
         "ideal_size": sized.ideal,
         "d_prime": sized.distance,
+        "separation_d_prime": sized.separation,
+        "recording": happens_once(effect).then_some(1),
     })
 }

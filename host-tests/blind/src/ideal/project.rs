@@ -8,9 +8,9 @@ use crate::rig::Rig;
 /// Steps of the conjugate gradients, at most.
 const STEPS: usize = 60;
 
-/// The length left after least squares in offset and mean speed of each recording, and in the disc's pattern, common to all, where
+/// What is left of the whitened signals after least squares in offset and mean speed of each recording, and in the disc's pattern, common to all, where
 /// the twin does not give it.
-pub(super) fn length(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> f64 {
+pub(super) fn residual(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> Vec<f64> {
     let white = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
         let each = sights.iter().zip(signals);
         each.map(|(sight, signal)| sight.whitener.apply(signal))
@@ -20,7 +20,7 @@ pub(super) fn length(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> f6
     let mut left = white(signals);
     clear(&mut left, &nuisances);
     if rigs.iter().all(|rig| rig.disc_known) {
-        return norm2(&left).sqrt();
+        return left.concat();
     }
     let edges = rigs[0].encoder.edges();
     let spread = |pattern: &[f64]| -> Vec<Vec<f64>> {
@@ -74,7 +74,41 @@ pub(super) fn length(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> f6
             *direction = turned + share * *direction;
         }
     }
-    norm2(&left).sqrt()
+    left.concat()
+}
+
+/// Length of a signal.
+pub(super) fn length(signal: &[f64]) -> f64 {
+    dot(signal, signal).sqrt()
+}
+
+/// Takes out of a signal what others explain.
+pub(super) fn take_out(signal: &mut [f64], others: Vec<Vec<f64>>) {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for mut other in others {
+        let before = length(&other);
+        for _ in 0..2 {
+            for known in &basis {
+                let share = dot(&other, known);
+                other
+                    .iter_mut()
+                    .zip(known)
+                    .for_each(|(o, k)| *o -= share * k);
+            }
+        }
+        let after = length(&other);
+        if after > 1e-6 * before && after > 0.0 {
+            other.iter_mut().for_each(|o| *o /= after);
+            basis.push(other);
+        }
+    }
+    for column in &basis {
+        let share = dot(signal, column);
+        signal
+            .iter_mut()
+            .zip(column)
+            .for_each(|(s, c)| *s -= share * c);
+    }
 }
 
 /// Offset and mean speed of a recording, whitened, orthogonal and of length 1.

@@ -111,3 +111,25 @@ fn excess_jitter_is_found_as_a_variance_is() {
         "{distance} {expected}"
     );
 }
+
+#[test]
+fn one_speed_does_not_tell_a_width_from_a_delay_and_two_do() {
+    let rig = noisy();
+    let fast = Rig {
+        profile: Profile::Constant { speed: 30.0 },
+        ..rig.clone()
+    };
+    let rigs = [rig, fast];
+    let one = Ideal::new(&rigs[..1]);
+    let (distance, apart) = (one.distance(&WIDTH), one.separation(&WIDTH).unwrap());
+    assert!(apart < 1e-3 * distance, "{apart} {distance}");
+    let two = Ideal::new(&rigs);
+    let (distance, apart) = (two.distance(&WIDTH), two.separation(&WIDTH).unwrap());
+    // Lengths of the signal at speeds v and 3 v, in the noise there, are as 3 to 1; a delay has 1 to 1 and explains four fifths of
+    // the square.
+    let expected = (1.0_f64 - 0.8).sqrt();
+    assert!(
+        (apart / distance / expected - 1.0).abs() < 0.01,
+        "{apart} {distance}"
+    );
+}
