@@ -31,6 +31,9 @@ use crate::whiten::{Edge, Whitener};
 /// d' at which an effect counts as detectable.
 pub const DETECTABLE: f64 = 5.0;
 
+/// Way at either end of a run that is left out, rad: as far as an effect moves an edge.
+const END_RAD: f64 = 0.06;
+
 /// What the ideal detector has of one recording: base run without noise, and the noise's filter.
 pub(crate) struct Sight {
     course: Course,
@@ -38,6 +41,8 @@ pub(crate) struct Sight {
     pub(crate) whitener: Whitener,
     /// Which of the base run's crossings are edges.
     edges: Vec<usize>,
+    /// How often the place of each was passed before.
+    visit: Vec<u32>,
     /// Edge of the turn, for each.
     pub(crate) k: Vec<usize>,
     /// Time of each.
@@ -148,9 +153,22 @@ impl Sight {
     fn new(rig: &Rig) -> Self {
         let course = turn_evenly(rig, &[]);
         let times = arrivals(&course, &[]);
-        let edges: Vec<usize> = (0..course.crossings.len())
+        let mut edges: Vec<usize> = (0..course.crossings.len())
             .filter(|&at| course.crossings[at].class.is_some())
             .collect();
+        let mut visits: HashMap<i64, u32> = HashMap::new();
+        let visit = |at: &usize| {
+            let count = visits.entry(course.crossings[*at].place).or_insert(0);
+            *count += 1;
+            *count - 1
+        };
+        let mut visit: Vec<u32> = edges.iter().map(visit).collect();
+        // Edges at the very ends may not be met with an effect. What they might have said must not be made up.
+        let ends = 1 + (END_RAD / rig.encoder.step_rad()).ceil() as usize;
+        edges.truncate(edges.len().saturating_sub(ends));
+        edges.drain(..ends.min(edges.len()));
+        visit.truncate(ends + edges.len());
+        visit.drain(..ends.min(visit.len()));
         let count = rig.encoder.edges() as i64;
         let stamp = rig.stamp_rms_s();
         let mut last = 0.0;
@@ -178,6 +196,7 @@ impl Sight {
             speed: edges.iter().map(|at| crossing(at).speed).collect(),
             times,
             edges,
+            visit,
             noise,
             density,
             course,
@@ -200,16 +219,13 @@ impl Sight {
                 *visit += 1;
             }
         }
-        visits.clear();
-        let each = self.edges.iter().map(|&at| {
+        let each = self.edges.iter().zip(&self.visit).map(|(&at, &visit)| {
             let crossing = &self.course.crossings[at];
-            let visit = visits.entry(crossing.place).or_insert(0);
-            let time = met.get(&(crossing.place, *visit));
-            *visit += 1;
+            let time = met.get(&(crossing.place, visit));
             time.map(|time| (time - self.times[at]) * crossing.speed)
         });
         let signal: Vec<Option<f64>> = each.collect();
-        // An edge that was not met, as at either end of the run, says nothing: the difference beside it holds.
+        // Few are not met, as at a reversal: the difference beside one holds.
         let mut last = signal.iter().flatten().next().copied().unwrap_or(0.0);
         let filled = signal.into_iter().map(|value| {
             last = value.unwrap_or(last);

@@ -16,6 +16,8 @@ use crate::turning::turn;
 
 /// Sizes of effects, in those that the ideal detector needs.
 const TIMES: [f64; 4] = [3.0, 5.0, 10.0, 30.0];
+/// What separates look-alikes, as d', stays below this.
+const ALIKE: f64 = 1.5;
 /// Draws of a rig before the effect is made smaller.
 const DRAWS: usize = 25;
 
@@ -326,11 +328,12 @@ fn look_alike(dice: &mut Dice, drawn: &mut Drawn, number: usize) -> Option<()> {
         Shape::Constant
     };
     drawn.rigs = rigs(dice, shape, |e| e.edges() >= 200 && effects::fits(id, e));
+    // A known ripple pushes a shaft that is off its angle, not a disc that is: at orders where noise is small that tells them apart.
+    drawn.rigs[0].ripples.clear();
     let times = dice.pick(&[3.0, 5.0, 10.0]);
     let mut effect = effects::effect(dice, id, &drawn.rigs);
     if let Effect::TorqueRipple(order) = &mut effect {
         order.order = 1.0;
-        drawn.rigs[0].ripples.retain(|ripple| ripple.order > 2.0);
     }
     if let Effect::WidthError { rad } = &mut effect {
         *rad = [rad[0]; 3];
@@ -353,7 +356,11 @@ fn look_alike(dice: &mut Dice, drawn: &mut Drawn, number: usize) -> Option<()> {
         let share = (allowed / phase).powi(2);
         drawn.rigs.iter_mut().for_each(|rig| rig.noise_psd *= share);
     }
-    drawn.effects.push(sized(&drawn.rigs, &effect, times)?);
+    let sized = sized(&drawn.rigs, &effect, times)?;
+    if sized.separation.is_some_and(|apart| apart > ALIKE) {
+        return None;
+    }
+    drawn.effects.push(sized);
     drawn.alike = alike.to_vec();
     Some(())
 }

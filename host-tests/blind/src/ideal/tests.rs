@@ -13,7 +13,8 @@ fn noisy() -> Rig {
 }
 
 fn edges(rig: &Rig) -> f64 {
-    rig.turns * rig.encoder.edges() as f64
+    let count = rig.encoder.edges() as f64;
+    rig.turns * count - 2.0 * (1.0 + (super::END_RAD / rig.encoder.step_rad()).ceil())
 }
 
 const WIDTH: Effect = Effect::WidthError { rad: [1e-6; 3] };
