@@ -1,6 +1,8 @@
 //! Turning the shaft: from a rig and its effects to the times at which marks of the disc pass the head.
 
+mod collect;
 mod marks;
+mod speed_loop;
 mod sudden;
 #[cfg(test)]
 mod tests;
@@ -9,12 +11,13 @@ use std::f64::consts::TAU;
 
 pub use marks::Crossing;
 
-use crate::effect::{Effect, Place};
+use crate::effect::Effect;
 use crate::motion::{Plant, sign};
 use crate::random::Dice;
 use crate::rig::{Profile, Rig};
 use crate::step::{State, Step};
 use marks::Track;
+use speed_loop::Loop;
 use sudden::Sudden;
 
 /// Largest estimated error of a step, rad.
@@ -51,19 +54,14 @@ pub fn turn_evenly(rig: &Rig, effects: &[Effect]) -> Course {
 
 impl Run<'_> {
     fn run(mut self) -> Course {
-        self.go();
-        self.course
-    }
-
-    fn go(&mut self) {
-        let run = self;
-        while run.time_s < run.rig.longest_s && run.travelled < run.rig.turns * TAU {
-            run.piece();
+        while self.time_s < self.rig.longest_s && self.travelled < self.rig.turns * TAU {
+            self.piece();
         }
-        let speeds = run.course.crossings.iter().map(|c| c.speed);
-        run.course.speeds = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        let speeds = self.course.crossings.iter().map(|c| c.speed);
+        self.course.speeds = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
             (low.min(v), high.max(v))
         });
+        self.course
     }
 }
 
@@ -73,19 +71,6 @@ struct Noise {
     sigma: f64,
     hold_s: f64,
     held: u64,
-}
-
-struct Loop {
-    target: f64,
-    rate_hz: f64,
-    kp: f64,
-    ki: f64,
-    integral: f64,
-    samples: u64,
-    seen: Option<f64>,
-    last: Option<(f64, bool)>,
-    /// Whether stamps are whole ticks.
-    rounds: bool,
 }
 
 struct Run<'a> {
@@ -306,77 +291,5 @@ impl<'a> Run<'a> {
         if end - self.time_s < 1e-12 * self.rig.hold_s() {
             self.time_s = end;
         }
-    }
-
-    /// Takes every mark crossed within a step.
-    fn collect(&mut self, step: &Step) {
-        let late = |within: f64, class, travel: f64, speed: f64| {
-            if !self.moving {
-                return 0.0;
-            }
-            let place = Place {
-                time_s: self.time_s + within,
-                inside_s: self.plant.inside_s,
-                theta: self.state[0] + travel,
-                speed,
-                class,
-            };
-            let each = self.effects.iter().zip(&self.jumps);
-            each.map(|(effect, jumps)| effect.late_rad(&place, jumps))
-                .sum()
-        };
-        let way = marks::Way {
-            step,
-            from_rad: self.state[0],
-            time_s: self.time_s,
-            forward: self.motion >= 0.0,
-            play: self.play,
-        };
-        let first = self.course.crossings.len();
-        self.edges.collect(&way, &late, &mut self.course.crossings);
-        if let Some(index) = &mut self.index {
-            let slipped: i32 = self
-                .effects
-                .iter()
-                .map(|effect| match effect {
-                    Effect::IndexSlip { at_s, edges } if self.plant.inside_s >= *at_s => *edges,
-                    _ => 0,
-                })
-                .sum();
-            let slip = f64::from(slipped) * self.rig.encoder.step_rad();
-            let late = |within: f64, class, travel: f64, speed: f64| {
-                slip + late(within, class, travel, speed)
-            };
-            let before = self.course.crossings.len();
-            index.collect(&way, &late, &mut self.course.crossings);
-            if self.course.crossings.len() > before {
-                self.course.crossings[first..].sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-            }
-        }
-        for at in first..self.course.crossings.len() {
-            let error = self.noise.as_mut().map_or(0.0, |n| n.jitter.normal());
-            let crossing = &mut self.course.crossings[at];
-            crossing.error_s = self.rig.jitter_s * error;
-            if let (Some(control), Some(_)) = (&mut self.speed_loop, crossing.class) {
-                control.edge(crossing, self.rig);
-            }
-        }
-    }
-}
-
-impl Loop {
-    fn edge(&mut self, crossing: &Crossing, rig: &Rig) {
-        let clock = rig.clock_hz as f64;
-        let now = (crossing.time_s + crossing.error_s) * clock;
-        let now = if self.rounds { now.floor() } else { now };
-        if let Some((last, forward)) = self.last {
-            let way = if crossing.forward { 1.0 } else { -1.0 } * rig.encoder.step_rad();
-            if forward != crossing.forward {
-                self.seen = Some(0.0);
-            } else if now > last {
-                self.seen = Some(way * clock / (now - last));
-            }
-        }
-        self.last = Some((now, crossing.forward));
     }
 }

@@ -1,23 +1,22 @@
 //! One case: what is drawn, how large it is made, and what the truth says.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::effects::{self, CATALOGUE};
+use super::hidden::{look_alike, masked};
 use super::kind::Kind;
 use super::limits::plausible;
 use super::outside;
+use super::record::{happens_once, record};
 use super::rigs::{Shape, rigs};
-use crate::capture::{Row, rows};
+use crate::capture::Row;
 use crate::effect::Effect;
-use crate::ideal::{DETECTABLE, Ideal, changed, is_variance};
+use crate::ideal::{DETECTABLE, Ideal, is_variance};
 use crate::random::Dice;
 use crate::rig::{Profile, Rig};
-use crate::turning::turn;
 
 /// Sizes of effects, in those that the ideal detector needs.
 const TIMES: [f64; 4] = [3.0, 5.0, 10.0, 30.0];
-/// What separates look-alikes, as d', stays below this.
-const ALIKE: f64 = 1.5;
 /// Draws of a rig before the effect is made smaller.
 const DRAWS: usize = 25;
 
@@ -32,21 +31,22 @@ pub struct Case {
 
 /// An effect with its size in those that the ideal detector needs.
 #[derive(Clone, Debug)]
-struct Sized {
-    effect: Effect,
-    times: f64,
-    distance: f64,
-    ideal: f64,
-    separation: Option<f64>,
+pub(super) struct Sized {
+    pub(super) effect: Effect,
+    pub(super) times: f64,
+    pub(super) distance: f64,
+    pub(super) ideal: f64,
+    pub(super) separation: Option<f64>,
 }
 
-struct Drawn {
-    rigs: Vec<Rig>,
-    effects: Vec<Sized>,
+/// What a case is made of.
+pub(super) struct Drawn {
+    pub(super) rigs: Vec<Rig>,
+    pub(super) effects: Vec<Sized>,
     /// Ids that this recording can't tell apart.
-    alike: Vec<&'static str>,
+    pub(super) alike: Vec<&'static str>,
     /// RMS of the pattern over that of the effect.
-    mask: Option<f64>,
+    pub(super) mask: Option<f64>,
 }
 
 /// Draws a case. The same seed, kind and number give the same case.
@@ -147,14 +147,15 @@ fn slow_down(rig: &mut Rig, to: f64) {
     }
 }
 
-fn add(dice: &mut Dice, drawn: &mut Drawn, id: &str, times: f64) -> Option<()> {
+/// Adds an effect of an id.
+pub(super) fn add(dice: &mut Dice, drawn: &mut Drawn, id: &str, times: f64) -> Option<()> {
     let effect = effects::effect(dice, id, &drawn.rigs);
     drawn.effects.push(sized(&drawn.rigs, &effect, times)?);
     Some(())
 }
 
 /// The effect made so many times as large as the ideal detector needs; none where a rig can't have it.
-fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
+pub(super) fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
     let seen = if happens_once(effect) {
         &rigs[..1]
     } else {
@@ -244,206 +245,4 @@ fn several(dice: &mut Dice, drawn: &mut Drawn, attempt: usize) -> Option<()> {
         add(dice, drawn, id, times)?;
     }
     Some(())
-}
-
-fn masked(dice: &mut Dice, drawn: &mut Drawn, number: usize, times: f64) -> Option<()> {
-    let known = number.is_multiple_of(2);
-    // What is locked to the turn is part of a pattern that the twin does not give.
-    let ids: &[&str] = if known {
-        &[
-            "eccentricity",
-            "local_defect",
-            "torque_ripple",
-            "gear_mesh",
-            "edge_delay",
-            "threshold_ripple",
-        ]
-    } else {
-        &[
-            "torque_ripple",
-            "gear_mesh",
-            "torque_tone",
-            "edge_delay",
-            "threshold_ripple",
-        ]
-    };
-    let id = ids[(number / 2) % ids.len()];
-    drawn.rigs = rigs(dice, Shape::TwoSpeeds, |encoder| {
-        encoder.edges() >= 200 && effects::fits(id, encoder)
-    });
-    for rig in &mut drawn.rigs {
-        rig.disc_known = known;
-    }
-    add(dice, drawn, id, times.max(5.0))?;
-    let rms = Ideal::new(&drawn.rigs).rms(&drawn.effects[0].effect);
-    let ratio = dice.log_between(10.0, 100.0);
-    let step = drawn.rigs[0].encoder.step_rad();
-    // White from edge to edge as far as edges keep their order, the rest in smooth low orders.
-    let white = (0.7 * ratio * rms).min(0.04 * step);
-    let smooth = ((ratio * rms).powi(2) - white * white).sqrt();
-    if smooth > 0.03 {
-        return None;
-    }
-    let orders: Vec<(f64, f64)> = (0..8)
-        .map(|_| (dice.normal(), dice.between(0.0, std::f64::consts::TAU)))
-        .collect();
-    let power: f64 = orders.iter().map(|(a, _)| 0.5 * a * a).sum();
-    let scale = smooth / power.sqrt();
-    let pattern: Vec<f64> = (0..drawn.rigs[0].encoder.edges())
-        .map(|k| {
-            let grid = drawn.rigs[0].grid_rad(k);
-            let low = orders
-                .iter()
-                .zip(1..)
-                .map(|((a, phase), order)| scale * a * libm::sin(f64::from(order) * grid - phase));
-            white * dice.normal().clamp(-4.0, 4.0) + low.sum::<f64>()
-        })
-        .collect();
-    for rig in &mut drawn.rigs {
-        rig.disc_rad.clone_from(&pattern);
-    }
-    drawn.mask = Some(ratio);
-    Some(())
-}
-
-fn look_alike(dice: &mut Dice, drawn: &mut Drawn, number: usize) -> Option<()> {
-    let pairs: [(&str, &[&str]); 7] = [
-        ("eccentricity", &["eccentricity", "torque_ripple"]),
-        ("torque_ripple", &["eccentricity", "torque_ripple"]),
-        ("disc_tilt", &["disc_tilt", "torque_ripple"]),
-        ("torque_tone", &["torque_tone", "gear_mesh", "bearing"]),
-        ("gear_mesh", &["torque_tone", "gear_mesh", "bearing"]),
-        ("width_error", &["width_error", "edge_delay"]),
-        ("edge_delay", &["width_error", "edge_delay"]),
-    ];
-    let both: [(&str, &[&str]); 3] = [
-        ("quadrature_error", &["quadrature_error", "channel_skew"]),
-        ("hysteresis", &["hysteresis", "backlash"]),
-        ("backlash", &["hysteresis", "backlash"]),
-    ];
-    let (id, alike) = *pairs.iter().chain(&both).nth(number % 10)?;
-    let shape = if alike[0] == "hysteresis" {
-        Shape::Reversal
-    } else {
-        Shape::Constant
-    };
-    drawn.rigs = rigs(dice, shape, |e| e.edges() >= 200 && effects::fits(id, e));
-    // A known ripple pushes a shaft that is off its angle, not a disc that is: at orders where noise is small that tells them apart.
-    drawn.rigs[0].ripples.clear();
-    let times = dice.pick(&[3.0, 5.0, 10.0]);
-    let mut effect = effects::effect(dice, id, &drawn.rigs);
-    if let Effect::TorqueRipple(order) = &mut effect {
-        order.order = 1.0;
-    }
-    if let Effect::WidthError { rad } = &mut effect {
-        *rad = [rad[0]; 3];
-    }
-    // Wander tells fixed frequency from fixed order and both from fixed angle: it must be too small for that.
-    let order = match &effect {
-        Effect::TorqueTone { f_hz, .. } => {
-            std::f64::consts::TAU * f_hz / drawn.rigs[0].profile.top()
-        }
-        Effect::GearMesh(order) => order.order,
-        _ => 2.0,
-    };
-    let rig = &drawn.rigs[0];
-    let speed = rig.profile.top();
-    let correlation = speed / rig.damping(true);
-    let way = std::f64::consts::TAU * rig.turns;
-    let phase = rig.wander(speed) * (2.0 * correlation * way).sqrt() * order;
-    let allowed = 1.0 / (DETECTABLE * times);
-    if shape == Shape::Constant && phase > allowed {
-        let share = (allowed / phase).powi(2);
-        drawn.rigs.iter_mut().for_each(|rig| rig.noise_psd *= share);
-    }
-    let sized = sized(&drawn.rigs, &effect, times)?;
-    if sized.separation.is_some_and(|apart| apart > ALIKE) {
-        return None;
-    }
-    drawn.effects.push(sized);
-    drawn.alike = alike.to_vec();
-    Some(())
-}
-
-/// Whether an effect happens at a time: then in the first recording only.
-const fn happens_once(effect: &Effect) -> bool {
-    matches!(
-        effect,
-        Effect::LostEdges { .. } | Effect::ExtraEdges { .. } | Effect::LoadStep { .. }
-    )
-}
-
-/// Makes the recordings; none where one is no use.
-fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option<Case> {
-    let mut runs = Vec::new();
-    let mut events = Vec::new();
-    for (number, rig) in drawn.rigs.iter().enumerate() {
-        let effects: Vec<Effect> = (drawn.effects.iter())
-            .map(|sized| sized.effect.clone())
-            .filter(|effect| number == 0 || !happens_once(effect))
-            .collect();
-        let real = effects.iter().fold(rig.clone(), |rig, e| changed(&rig, e));
-        let course = turn(&real, &effects, Some(noise ^ number as u64));
-        let (rows, at) = rows(&course, &real, &effects, noise ^ number as u64);
-        let slow = course.speeds.0 <= 0.05 * rig.profile.top();
-        let sticks = |e: &Effect| matches!(e, Effect::StickSlip { .. });
-        let turns_back = matches!(rig.profile, Profile::Ramp { to, .. } if to < 0.0)
-            || effects.iter().any(sticks);
-        if (slow && !turns_back) || rows.len() > 200_000 || rows.len() < 100 {
-            return None;
-        }
-        events.extend(at);
-        runs.push((rig.clone(), rows));
-    }
-    let mechanisms: Vec<Value> = drawn
-        .effects
-        .iter()
-        .map(|s| mechanism(s, &events))
-        .collect();
-    let verdict = match kind {
-        Kind::Nothing => "complete",
-        Kind::LookAlike => "ambiguous",
-        Kind::Outside => "unknown",
-        _ => "explained",
-    };
-    let first = &drawn.rigs[0];
-    let speeds: Vec<f64> = drawn.rigs.iter().map(|rig| rig.profile.top()).collect();
-    let truth = json!({
-        "version": 1,
-        "kind": kind.name(),
-        "seed": seed,
-        "verdict": verdict,
-        "mechanisms": mechanisms,
-        "indistinguishable": drawn.alike,
-        "disc_known": first.disc_known,
-        "mask_ratio": drawn.mask,
-        "recordings": drawn.rigs.len(),
-        "speeds_rad_s": speeds,
-        "noise": {
-            "known": first.noise_known,
-            "torque_psd_n2_m2_s": first.noise_psd,
-            "wander_fraction": first.wander(first.profile.top()),
-            "jitter_s": first.jitter_s,
-        },
-    });
-    Some(Case { runs, truth })
-}
-
-fn mechanism(sized: &Sized, events: &[f64]) -> Value {
-    let effect = &sized.effect;
-    let mut parameters = effect.parameters();
-    if matches!(effect, Effect::LostEdges { .. } | Effect::ExtraEdges { .. }) {
-        parameters.insert("times_s".to_owned(), json!(events));
-    }
-    json!({
-        "id": effect.id(),
-        "physics": effect.physics(),
-        "same_physics": effect.same_physics(),
-        "parameters": parameters,
-        "times_ideal": sized.times,
-        "ideal_size": sized.ideal,
-        "d_prime": sized.distance,
-        "separation_d_prime": sized.separation,
-        "recording": happens_once(effect).then_some(1),
-    })
 }

@@ -2,9 +2,11 @@
 
 mod case;
 mod effects;
+mod hidden;
 mod kind;
 mod limits;
 mod outside;
+mod record;
 mod rigs;
 #[cfg(test)]
 mod tests;
