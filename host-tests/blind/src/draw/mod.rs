@@ -1,0 +1,17 @@
+//! Drawing of cases: rigs, effects, kinds.
+
+mod case;
+mod effects;
+mod hidden;
+mod kind;
+mod limits;
+mod outside;
+mod record;
+mod rigs;
+#[cfg(test)]
+mod tests;
+
+pub use case::{Case, case};
+pub use effects::CATALOGUE;
+pub use kind::{Kind, plan};
+pub use rigs::{Shape, rigs};

@@ -1,0 +1,94 @@
+//! Recordings of what was drawn, and the truth about them.
+
+use serde_json::{Value, json};
+
+use super::case::{Case, Drawn, Sized};
+use super::kind::Kind;
+use crate::capture::rows;
+use crate::effect::Effect;
+use crate::ideal::changed;
+use crate::rig::Profile;
+use crate::turning::turn;
+
+/// Whether an effect happens at a time: then in the first recording only.
+pub(super) const fn happens_once(effect: &Effect) -> bool {
+    matches!(
+        effect,
+        Effect::LostEdges { .. } | Effect::ExtraEdges { .. } | Effect::LoadStep { .. }
+    )
+}
+
+/// Makes the recordings; none where one is no use.
+pub(super) fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option<Case> {
+    let mut runs = Vec::new();
+    let mut events = Vec::new();
+    for (number, rig) in drawn.rigs.iter().enumerate() {
+        let effects: Vec<Effect> = (drawn.effects.iter())
+            .map(|sized| sized.effect.clone())
+            .filter(|effect| number == 0 || !happens_once(effect))
+            .collect();
+        let real = effects.iter().fold(rig.clone(), |rig, e| changed(&rig, e));
+        let course = turn(&real, &effects, Some(noise ^ number as u64));
+        let (rows, at) = rows(&course, &real, &effects, noise ^ number as u64);
+        let slow = course.speeds.0 <= 0.05 * rig.profile.top();
+        let sticks = |e: &Effect| matches!(e, Effect::StickSlip { .. });
+        let turns_back = matches!(rig.profile, Profile::Ramp { to, .. } if to < 0.0)
+            || effects.iter().any(sticks);
+        if (slow && !turns_back) || rows.len() > 200_000 || rows.len() < 100 {
+            return None;
+        }
+        events.extend(at);
+        runs.push((rig.clone(), rows));
+    }
+    let mechanisms: Vec<Value> = drawn
+        .effects
+        .iter()
+        .map(|s| mechanism(s, &events))
+        .collect();
+    let verdict = match kind {
+        Kind::Nothing => "complete",
+        Kind::LookAlike => "ambiguous",
+        Kind::Outside => "unknown",
+        _ => "explained",
+    };
+    let first = &drawn.rigs[0];
+    let speeds: Vec<f64> = drawn.rigs.iter().map(|rig| rig.profile.top()).collect();
+    let truth = json!({
+        "version": 1,
+        "kind": kind.name(),
+        "seed": seed,
+        "verdict": verdict,
+        "mechanisms": mechanisms,
+        "indistinguishable": drawn.alike,
+        "disc_known": first.disc_known,
+        "mask_ratio": drawn.mask,
+        "recordings": drawn.rigs.len(),
+        "speeds_rad_s": speeds,
+        "noise": {
+            "known": first.noise_known,
+            "torque_psd_n2_m2_s": first.noise_psd,
+            "wander_fraction": first.wander(first.profile.top()),
+            "jitter_s": first.jitter_s,
+        },
+    });
+    Some(Case { runs, truth })
+}
+
+fn mechanism(sized: &Sized, events: &[f64]) -> Value {
+    let effect = &sized.effect;
+    let mut parameters = effect.parameters();
+    if matches!(effect, Effect::LostEdges { .. } | Effect::ExtraEdges { .. }) {
+        parameters.insert("times_s".to_owned(), json!(events));
+    }
+    json!({
+        "id": effect.id(),
+        "physics": effect.physics(),
+        "same_physics": effect.same_physics(),
+        "parameters": parameters,
+        "times_ideal": sized.times,
+        "ideal_size": sized.ideal,
+        "d_prime": sized.distance,
+        "separation_d_prime": sized.separation,
+        "recording": happens_once(effect).then_some(1),
+    })
+}

@@ -1,0 +1,60 @@
+use std::collections::HashMap;
+
+use super::{CATALOGUE, Kind, case, plan};
+use crate::write;
+
+#[test]
+fn a_trial_has_its_shares_in_an_order_that_says_nothing() {
+    let drawn = plan(400, 1, None);
+    let mut counts = HashMap::new();
+    for (kind, number) in &drawn {
+        let (count, most) = counts.entry(*kind).or_insert((0, 0));
+        *count += 1;
+        *most = number.max(most).to_owned();
+    }
+    for (kind, share) in Kind::SHARES {
+        let expected = 4 * share as usize;
+        assert_eq!(counts[&kind], (expected, expected - 1), "{kind:?}");
+    }
+    let ordered = drawn.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    assert!(ordered.count() < 160);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_the_open_files_hold_no_effect() {
+    let kinds = Kind::SHARES.iter().map(|(kind, _)| *kind);
+    for (place, kind) in kinds.enumerate() {
+        let (one, two) = (case(5, place, kind, place), case(5, place, kind, place));
+        assert_eq!(one.truth, two.truth);
+        for ((rig, rows), (_, again)) in one.runs.iter().zip(&two.runs) {
+            assert_eq!(rows, again);
+            let twin = write::twin(rig);
+            let open = twin.clone() + &write::recording(rig, &rows[..10.min(rows.len())]);
+            for word in CATALOGUE.into_iter().chain(["seed", kind.name()]) {
+                let known = (word, twin.contains("[drive.speed_loop]"));
+                assert!(
+                    !open.contains(word) || known == ("loop", true),
+                    "{word}: {open}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn sizes_are_the_multiples_that_were_asked_for() {
+    for number in [0, 5, 10, 17] {
+        let drawn = case(8, number, Kind::One, number);
+        let found = &drawn.truth["mechanisms"][0];
+        assert_eq!(found["id"], CATALOGUE[number]);
+        let times = found["times_ideal"].as_f64().unwrap();
+        assert!([3.0, 5.0, 10.0, 30.0].contains(&times), "{times}");
+        let power = if found["id"] == "timestamp_jitter" {
+            2
+        } else {
+            1
+        };
+        let distance = found["d_prime"].as_f64().unwrap() / times.powi(power);
+        assert!((3.5..7.0).contains(&distance), "{distance}");
+    }
+}
