@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::{Parser, value_parser};
@@ -27,6 +28,9 @@ Exit codes:
   0  the speed from flash is corrected, its ripple at most a tenth
   1  it is not, or something failed
   2  the command line is wrong";
+
+/// Time between two looks at a drive that stays on.
+const LOOK: Duration = Duration::from_millis(200);
 
 /// Recalibrate a drive in QEMU by command.
 ///
@@ -83,14 +87,17 @@ fn main() -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Keeps the drive on until Enter.
+/// Keeps the drive on until Enter, or where nobody can press it, until it ends or a signal comes.
 fn stay(mut bench: Bench) -> io::Result<()> {
     let key: String = KEY.iter().map(|byte| format!("{byte:02x}")).collect();
-    println!("\nThe drive stays on; Enter switches it off. In another shell:");
+    println!("\nThe drive stays on; Enter or Ctrl-C switches it off. In another shell:");
     let port = bench.drive.address();
     println!("  export QUADCAL_PORT={port} QUADCAL_KEY={key}");
     println!("  quadcal device status\n  quadcal device watch");
-    io::stdin().read_line(&mut String::new())?;
+    let at_end = io::stdin().read_line(&mut String::new())? == 0;
+    while at_end && bench.drive.is_on() {
+        thread::sleep(LOOK);
+    }
     if !bench.drive.is_on() {
         eprintln!("error: the drive has ended by itself");
     }
