@@ -19,7 +19,7 @@ const LINES_MAX: i64 = EDGES_MAX as i64 / 4;
 #[derive(Debug, Parser)]
 struct Options {
     /// Where hosts connect: unix:PATH or tcp:HOST:PORT
-    #[arg(long, value_name = "PORT", default_value = "unix:/tmp/quadcal-device")]
+    #[arg(long, value_name = "PORT", default_value = "unix:/tmp/quadcal-device", value_parser = socket)]
     listen: Address,
     /// File with the key: 32 bytes, or 64 hexadecimal digits; all zeros if not given
     #[arg(long, value_name = "PATH")]
@@ -34,7 +34,7 @@ struct Options {
     #[arg(long, value_name = "R_MIN", default_value_t = Pretend::default().r_min, value_parser = speed, allow_negative_numbers = true)]
     speed: f64,
     /// Seed of the encoder's errors
-    #[arg(long, value_name = "N", default_value_t = Pretend::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = Pretend::default().seed, value_parser = value_parser!(u64).range(..1 << 63))]
     seed: u64,
     /// Refuse to calibrate, for this reason
     #[arg(long, value_name = "REASON")]
@@ -68,6 +68,14 @@ impl From<Reason> for Obstacle {
             Reason::Temperature => Self::Temperature,
             Reason::Working => Self::Working,
         }
+    }
+}
+
+fn socket(text: &str) -> Result<Address, String> {
+    match text.parse::<Address>() {
+        Ok(Address::Serial(_)) => Err("give unix:PATH or tcp:HOST:PORT".to_owned()),
+        Ok(address) => Ok(address),
+        Err(error) => Err(error.to_string()),
     }
 }
 
