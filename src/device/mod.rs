@@ -11,8 +11,10 @@
 //! ```
 //!
 //! Both calls belong to the main loop, and each is bounded: a poll looks at the shaft, does a slice of solving, or writes the table.
-//! Only the last takes long, and on chips that execute from the flash they write it halts everything; the
-//! [`Interlock`] says when that may be. Edges are the workbench's and go on all the while: the table in use
+//! Those that write flash take long: the poll after a command to commit, and the call of receive or serve that takes a command to roll
+//! back (one mark) or to erase (both places), which reply afterwards so that the reply says how it went. On chips that execute from the
+//! flash they write, that halts everything, an STM32F405 for up to 1.1 s a sector; the [`Interlock`] is asked right before whether it
+//! may be. Edges are the workbench's and go on all the while: the table in use
 //! corrects them until [`Bench::adopt`] exchanges it.
 //!
 //! # Who calls what

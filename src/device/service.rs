@@ -93,6 +93,7 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
                 self.may_exchange()?;
                 self.store.roll_back().map_err(refused)?;
                 self.adopt_newest(bench)?;
+                self.forget(now_ms, bench)?;
             }
             Request::WriteTable { offset, piece } => {
                 return self.write(offset, &piece, now_ms, bench);
@@ -106,6 +107,7 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
                 let erased = self.store.erase().map_err(refused);
                 // Where it failed, there may be one left.
                 self.adopt_newest(bench)?;
+                self.forget(now_ms, bench)?;
                 erased?;
             }
             Request::LogLevel(level) => self.log_level = level,
@@ -161,6 +163,11 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
             return Err(Refusal::Stage(stage));
         }
         self.interlock.may_commit().map_err(Refusal::Interlock)
+    }
+
+    /// Back to idle: what the calibration before came to, and its figures, are of a table that is no longer in use.
+    fn forget(&mut self, now_ms: u64, bench: &mut impl Bench) -> Result<(), Refusal> {
+        self.tell(Event::Abort, now_ms, bench)
     }
 
     /// Whether a place may be erased once more.

@@ -6,7 +6,7 @@ use super::bench::{Bench, Learning};
 use super::service::{Service, write_failure};
 use crate::access::Nonces;
 use crate::recalibrate::{
-    Action, Candidate, Event, Interlock, Solving, Stage, Taken, WriteFailure,
+    Action, Candidate, Event, Failure, Interlock, Solving, Stage, Taken, WriteFailure,
 };
 use crate::slot::{SlotHeader, Stamp};
 use crate::units::{TickDelta8, TurnDelta32};
@@ -93,6 +93,10 @@ impl<F: NorFlash, N: Nonces, I: Interlock> Service<F, N, I> {
             }
             Action::Release => {
                 (self.upload, self.loaded) = (None, None);
+                // Why a table was refused can still be read; else there is no table that the figures are of.
+                if self.machine.stage() != Stage::Failed(Failure::NotBetter) {
+                    self.preview = None;
+                }
             }
             Action::Write(candidate) => self.due = Some(*candidate),
             _ => {}

@@ -37,7 +37,8 @@ pub struct Taken {
 pub enum Event {
     /// Command: begin.
     Start(Options),
-    /// Command: end, or give up the table that waits.
+    /// Command: end, or give up the table that waits. At rest, what the calibration before came to is forgotten: so too when the table in
+    /// use was exchanged by hand.
     Abort,
     /// Command: write the table that waits.
     Commit,

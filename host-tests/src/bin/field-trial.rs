@@ -4,6 +4,9 @@
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::{Parser, value_parser};
@@ -15,6 +18,8 @@ use quadcal_host::report::si;
 use quadcal_host_tests::field_trial::drive::{KEY, LINES};
 use quadcal_host_tests::field_trial::ripple::{Answers, Ripple};
 use quadcal_host_tests::field_trial::{Bench, GAIN_LEAST, Outcome, Progress, Trial};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 
 /// Examples and exit codes.
 const AFTER_HELP: &str = "\
@@ -27,6 +32,9 @@ Exit codes:
   0  the speed from flash is corrected, its ripple at most a tenth
   1  it is not, or something failed
   2  the command line is wrong";
+
+/// Time between two looks at a drive that stays on.
+const LOOK: Duration = Duration::from_millis(200);
 
 /// Recalibrate a drive in QEMU by command.
 ///
@@ -83,15 +91,23 @@ fn main() -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Keeps the drive on until Enter.
+/// Keeps the drive on until Enter; where standard input is at its end, until a signal comes or the drive ends.
 fn stay(mut bench: Bench) -> io::Result<()> {
     let key: String = KEY.iter().map(|byte| format!("{byte:02x}")).collect();
-    println!("\nThe drive stays on; Enter switches it off. In another shell:");
+    println!("\nThe drive stays on; Enter or Ctrl-C switches it off. In another shell:");
     let port = bench.drive.address();
     println!("  export QUADCAL_PORT={port} QUADCAL_KEY={key}");
     println!("  quadcal device status\n  quadcal device watch");
-    io::stdin().read_line(&mut String::new())?;
-    if !bench.drive.is_on() {
+    let asked = Arc::new(AtomicBool::new(false));
+    if io::stdin().read_line(&mut String::new())? == 0 {
+        for signal in [SIGINT, SIGTERM] {
+            flag::register(signal, Arc::clone(&asked))?;
+        }
+        while !asked.load(Ordering::Relaxed) && bench.drive.is_on() {
+            thread::sleep(LOOK);
+        }
+    }
+    if !asked.load(Ordering::Relaxed) && !bench.drive.is_on() {
         eprintln!("error: the drive has ended by itself");
     }
     Ok(())

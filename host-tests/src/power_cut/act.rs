@@ -62,7 +62,7 @@ impl fmt::Display for ActTally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} kills during {}: as before {} times, as after it {} times, whole each time; {} left flash that was neither",
+            "{} kills during {}: as before {} times, as after it {} times, whole each time; {} times flash was left midway, and the store still found a whole table",
             self.kills,
             self.act.word(),
             self.before,

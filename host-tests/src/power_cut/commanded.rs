@@ -75,7 +75,7 @@ impl fmt::Display for CommandTally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} kills during {:?} by command: as before {} times, as after it {} times, whole each time; {} left flash that was neither",
+            "{} kills during {:?} by command: as before {} times, as after it {} times, whole each time; {} times flash was left midway, and the store still found a whole table",
             self.kills, self.command, self.before, self.after, self.midway
         )
     }

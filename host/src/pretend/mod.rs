@@ -9,13 +9,13 @@ mod serve;
 use std::io;
 use std::iter::Peekable;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use quadcal::access::{AccessConfig, Key};
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::device::{Device, DeviceConfig, EstimatorLearner, Workbench, WorkbenchConfig};
 use quadcal::estimate::Solver;
-use quadcal::recalibrate::{Limits, Obstacle, WearConfig};
+use quadcal::recalibrate::{Limits, Obstacle, Stage, WearConfig};
 use quadcal::shape::{EncoderShape, ShapeError};
 use quadcal::step::Faults;
 use quadcal::step::SensorError;
@@ -37,6 +37,9 @@ pub const CLOCK_HZ: u64 = 84_000_000;
 
 /// Changes of level that are made up in one go at the most, so that the port is served in between.
 const BURST: u32 = 20_000;
+
+/// Longest time that slices of solving follow each other, so that edges and the port are served in between.
+const SOLVING: Duration = Duration::from_millis(10);
 
 /// What a pretend device is.
 #[derive(Clone, Debug, PartialEq)]
@@ -186,7 +189,8 @@ impl Pretend {
 }
 
 impl Running {
-    /// Lets the shaft turn as far as time has gone on, and does one piece of work.
+    /// Lets the shaft turn as far as time has gone on, and does one piece of work; while a table is solved for, slices for [`SOLVING`], as
+    /// the wait at the port in between would be most of the time.
     ///
     /// # Errors
     /// [`PretendError::Flash`] when the flash's file can't be written.
@@ -208,7 +212,11 @@ impl Running {
         }
         let faults: Faults = *self.decoder.faults();
         self.bench.note(now, &faults);
+        let begun = Instant::now();
         self.device.poll(self.now_ms(), &mut self.bench);
+        while self.device.stage() == Stage::Solving && begun.elapsed() < SOLVING {
+            self.device.poll(self.now_ms(), &mut self.bench);
+        }
         self.flash.save(self.file.as_deref())
     }
 

@@ -274,6 +274,52 @@ fn rolling_back_and_erasing_take_effect_at_once() {
 }
 
 #[test]
+fn rolling_back_and_erasing_forget_what_the_calibration_before_came_to() {
+    let mut drive = calibrated();
+    assert!(preview(&mut drive).is_some());
+    // Refused, so nothing has changed.
+    let nothing = Reply::Refused(Refusal::NothingOlder);
+    assert_eq!(drive.demand(&Request::RollBack), nothing);
+    assert_eq!(drive.device.stage(), Stage::Done);
+    assert!(preview(&mut drive).is_some());
+    let hour = |drive: &mut Drive| {
+        drive.rest(3_600_000);
+        drive.leave();
+    };
+    hour(&mut drive);
+    let bytes = dump(&mut drive);
+    load(&mut drive, &bytes);
+    drive.turn(8);
+    assert_eq!(drive.demand(&Request::Commit), Reply::Done);
+    drive.turn(1);
+    assert!(preview(&mut drive).is_some());
+    assert_eq!(drive.demand(&Request::RollBack), Reply::Done);
+    assert_eq!(drive.device.stage(), Stage::Idle);
+    assert_eq!(preview(&mut drive), None);
+    hour(&mut drive);
+    // It learns the same as is in use.
+    assert_eq!(drive.calibrate(), Stage::Failed(Failure::NotBetter));
+    assert!(preview(&mut drive).is_some());
+    assert_eq!(drive.demand(&Request::Erase), Reply::Done);
+    assert_eq!(drive.device.stage(), Stage::Idle);
+    assert_eq!(preview(&mut drive), None);
+}
+
+#[test]
+fn the_preview_goes_with_the_table_that_it_is_of() {
+    let mut drive = Drive::new(&Drive::flash(), &disc(1), disc(1));
+    assert_eq!(drive.calibrate(), Stage::ReadyToCommit);
+    assert!(preview(&mut drive).is_some());
+    assert_eq!(drive.demand(&Request::Abort), Reply::Done);
+    assert_eq!(preview(&mut drive), None);
+    assert_eq!(drive.calibrate(), Stage::ReadyToCommit);
+    drive.rest(900_001);
+    let late = Stage::Failed(Failure::TimedOut(Waiting::Commit));
+    assert_eq!(drive.device.stage(), late);
+    assert_eq!(preview(&mut drive), None);
+}
+
+#[test]
 fn a_place_that_counts_after_all_is_adopted_before_the_other_one_is_written() {
     let mut drive = calibrated();
     let bytes = dump(&mut drive);
