@@ -224,10 +224,10 @@ fn a_table_held_back_after_the_command_says_why_and_still_waits() {
     let mut host = device.host();
     let calibration = host.calibrate(&Options::default(), |_| Watching::GoOn);
     assert_eq!(calibration.unwrap().end, Calibrated::Waiting);
-    // The shaft moves once the command, the third request, is answered, and before the main loop comes by.
+    // The shaft moves once the command, after status, challenge and proof, is answered, and before the main loop comes by.
     let shared = device.clone();
     let mut host = device.host_losing(move |reply| {
-        if reply == 3 {
+        if reply == 4 {
             let mut running = shared.0.lock().unwrap();
             running.hold_commits_back(Some(Obstacle::Moving));
         }
@@ -251,8 +251,8 @@ fn a_device_may_be_silent_while_it_writes_flash() {
     let options = Options::default();
     let calibration = host.calibrate(&options, |_| Watching::GoOn).unwrap();
     assert_eq!(calibration.end, Calibrated::Waiting);
-    // After challenge, proof and the command itself; more replies than one request has tries.
-    let mut host = device.host_losing(|reply| (4..14).contains(&reply));
+    // After status, challenge, proof and the command itself; more replies than one request has tries.
+    let mut host = device.host_losing(|reply| (5..15).contains(&reply));
     assert_eq!(host.commit().unwrap().unwrap().sequence, 0);
 }
 

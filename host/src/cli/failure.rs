@@ -256,7 +256,25 @@ pub enum Failure {
         /// Why.
         source: TableMismatch,
     },
-    /// The user does not want it.
+    /// A table waits, as the device does not commit it now.
+    #[error("{source}; the new table waits, {minutes} min: then use 'quadcal device commit'")]
+    Waits {
+        /// Why it is not committed.
+        source: Box<DeviceError>,
+        /// How long it waits.
+        minutes: u32,
+    },
+    /// A loaded table is worse than the device's.
+    #[error(
+        "{table}: on fresh turns it is WORSE than the table in use, so it is not committed; it waits: give it up with 'quadcal device \
+         abort', or commit it all the same with 'quadcal device commit', or at once with --commit --force",
+        table = table.display()
+    )]
+    WorseLoaded {
+        /// The table.
+        table: PathBuf,
+    },
+    /// Nobody can be asked whether it is meant.
     #[error("nothing was erased; add --yes if it is meant")]
     NotConfirmed,
     /// The user ended it.
