@@ -8,6 +8,7 @@ mod facts;
 mod following;
 mod interrupt;
 mod line;
+pub(super) mod pace;
 mod read;
 mod recalibrate;
 mod summary;

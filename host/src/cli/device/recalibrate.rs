@@ -3,7 +3,7 @@
 use std::time::SystemTime;
 
 use clap::{Args, value_parser};
-use quadcal::recalibrate::{Options, SpeedWindow};
+use quadcal::recalibrate::{Failure as Reason, Options, SpeedWindow, Waiting};
 use quadcal::units::RAD_PER_TURN32;
 use quadcal::wire::Identity;
 
@@ -13,8 +13,9 @@ use super::super::Globals;
 use super::super::failure::Failure;
 use super::super::output::{Facts, JsonArg};
 use super::ask::Answer;
-use super::following::Shown;
+use super::following::{Shown, waits};
 use super::line::{AnyClient, LineArgs};
+use super::pace::Pace;
 use super::summary::{
     CalibrationSummary, FailureSummary, LearnedSummary, ProofSummary, TableSummary,
 };
@@ -102,19 +103,30 @@ impl Recalibrate {
         let identity = client.identify()?;
         interrupt::catch();
         let mut shown = Shown::new(globals);
-        let calibration = client.calibrate(&self.options(), |status| {
-            shown.show(status);
-            if interrupt::asked() {
+        let options = self.options();
+        let mut pace = Pace::new(options.window, identity.clock_hz);
+        let calibration = client.calibrate_with(&options, |client, status| {
+            // Where this look fails for good, the next status says so.
+            if waits(status.stage)
+                && let Ok(live) = client.live()
+            {
+                pace.take(&live);
+            }
+            shown.show(status, &pace);
+            Ok(if interrupt::asked() {
                 Watching::Stop
             } else {
                 Watching::GoOn
-            }
+            })
         })?;
         drop(shown);
         let mut facts = Facts::default();
         facts.push("Port", client.name());
         if let Some(learned) = &calibration.learned {
             facts::learned(&mut facts, learned);
+            if learned.turns < self.turns.into() {
+                facts.push("  Ended early", self.ended_early());
+            }
         }
         if let Some(figures) = &calibration.figures {
             facts::proof(&mut facts, figures);
@@ -125,7 +137,14 @@ impl Recalibrate {
                 facts.push("Outcome", "no new table; the one in use is as before");
                 let summary = summary(client.name(), "failed", &identity, &calibration);
                 self.json.write(&summary, &facts)?;
-                Err(Fault::Failed(failure).at(client.name()).into())
+                Err(match (failure, pace.missed()) {
+                    (Reason::TimedOut(Waiting::Speed), Some(speed)) => Failure::OutOfWindow {
+                        port: client.name().to_owned(),
+                        speed,
+                        window: options.window,
+                    },
+                    _ => Fault::Failed(failure).at(client.name()).into(),
+                })
             }
             Calibrated::Stopped => {
                 facts.push("Outcome", "stopped; the table in use is as before");
@@ -154,6 +173,15 @@ impl Recalibrate {
             },
             date: now.map_or(0, |now| now.as_secs()),
         }
+    }
+
+    /// Why it learned from fewer turns than it might have.
+    fn ended_early(&self) -> String {
+        let why = match self.goal {
+            Some(_) => "the goal is reached, or more would not help",
+            None => "more would not help",
+        };
+        format!("of {} turns at the most: {why}", self.turns)
     }
 
     /// What is to become of the table that waits, shown before it is asked for.

@@ -36,7 +36,7 @@ The file holds the bytes of the slot in flash, as quadcal calibrate writes them 
 #[derive(Debug, Args)]
 #[command(after_help = [DUMP_EXAMPLES, EXIT_CODES].concat())]
 pub(super) struct Dump {
-    /// File to write, '-' for stdout; it appears once it is complete and checked
+    /// File to write, '-' for stdout; once complete and checked, it takes an older one's place
     #[arg(short, long, value_name = "TABLE")]
     output: Target,
     #[command(flatten)]

@@ -31,6 +31,7 @@ impl Failure {
             | Self::IndexMoved { .. }
             | Self::NoPlace { .. }
             | Self::WorseLoaded { .. }
+            | Self::OutOfWindow { .. }
             | Self::Stopped
             | Self::Demo(_) => 1,
             Self::Device(error) | Self::Waits { source: error, .. } => device_code(&error.fault),
