@@ -136,6 +136,11 @@ fn a_session_that_has_ended_is_opened_anew_and_one_taken_over_is_not() {
     assert!(host.change("log-level", &level).is_ok());
     host.close();
     assert!(!host.status().unwrap().session);
+    // A client that is gone takes its session along, refused or not.
+    host.change("commit", &Request::Commit).unwrap_err();
+    assert!(host.status().unwrap().session);
+    drop(host);
+    assert!(!device.host().status().unwrap().session);
 }
 
 #[test]
@@ -258,36 +263,15 @@ fn a_device_may_be_silent_while_it_writes_flash() {
 
 #[test]
 fn a_lost_reply_to_the_commit_is_settled_by_the_status() {
-    let device = Shared::start(&small());
-    let options = Options::default();
-    for sequence in 0..2 {
-        if sequence == 0 {
-            let mut host = device.host();
-            let calibration = host.calibrate(&options, |_| Watching::GoOn).unwrap();
-            assert_eq!(calibration.end, Calibrated::Waiting);
-        } else {
-            let slot = device.host().dump(|_, _| {}).unwrap();
-            device.host().load(&slot, |_, _| {}).unwrap();
-        }
-        // Status, challenge, proof, and then the command's.
-        let mut host = device.host_losing(|reply| reply == 4);
-        assert_eq!(host.commit().unwrap().unwrap().sequence, sequence);
-    }
-    // Where nothing waited, the table of before must not be taken for the new one.
+    let (device, slot) = calibrated();
+    let sequence = device.host().status().unwrap().table.unwrap().sequence;
+    device.host().load(&slot, |_, _| {}).unwrap();
+    // Status, challenge, proof, and then the command's.
     let mut host = device.host_losing(|reply| reply == 4);
-    let lost = host.commit().unwrap_err();
+    assert_eq!(host.commit().unwrap().unwrap().sequence, sequence + 1);
+    // Where nothing waited, the table of before must not be taken for the new one.
+    let lost = device.host_losing(|reply| reply == 4).commit().unwrap_err();
     assert!(matches!(lost.fault, Fault::Unanswered { .. }), "{lost}");
-}
-
-#[test]
-fn a_session_ends_with_its_client() {
-    let device = Shared::start(&small());
-    let mut host = device.host();
-    let refused = host.change("commit", &Request::Commit).unwrap_err();
-    assert!(matches!(refused.fault, Fault::Refused { .. }), "{refused}");
-    assert!(device.host().status().unwrap().session);
-    drop(host);
-    assert!(!device.host().status().unwrap().session);
 }
 
 #[test]
