@@ -72,7 +72,7 @@ Examples:
 The table is checked before anything is sent: its check sum, and that its encoder has the shape and
 serial number of the device's. Loaded, it waits to be committed: with --commit, by answering yes, or
 by 'quadcal device commit'. Where the shaft turns, the device first holds it against the table in
-use on a few fresh turns; with --commit, a worse one is left waiting (exit code 1) unless --force is given.
+use on a few fresh turns; with --commit, a worse one is left waiting (exit code 1) without --force.
 
 ";
 
