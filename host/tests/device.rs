@@ -99,9 +99,11 @@ fn a_table_waits_until_it_is_committed_or_given_up() {
 
 #[test]
 fn on_a_terminal_it_asks_before_it_commits() {
-    for (answer, outcome, stage) in [
-        ("y\n", "in flash and in use", "done"),
-        ("n\n", "given up; ", "idle"),
+    // The last answer is Ctrl-C.
+    for (answer, outcome, stage, code) in [
+        ("y\n", "in flash and in use", "done", 0),
+        ("n\n", "given up; ", "idle", 0),
+        ("", "given up; ", "idle", 1),
     ] {
         let bench = Bench::start(&small());
         let (mut master, slave) = serialport::TTYPort::pair().unwrap();
@@ -128,9 +130,13 @@ fn on_a_terminal_it_asks_before_it_commits() {
             "{text}"
         );
         master.write_all(answer.as_bytes()).unwrap();
+        if answer.is_empty() {
+            pretended::interrupt(&child);
+        }
         let output = child.wait_with_output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
-        assert!(output.status.success() && text.contains(outcome), "{text}");
+        assert_eq!(output.status.code(), Some(code), "{text}");
+        assert!(text.contains(outcome), "{text}");
         assert_eq!(bench.json("status")["stage"], stage);
     }
 }

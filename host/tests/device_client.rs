@@ -136,6 +136,11 @@ fn a_session_that_has_ended_is_opened_anew_and_one_taken_over_is_not() {
     assert!(host.change("log-level", &level).is_ok());
     host.close();
     assert!(!host.status().unwrap().session);
+    // A client that is gone takes its session along, refused or not.
+    host.change("commit", &Request::Commit).unwrap_err();
+    assert!(host.status().unwrap().session);
+    drop(host);
+    assert!(!device.host().status().unwrap().session);
 }
 
 #[test]
@@ -224,10 +229,10 @@ fn a_table_held_back_after_the_command_says_why_and_still_waits() {
     let mut host = device.host();
     let calibration = host.calibrate(&Options::default(), |_| Watching::GoOn);
     assert_eq!(calibration.unwrap().end, Calibrated::Waiting);
-    // The shaft moves once the command, the third request, is answered, and before the main loop comes by.
+    // The shaft moves once the command, after status, challenge and proof, is answered, and before the main loop comes by.
     let shared = device.clone();
     let mut host = device.host_losing(move |reply| {
-        if reply == 3 {
+        if reply == 4 {
             let mut running = shared.0.lock().unwrap();
             running.hold_commits_back(Some(Obstacle::Moving));
         }
@@ -251,9 +256,22 @@ fn a_device_may_be_silent_while_it_writes_flash() {
     let options = Options::default();
     let calibration = host.calibrate(&options, |_| Watching::GoOn).unwrap();
     assert_eq!(calibration.end, Calibrated::Waiting);
-    // After challenge, proof and the command itself; more replies than one request has tries.
-    let mut host = device.host_losing(|reply| (4..14).contains(&reply));
+    // After status, challenge, proof and the command itself; more replies than one request has tries.
+    let mut host = device.host_losing(|reply| (5..15).contains(&reply));
     assert_eq!(host.commit().unwrap().unwrap().sequence, 0);
+}
+
+#[test]
+fn a_lost_reply_to_the_commit_is_settled_by_the_status() {
+    let (device, slot) = calibrated();
+    let sequence = device.host().status().unwrap().table.unwrap().sequence;
+    device.host().load(&slot, |_, _| {}).unwrap();
+    // Status, challenge, proof, and then the command's.
+    let mut host = device.host_losing(|reply| reply == 4);
+    assert_eq!(host.commit().unwrap().unwrap().sequence, sequence + 1);
+    // Where nothing waited, the table of before must not be taken for the new one.
+    let lost = device.host_losing(|reply| reply == 4).commit().unwrap_err();
+    assert!(matches!(lost.fault, Fault::Unanswered { .. }), "{lost}");
 }
 
 #[test]

@@ -93,7 +93,11 @@ fn noise_and_lost_replies_cost_time_and_nothing_else() {
     }
     // Every fourth reply is lost: of one that changed something, it is not known whether it was done.
     let (mut done, mut unknown) = (0, 0);
-    for _ in 0..12 {
+    for round in 0..12 {
+        // So that it is not always the same one.
+        for _ in 0..round % 4 {
+            bench.run("identify --timeout 0.1");
+        }
         let output = bench.run("log-level debug --timeout 0.1");
         match output.status.code() {
             Some(0) => done += 1,
@@ -257,7 +261,10 @@ fn a_port_that_is_not_there_or_goes_away_is_named() {
         .output()
         .unwrap();
     assert!(message(&misnamed, 2).contains("QUADCAL_PORT"));
-    assert_eq!(bench.run("status --port tcp:here").status.code(), Some(2));
+    for port in ["tcp:here", "foo:bar"] {
+        let output = bench.run(&format!("status --port {port}"));
+        assert_eq!(output.status.code(), Some(2), "{port}");
+    }
     let mut watching = bench
         .command("watch")
         .stdout(Stdio::piped())

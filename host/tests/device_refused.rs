@@ -28,9 +28,27 @@ fn the_drive_may_refuse_to_calibrate_and_to_commit() {
         text.contains("'commit' is refused: the shaft turns; bring it to rest"),
         "{text}"
     );
-    // The table is not lost by it.
+    assert!(
+        text.contains("the new table waits, 15 min: then use 'quadcal device commit'"),
+        "{text}"
+    );
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        shown.contains("certainly better") && shown.contains("the new table waits, 15 min"),
+        "{shown}"
+    );
+    // The table is not lost by it, nor is the session left open.
+    assert_eq!(bench.json("status")["session_open"], false);
     assert_eq!(bench.json("status")["stage"], "ready_to_commit");
     assert_eq!(bench.json("status")["table"], serde_json::Value::Null);
+    assert!(bench.refused("commit", 1).contains("waits, 15 min"));
+    bench.done("abort");
+    let output = bench.run(&format!("{QUICK} --commit --json -"));
+    message(&output, 1);
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(result["outcome"], "waiting");
+    assert_eq!(result["proof"]["better"], true);
+    assert_eq!(result["table"], serde_json::Value::Null);
     bench.done("abort");
     let text = bench.refused("erase --yes", 1);
     assert!(text.contains("the shaft turns"), "{text}");
@@ -57,7 +75,7 @@ fn a_table_that_is_no_better_is_refused_with_its_figures() {
 }
 
 #[test]
-fn a_loaded_table_that_is_worse_is_warned_of_and_committed_all_the_same() {
+fn a_loaded_table_that_is_worse_is_committed_only_by_force() {
     let bench = Bench::start(&small());
     bench.done(&format!("{QUICK} --commit"));
     bench.done("dump -o own.qct");
@@ -74,15 +92,34 @@ fn a_loaded_table_that_is_worse_is_warned_of_and_committed_all_the_same() {
     assert_eq!(result["proof"]["worse"], false);
     // Another disc's.
     let table = other.path().join("other.qct");
-    let output = bench.run(&format!("load {} --commit", table.display()));
+    let load = format!("load {} --commit", table.display());
+    let output = bench.run(&format!("{load} --json -"));
+    let refused = message(&output, 1);
+    assert!(
+        refused.contains("WORSE than the table in use, so it is not committed; it waits"),
+        "{refused}"
+    );
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&result["outcome"], &result["committed"]),
+        (&"worse".into(), &false.into())
+    );
+    let status = bench.json("status");
+    assert_eq!(status["stage"], "ready_to_commit");
+    assert_eq!(status["table"]["sequence"], 0);
+    bench.done("abort");
+    let output = bench.run(&format!("{load} --force"));
     let [text, warning] =
         [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
     assert!(
-        warning.starts_with("Warning: on fresh turns the loaded table is worse"),
+        warning.starts_with("Warning: on fresh turns the loaded table is WORSE"),
         "{warning}"
     );
     assert!(
-        text.contains("The new table is          WORSE") && text.contains("number 1 at place B"),
+        text.contains("The new table is          WORSE")
+            && text.contains("times as much")
+            && text.contains("the new table is in flash and in use")
+            && text.contains("number 1 at place B"),
         "{text}"
     );
     assert_eq!(bench.json("preview")["proof"]["worse"], true);
@@ -93,7 +130,15 @@ fn a_loaded_table_that_is_worse_is_warned_of_and_committed_all_the_same() {
     });
     let result = still.json(&format!("load {own} --commit"));
     assert_eq!(result["proof"], serde_json::Value::Null);
-    assert_eq!(result["committed"], true);
+    assert_eq!(
+        (&result["outcome"], &result["committed"]),
+        (&"committed".into(), &true.into())
+    );
+    let text = still.done(&format!("load {own} --commit"));
+    assert!(
+        text.contains("not compared: the shaft stands still"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -89,3 +89,20 @@ fn a_calibration_ended_by_ctrl_c_is_aborted_on_the_device() {
     assert!(String::from_utf8_lossy(&output.stdout).contains("stopped; "));
     assert_eq!(bench.json("status")["stage"], "idle");
 }
+
+#[test]
+fn while_it_waits_for_a_speed_it_says_how_the_shaft_turns() {
+    let bench = Bench::start(&small());
+    let mut command = bench.command(&format!("{QUICK} --from 3000 --to 4000"));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut told = String::new();
+    while !told.contains(" r/min is below 3000 r/min") {
+        told = pretended::line(child.stderr.as_mut());
+        assert!(!told.is_empty());
+    }
+    pretended::interrupt(&child);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(bench.json("status")["stage"], "idle");
+}

@@ -6,6 +6,7 @@ mod make;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use quadcal::recalibrate::SpeedWindow;
 use quadcal::slot::SlotError;
 use thiserror::Error;
 
@@ -20,6 +21,7 @@ use crate::table_file;
 use crate::twin::TwinError;
 use crate::verify::{ReferenceError, VerifyError};
 
+use super::device::pace::outside;
 use super::hints::{lines_hint, option_for, reference_hint, twin_hint};
 use super::output::Target;
 
@@ -256,7 +258,38 @@ pub enum Failure {
         /// Why.
         source: TableMismatch,
     },
-    /// The user does not want it.
+    /// A table waits, as the device does not commit it now.
+    #[error("{source}; the new table waits, {minutes} min: then use 'quadcal device commit'")]
+    Waits {
+        /// Why it is not committed.
+        source: Box<DeviceError>,
+        /// How long it waits.
+        minutes: u32,
+    },
+    /// The shaft never turned as fast as was asked for, or always faster.
+    #[error(
+        "{port}: the speed never was in the window: {}; drive at that speed, or widen --from and --to",
+        outside(*speed, *window).unwrap_or_default()
+    )]
+    OutOfWindow {
+        /// The device's port.
+        port: String,
+        /// The speed, r/min.
+        speed: f64,
+        /// The speeds that were asked for.
+        window: SpeedWindow,
+    },
+    /// A loaded table is worse than the device's.
+    #[error(
+        "{table}: on fresh turns it is WORSE than the table in use, so it is not committed; it waits: give it up with 'quadcal device \
+         abort', or commit it all the same with 'quadcal device commit', or at once with --commit --force",
+        table = table.display()
+    )]
+    WorseLoaded {
+        /// The table.
+        table: PathBuf,
+    },
+    /// Nobody can be asked whether it is meant.
     #[error("nothing was erased; add --yes if it is meant")]
     NotConfirmed,
     /// The user ended it.

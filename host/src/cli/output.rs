@@ -268,6 +268,12 @@ impl Facts {
         self
     }
 
+    /// Adds the lines of `other`.
+    pub fn append(&mut self, mut other: Self) -> &mut Self {
+        self.0.append(&mut other.0);
+        self
+    }
+
     /// Adds a line with a value in SI units, three digits.
     pub fn push_si(&mut self, name: impl Into<String>, value: f64, unit: &str) -> &mut Self {
         self.push(name, report::si(value, unit))

@@ -45,6 +45,9 @@ pub enum BadAddress {
     /// Nothing is named.
     #[error("give a serial port, unix:PATH or tcp:HOST:PORT")]
     Empty,
+    /// A kind of port that there is not.
+    #[error("there is no such kind of port; give a serial port, unix:PATH or tcp:HOST:PORT")]
+    Kind,
     /// Not a host and a port number.
     #[error("after tcp: give a host and a port number, as in tcp:localhost:4444")]
     HostAndPort,
@@ -67,6 +70,13 @@ impl FromStr for Address {
                 "" => Err(BadAddress::Empty),
                 path => Ok(Self::Unix(path.into())),
             };
+        }
+        // Paths and names such as COM3 do not begin like this.
+        if let Some((kind, _)) = text.split_once(':')
+            && kind.len() > 1
+            && kind.bytes().all(|byte| byte.is_ascii_alphabetic())
+        {
+            return Err(BadAddress::Kind);
         }
         match text {
             "" => Err(BadAddress::Empty),
@@ -132,6 +142,10 @@ mod tests {
         let places = [
             ("/dev/ttyACM0", Address::Serial("/dev/ttyACM0".into())),
             ("COM3", Address::Serial("COM3".into())),
+            (
+                "/dev/serial/by-path/pci-0000:00:14.0",
+                Address::Serial("/dev/serial/by-path/pci-0000:00:14.0".into()),
+            ),
             ("tcp:localhost:4444", Address::Tcp("localhost:4444".into())),
             ("tcp:[::1]:80", Address::Tcp("[::1]:80".into())),
             #[cfg(unix)]
@@ -147,6 +161,9 @@ mod tests {
                 Err(BadAddress::HostAndPort),
                 "{wrong}"
             );
+        }
+        for wrong in ["foo:bar", "TCP:host:1", "serial:/dev/ttyACM0"] {
+            assert_eq!(wrong.parse::<Address>(), Err(BadAddress::Kind), "{wrong}");
         }
         assert_eq!("".parse::<Address>(), Err(BadAddress::Empty));
         #[cfg(unix)]

@@ -31,8 +31,11 @@ impl Default for Timing {
     }
 }
 
-/// The host's end of a port.
-pub struct Client<P> {
+/// Longest wait for the reply to a session's end where nothing else is done any more.
+const PARTING: Duration = Duration::from_millis(200);
+
+/// The host's end of a port. Dropped, it ends its session.
+pub struct Client<P: Port> {
     port: P,
     name: String,
     timing: Timing,
@@ -267,5 +270,13 @@ impl<P: Port> Client<P> {
 
     pub(super) fn fault(&self, fault: Fault) -> DeviceError {
         fault.at(&self.name)
+    }
+}
+
+impl<P: Port> Drop for Client<P> {
+    fn drop(&mut self) {
+        self.timing.read = self.timing.read.min(PARTING);
+        self.timing.tries = 1;
+        self.close();
     }
 }

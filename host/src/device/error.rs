@@ -90,8 +90,7 @@ pub enum Fault {
     Failed(Failure),
     /// The device takes the command to commit, but does not write the table.
     #[error(
-        "the drive's interlock lets the command through but not the writing; the table still waits: bring the machine to rest, then \
-         'quadcal device commit'"
+        "the drive's interlock lets the command through but not the writing; bring the machine to rest and try again"
     )]
     HeldBack,
     /// A calibration is no longer there.

@@ -22,6 +22,9 @@ const COMPARING: Duration = Duration::from_secs(20);
 /// How often a table that was held back is committed again.
 const HELD_BACK_MOST: u32 = 3;
 
+/// What messages call the command to commit.
+const COMMIT: &str = "commit";
+
 /// Whether to go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Watching {
@@ -63,10 +66,22 @@ impl<P: Port> Client<P> {
         options: &Options,
         mut watch: impl FnMut(&Status) -> Watching,
     ) -> Result<Calibration, DeviceError> {
+        self.calibrate_with(options, |_, status| Ok(watch(status)))
+    }
+
+    /// The same, where `watch` may ask the device more in between.
+    ///
+    /// # Errors
+    /// [`DeviceError`], and what `watch` returns.
+    pub fn calibrate_with(
+        &mut self,
+        options: &Options,
+        mut watch: impl FnMut(&mut Self, &Status) -> Result<Watching, DeviceError>,
+    ) -> Result<Calibration, DeviceError> {
         self.change("recalibrate", &Request::Start(*options))?;
         let end = loop {
             let status = self.status()?;
-            let watching = watch(&status);
+            let watching = watch(self, &status)?;
             match status.stage {
                 Stage::ReadyToCommit => break Calibrated::Waiting,
                 Stage::Failed(failure) => break Calibrated::Failed(failure),
@@ -112,28 +127,30 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Commits the table that waits, and waits until it is in flash. What the device says of it then.
+    /// Commits the table that waits, and waits until it is in flash. What the device says of it then. Where a reply is lost, the
+    /// status tells whether the command arrived.
     ///
     /// # Errors
     /// [`DeviceError`], [`Fault::Failed`] where it is not in flash; [`Fault::Refused`] where the interlock holds it back, and
     /// then it still waits.
     pub fn commit(&mut self) -> Result<Option<TableInfo>, DeviceError> {
-        const WHAT: &str = "commit";
-        self.change(WHAT, &Request::Commit)?;
+        // Only if there was a table can its stage afterwards be known from that of another before.
+        let waited = self.status()?.stage == Stage::ReadyToCommit;
+        self.order_commit(waited)?;
         let mut held_back = 0;
         let deadline = Instant::now() + WRITING;
         loop {
             match self.status() {
                 Ok(status) => match status.stage {
                     Stage::Committing if Instant::now() > deadline => {
-                        let wait = WRITING;
-                        return Err(self.fault(Fault::Unanswered { what: WHAT, wait }));
+                        let (what, wait) = (COMMIT, WRITING);
+                        return Err(self.fault(Fault::Unanswered { what, wait }));
                     }
                     Stage::Committing => {}
                     // The interlock said no between command and writing: asked once more, it says why.
                     Stage::ReadyToCommit if held_back < HELD_BACK_MOST => {
                         held_back += 1;
-                        self.change(WHAT, &Request::Commit)?;
+                        self.order_commit(waited)?;
                     }
                     Stage::ReadyToCommit => return Err(self.fault(Fault::HeldBack)),
                     Stage::Failed(failure) => return Err(self.fault(Fault::Failed(failure))),
@@ -148,6 +165,14 @@ impl<P: Port> Client<P> {
                 }
             }
             thread::sleep(LOOK);
+        }
+    }
+
+    /// Sends the command to commit. That its reply is lost is no error where the status can tell what came of it.
+    fn order_commit(&mut self, status_tells: bool) -> Result<(), DeviceError> {
+        match self.change(COMMIT, &Request::Commit) {
+            Err(error) if status_tells && matches!(error.fault, Fault::Unanswered { .. }) => Ok(()),
+            done => done.map(|_| ()),
         }
     }
 }

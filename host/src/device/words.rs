@@ -61,8 +61,8 @@ pub fn failure_text(failure: &Failure) -> String {
             format!("{turns} turns were usable, too few for a table; let the shaft turn evenly and try again")
         }
         Failure::NotBetter => {
-            "on fresh turns the new table is not better than the one in use, which stays; look with 'quadcal device preview', and learn \
-             from more turns if it should be"
+            "on fresh turns the new table is not better than the one in use, which stays; if it should be, let the shaft turn more \
+             evenly and at two speeds (more --turns help only where all were used), and look with 'quadcal device preview'"
                 .to_owned()
         }
         Failure::NotWritten(failure) => write_failure(*failure).to_owned(),

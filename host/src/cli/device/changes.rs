@@ -7,7 +7,7 @@ use super::super::failure::Failure;
 use super::super::output::{Facts, JsonArg};
 use super::line::{AnyClient, LineArgs};
 use super::summary::{ChangeSummary, level_name};
-use super::{EXIT_CODES, ask, facts};
+use super::{EXIT_CODES, ask, committing, facts};
 use crate::device::stage_text;
 
 /// Says what was done and how things stand now.
@@ -17,7 +17,6 @@ fn report(
     done: &'static str,
     text: &str,
 ) -> Result<(), Failure> {
-    client.close();
     let status = client.status()?;
     let mut facts = Facts::default();
     facts
@@ -49,7 +48,7 @@ pub(super) struct Commit {
 impl Commit {
     pub fn run(self, line: &LineArgs) -> Result<(), Failure> {
         let mut client = line.commander()?;
-        client.commit()?;
+        committing::commit(&mut client).end()?;
         report(
             client,
             &self.json,
@@ -135,9 +134,15 @@ pub(super) struct Erase {
 
 impl Erase {
     pub fn run(self, line: &LineArgs) -> Result<(), Failure> {
-        let sure = || ask::yes("Erase all tables of the device?") == Some(true);
-        if !self.yes && !sure() {
-            return Err(Failure::NotConfirmed);
+        if !self.yes {
+            match ask::yes("", "Erase all tables of the device?") {
+                ask::Answer::Yes => {}
+                ask::Answer::Nobody => return Err(Failure::NotConfirmed),
+                ask::Answer::No | ask::Answer::Stop => {
+                    let text = "nothing, as answered";
+                    return report(line.reader()?, &self.json, "nothing", text);
+                }
+            }
         }
         let mut client = line.commander()?;
         client.change("erase", &Request::Erase)?;

@@ -107,14 +107,22 @@ pub(super) fn table(facts: &mut Facts, table: Option<&TableInfo>) {
     }
 }
 
+/// From this ratio on, it is said how many times as much it is: thousands of percent say little.
+const MANIFOLD: f64 = 10.0;
+
 pub(super) fn proof(facts: &mut Facts, figures: &Figures) {
     let [old, new] = [figures.old, figures.new];
     let line = |name: &str, old: u32, new: u32| {
-        let change = 100.0 * (f64::from(new) / f64::from(old.max(1)) - 1.0);
+        let ratio = f64::from(new) / f64::from(old.max(1));
+        let change = if ratio < MANIFOLD {
+            format!("{:+.1} %", 100.0 * (ratio - 1.0))
+        } else {
+            format!("{ratio:.0} times as much")
+        };
         let [old, new] = [old, new].map(|turn32| si(rad(turn32), "rad"));
         (
             name.to_owned(),
-            format!("{old} with the old table, {new} with the new ({change:+.1} %)"),
+            format!("{old} with the old table, {new} with the new ({change})"),
         )
     };
     let more = match figures.rejected {

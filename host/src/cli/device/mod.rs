@@ -3,9 +3,12 @@
 mod ask;
 mod changes;
 mod chart;
+mod committing;
 mod facts;
+mod following;
 mod interrupt;
 mod line;
+pub(super) mod pace;
 mod read;
 mod recalibrate;
 mod summary;
@@ -22,9 +25,10 @@ use line::LineArgs;
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  the device refuses, no better table came of it, or an output cannot be written
+  1  the device refuses, no better table came of it, it was stopped, or an output cannot be written
   2  the command line, the key or a file is wrong; nothing was changed
-  3  the device cannot be reached or does not answer";
+  3  the device cannot be reached or does not answer
+  130  ended at once by Ctrl-C; what the device had begun goes on, see 'quadcal device status'";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,25 +1,25 @@
 //! `quadcal device recalibrate`: the whole of it, from the start to the table in flash.
 
-use std::io::{self, Write};
-use std::mem;
 use std::time::SystemTime;
 
 use clap::{Args, value_parser};
-use quadcal::recalibrate::{Options, SpeedWindow, Stage};
+use quadcal::recalibrate::{Failure as Reason, Options, SpeedWindow, Waiting};
 use quadcal::units::RAD_PER_TURN32;
-use quadcal::wire::{Identity, Status, TableInfo};
+use quadcal::wire::Identity;
 
-use crate::device::{Calibrated, Calibration, Fault, Watching, stage_text};
+use crate::device::{Calibrated, Calibration, Fault, Watching};
 
 use super::super::Globals;
 use super::super::failure::Failure;
 use super::super::output::{Facts, JsonArg};
-use super::super::progress::Progress;
+use super::ask::Answer;
+use super::following::{Shown, waits};
 use super::line::{AnyClient, LineArgs};
+use super::pace::Pace;
 use super::summary::{
     CalibrationSummary, FailureSummary, LearnedSummary, ProofSummary, TableSummary,
 };
-use super::{EXIT_CODES, ask, facts, interrupt};
+use super::{EXIT_CODES, ask, committing, facts, interrupt};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -31,7 +31,9 @@ Examples:
 Let the shaft turn evenly, best in torque or voltage mode and at two speeds, one half as fast again
 as the other. The device learns, works the table out, and holds it against the old one on fresh
 turns; only a better one can be committed, which is asked for, or done with --commit. Meanwhile the
-old table goes on correcting. Ctrl-C ends the calibration, and the old table stays.
+old table goes on correcting. Ctrl-C ends the calibration, at the question too, and the old table
+stays. A drive that commits only at rest leaves the table waiting: bring it to rest, then
+'quadcal device commit'.
 
 ";
 
@@ -92,6 +94,7 @@ enum Decision {
     Commit,
     Leave,
     GiveUp,
+    Stop,
 }
 
 impl Recalibrate {
@@ -100,20 +103,30 @@ impl Recalibrate {
         let identity = client.identify()?;
         interrupt::catch();
         let mut shown = Shown::new(globals);
-        let calibration = client.calibrate(&self.options(), |status| {
-            shown.show(status);
-            if interrupt::asked() {
+        let options = self.options();
+        let mut pace = Pace::new(options.window, identity.clock_hz);
+        let calibration = client.calibrate_with(&options, |client, status| {
+            // Where this look fails for good, the next status says so.
+            if waits(status.stage)
+                && let Ok(live) = client.live()
+            {
+                pace.take(&live);
+            }
+            shown.show(status, &pace);
+            Ok(if interrupt::asked() {
                 Watching::Stop
             } else {
                 Watching::GoOn
-            }
+            })
         })?;
         drop(shown);
-        interrupt::release();
         let mut facts = Facts::default();
         facts.push("Port", client.name());
         if let Some(learned) = &calibration.learned {
             facts::learned(&mut facts, learned);
+            if learned.turns < self.turns.into() {
+                facts.push("  Ended early", self.ended_early());
+            }
         }
         if let Some(figures) = &calibration.figures {
             facts::proof(&mut facts, figures);
@@ -122,15 +135,20 @@ impl Recalibrate {
             Calibrated::Waiting => self.decide(client, &identity, &calibration, facts),
             Calibrated::Failed(failure) => {
                 facts.push("Outcome", "no new table; the one in use is as before");
-                let summary = summary(&client, "failed", &identity, &calibration, None);
-                client.close();
+                let summary = summary(client.name(), "failed", &identity, &calibration);
                 self.json.write(&summary, &facts)?;
-                Err(Fault::Failed(failure).at(client.name()).into())
+                Err(match (failure, pace.missed()) {
+                    (Reason::TimedOut(Waiting::Speed), Some(speed)) => Failure::OutOfWindow {
+                        port: client.name().to_owned(),
+                        speed,
+                        window: options.window,
+                    },
+                    _ => Fault::Failed(failure).at(client.name()).into(),
+                })
             }
             Calibrated::Stopped => {
                 facts.push("Outcome", "stopped; the table in use is as before");
-                let summary = summary(&client, "stopped", &identity, &calibration, None);
-                client.close();
+                let summary = summary(client.name(), "stopped", &identity, &calibration);
                 self.json.write(&summary, &facts)?;
                 Err(Failure::Stopped)
             }
@@ -157,21 +175,37 @@ impl Recalibrate {
         }
     }
 
+    /// Why it learned from fewer turns than it might have.
+    fn ended_early(&self) -> String {
+        let why = match self.goal {
+            Some(_) => "the goal is reached, or more would not help",
+            None => "more would not help",
+        };
+        format!("of {} turns at the most: {why}", self.turns)
+    }
+
     /// What is to become of the table that waits, shown before it is asked for.
     fn decision(&self, facts: &mut Facts) -> Decision {
+        if interrupt::asked() {
+            return Decision::Stop;
+        }
         if self.commit {
             return Decision::Commit;
         }
-        if self.no_commit || !ask::possible() {
+        if self.no_commit {
             return Decision::Leave;
         }
-        // The figures are needed to decide by, and are not printed twice.
-        let figures = mem::take(facts);
-        let _ = write!(io::stderr(), "{figures}");
-        match ask::yes("Commit the new table?") {
-            Some(true) => Decision::Commit,
-            Some(false) => Decision::GiveUp,
-            None => Decision::Leave,
+        let figures = facts.to_string();
+        let answer = ask::yes(&figures, "Commit the new table?");
+        if answer != Answer::Nobody {
+            // What was decided by is not printed twice.
+            *facts = Facts::default();
+        }
+        match answer {
+            Answer::Yes => Decision::Commit,
+            Answer::No => Decision::GiveUp,
+            Answer::Stop => Decision::Stop,
+            Answer::Nobody => Decision::Leave,
         }
     }
 
@@ -182,42 +216,49 @@ impl Recalibrate {
         calibration: &Calibration,
         mut facts: Facts,
     ) -> Result<(), Failure> {
-        let (outcome, table) = match self.decision(&mut facts) {
+        let decision = self.decision(&mut facts);
+        interrupt::release();
+        let port = client.name().to_owned();
+        let show = |outcome, facts: &Facts| {
+            let summary = summary(&port, outcome, identity, calibration);
+            self.json.write(&summary, facts)
+        };
+        match decision {
             Decision::Commit => {
-                let table = client.commit()?;
-                facts.push("Outcome", "the new table is in flash and in use");
-                facts::table(&mut facts, table.as_ref());
-                ("committed", table)
+                let committed = committing::commit(&mut client);
+                committed.describe(&mut facts);
+                let mut summary = summary(&port, committed.outcome(), identity, calibration);
+                summary.table = committed.table().map(TableSummary::new);
+                summary.failure = committed.reason().map(FailureSummary::new);
+                self.json.write(&summary, &facts)?;
+                committed.end()
             }
             Decision::Leave => {
-                facts.push(
-                    "Outcome",
-                    "the new table waits; 'quadcal device commit' makes it count",
-                );
-                ("waiting", None)
+                facts.push("Outcome", committing::waits_text());
+                show("waiting", &facts)
             }
-            Decision::GiveUp => {
+            Decision::GiveUp | Decision::Stop => {
                 client.change("abort", &quadcal::wire::Request::Abort)?;
                 facts.push("Outcome", "given up; the table in use is as before");
-                ("given_up", None)
+                if decision == Decision::GiveUp {
+                    return show("given_up", &facts);
+                }
+                show("stopped", &facts)?;
+                Err(Failure::Stopped)
             }
-        };
-        let summary = summary(&client, outcome, identity, calibration, table.as_ref());
-        client.close();
-        self.json.write(&summary, &facts)
+        }
     }
 }
 
 fn summary(
-    client: &AnyClient,
+    port: &str,
     outcome: &'static str,
     identity: &Identity,
     calibration: &Calibration,
-    table: Option<&TableInfo>,
 ) -> CalibrationSummary {
     let learned = calibration.learned.as_ref();
     CalibrationSummary {
-        port: client.name().to_owned(),
+        port: port.to_owned(),
         outcome,
         failure: match &calibration.end {
             Calibrated::Failed(failure) => Some(FailureSummary::new(failure)),
@@ -225,53 +266,6 @@ fn summary(
         },
         learned: learned.map(|learned| LearnedSummary::new(learned, identity)),
         proof: calibration.figures.as_ref().map(ProofSummary::new),
-        table: table.map(TableSummary::new),
-    }
-}
-
-/// Progress stage by stage: a remark as each begins, and a bar within it.
-struct Shown {
-    globals: Globals,
-    stage: Option<Stage>,
-    progress: Option<Progress>,
-}
-
-impl Shown {
-    fn new(globals: Globals) -> Self {
-        Self {
-            globals,
-            stage: None,
-            progress: None,
-        }
-    }
-
-    fn show(&mut self, status: &Status) {
-        let stage = status.stage;
-        if self.stage != Some(stage) {
-            self.progress = None;
-            self.stage = Some(stage);
-            self.begin(stage);
-        }
-        let (done, whole) = match stage {
-            Stage::Solving => (status.solved_percent.into(), 100),
-            _ => (status.turns.into(), status.turns_wanted.into()),
-        };
-        if let Some(progress) = &mut self.progress {
-            progress.of(done, whole);
-        }
-    }
-
-    fn begin(&mut self, stage: Stage) {
-        let bar = match stage {
-            Stage::Learning => Some(("Learning", "turns")),
-            Stage::Solving => Some(("Solving", "%")),
-            Stage::Proving => Some(("Proving", "turns")),
-            _ => None,
-        };
-        self.progress = bar.map(|(what, unit)| Progress::count(what, unit, None, self.globals));
-        if !self.globals.quiet && !matches!(stage, Stage::ReadyToCommit | Stage::Failed(_)) {
-            // A remark that cannot be shown is no reason to fail.
-            let _ = writeln!(io::stderr(), "{}", stage_text(stage));
-        }
+        table: None,
     }
 }

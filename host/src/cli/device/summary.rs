@@ -231,7 +231,7 @@ impl LearnedSummary {
 #[derive(Debug, Serialize)]
 pub(super) struct CalibrationSummary {
     pub port: String,
-    /// `committed`, `waiting`, `given_up`, `failed` or `stopped`.
+    /// `committed`, `waiting`, `given_up`, `failed`, `stopped` or `unknown`.
     pub outcome: &'static str,
     pub failure: Option<FailureSummary>,
     pub learned: Option<LearnedSummary>,
@@ -271,6 +271,8 @@ pub(super) struct TransferSummary {
     pub turns: u32,
     pub standard_error_rad: f64,
     pub committed: bool,
+    /// `committed`, `waiting`, `worse`, `failed`, `stopped` or `unknown`, of a table handed over.
+    pub outcome: Option<&'static str>,
     pub proof: Option<ProofSummary>,
     pub table: Option<TableSummary>,
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use quadcal::recalibrate::Figures;
 use quadcal::slot::Slot;
 use quadcal::units::RAD_PER_TURN32;
-use quadcal::wire::TableInfo;
+use quadcal::wire::{Request, TableInfo};
 
 use crate::report::si;
 use crate::table_file;
@@ -16,9 +16,11 @@ use super::super::Globals;
 use super::super::failure::Failure;
 use super::super::output::{Facts, JsonArg, Target, spare};
 use super::super::progress::Progress;
-use super::line::LineArgs;
+use super::ask::Answer;
+use super::committing::Committed;
+use super::line::{AnyClient, LineArgs};
 use super::summary::{ProofSummary, TableSummary, TransferSummary};
-use super::{EXIT_CODES, ask, facts};
+use super::{EXIT_CODES, ask, committing, facts, interrupt};
 
 const DUMP_EXAMPLES: &str = "\
 Examples:
@@ -34,7 +36,7 @@ The file holds the bytes of the slot in flash, as quadcal calibrate writes them 
 #[derive(Debug, Args)]
 #[command(after_help = [DUMP_EXAMPLES, EXIT_CODES].concat())]
 pub(super) struct Dump {
-    /// File to write, '-' for stdout; it appears once it is complete and checked
+    /// File to write, '-' for stdout; once complete and checked, it takes an older one's place
     #[arg(short, long, value_name = "TABLE")]
     output: Target,
     #[command(flatten)]
@@ -70,13 +72,12 @@ Examples:
 The table is checked before anything is sent: its check sum, and that its encoder has the shape and
 serial number of the device's. Loaded, it waits to be committed: with --commit, by answering yes, or
 by 'quadcal device commit'. Where the shaft turns, the device first holds it against the table in
-use on a few fresh turns; a worse one is warned of, but may be committed.
+use on a few fresh turns; with --commit, a worse one is left waiting (exit code 1) without --force.
 
 ";
 
 /// What is said of a table that is worse than the one in use.
-const WORSE: &str = "on fresh turns the loaded table is worse than the one in use; 'quadcal device abort' gives it up, 'rollback' \
-                     brings the old one back";
+const WORSE: &str = "on fresh turns the loaded table is WORSE than the one in use";
 
 /// Hand a table over to the device
 #[derive(Debug, Args)]
@@ -88,8 +89,19 @@ pub(super) struct Load {
     /// Commit it without asking
     #[arg(long)]
     commit: bool,
+    /// Commit it even if it is worse than the table in use
+    #[arg(long, requires = "commit")]
+    force: bool,
     #[command(flatten)]
     json: JsonArg,
+}
+
+/// What becomes of a table that was handed over.
+enum Fate {
+    Tried(Committed),
+    Left,
+    Worse,
+    Stopped,
 }
 
 impl Load {
@@ -112,34 +124,89 @@ impl Load {
         let figures = client.compare(|done, whole| progress.of(done.into(), whole.into()));
         drop(progress);
         let figures = figures?;
-        if !globals.quiet && figures.as_ref().is_some_and(Figures::is_worse) {
+        let mut compared = Facts::default();
+        match &figures {
+            Some(figures) => facts::proof(&mut compared, figures),
+            None if client.live()?.speed_raw == 0 => {
+                compared.push("Proven on", "not compared: the shaft stands still");
+            }
+            None => {
+                compared.push("Proven on", "not compared: no turn was usable in time");
+            }
+        }
+        let worse = figures.as_ref().is_some_and(Figures::is_worse);
+        let fate = self.fate(&mut client, worse, &compared, globals)?;
+        let name = self.table.display().to_string();
+        let table = match &fate {
+            Fate::Tried(committed) => committed.table(),
+            _ => None,
+        };
+        let mut summary = transfer(client.name(), &name, &bytes, table)?;
+        let mut facts = table_facts(&summary);
+        facts.append(compared);
+        summary.proof = figures.as_ref().map(ProofSummary::new);
+        summary.committed = matches!(fate, Fate::Tried(Committed::InFlash(_)));
+        summary.outcome = Some(fate.outcome());
+        fate.describe(&mut facts);
+        self.json.write(&summary, &facts)?;
+        match fate {
+            Fate::Tried(committed) => committed.end(),
+            Fate::Left => Ok(()),
+            Fate::Worse => Err(Failure::WorseLoaded { table: self.table }),
+            Fate::Stopped => Err(Failure::Stopped),
+        }
+    }
+
+    fn fate(
+        &self,
+        client: &mut AnyClient,
+        worse: bool,
+        compared: &Facts,
+        globals: Globals,
+    ) -> Result<Fate, Failure> {
+        if self.commit && worse && !self.force {
+            return Ok(Fate::Worse);
+        }
+        if !self.commit {
+            interrupt::catch();
+            let answer = ask::yes(&compared.to_string(), "The table is loaded. Commit it?");
+            interrupt::release();
+            match answer {
+                Answer::Yes => {}
+                Answer::Stop => {
+                    client.change("abort", &Request::Abort)?;
+                    return Ok(Fate::Stopped);
+                }
+                Answer::No | Answer::Nobody => return Ok(Fate::Left),
+            }
+        } else if worse && !globals.quiet {
+            // A warning that cannot be shown is no reason to fail.
             let _ = writeln!(io::stderr(), "Warning: {WORSE}");
         }
-        let commit = self.commit || ask::yes("The table is loaded. Commit it?") == Some(true);
-        let table = if commit { client.commit()? } else { None };
-        client.close();
-        let name = self.table.display().to_string();
-        let summary = transfer(
-            client.name(),
-            &name,
-            &bytes,
-            table.as_ref().filter(|_| commit),
-        )?;
-        let mut facts = table_facts(&summary);
-        if let Some(figures) = &figures {
-            facts::proof(&mut facts, figures);
+        Ok(Fate::Tried(committing::commit(client)))
+    }
+}
+
+impl Fate {
+    const fn outcome(&self) -> &'static str {
+        match self {
+            Self::Tried(committed) => committed.outcome(),
+            Self::Left => "waiting",
+            Self::Worse => "worse",
+            Self::Stopped => "stopped",
         }
-        if commit {
-            facts::table(&mut facts, table.as_ref());
-        } else {
-            facts.push("Waits", "'quadcal device commit' makes it count");
+    }
+
+    fn describe(&self, facts: &mut Facts) {
+        match self {
+            Self::Tried(committed) => committed.describe(facts),
+            Self::Left | Self::Worse => {
+                facts.push("Outcome", committing::waits_text());
+            }
+            Self::Stopped => {
+                facts.push("Outcome", "given up; the table in use is as before");
+            }
         }
-        let summary = TransferSummary {
-            committed: commit,
-            proof: figures.as_ref().map(ProofSummary::new),
-            ..summary
-        };
-        self.json.write(&summary, &facts)
     }
 }
 
@@ -162,6 +229,7 @@ fn transfer(
         turns: header.turns,
         standard_error_rad: f64::from(header.standard_error) * RAD_PER_TURN32,
         committed: false,
+        outcome: None,
         proof: None,
         table: table.map(TableSummary::new),
     })

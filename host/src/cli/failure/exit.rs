@@ -30,9 +30,11 @@ impl Failure {
             | Self::OtherPattern { .. }
             | Self::IndexMoved { .. }
             | Self::NoPlace { .. }
+            | Self::WorseLoaded { .. }
+            | Self::OutOfWindow { .. }
             | Self::Stopped
             | Self::Demo(_) => 1,
-            Self::Device(error) => device_code(&error.fault),
+            Self::Device(error) | Self::Waits { source: error, .. } => device_code(&error.fault),
             Self::Read(_)
             | Self::Twin(_)
             | Self::OtherSensor { .. }
