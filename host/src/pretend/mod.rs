@@ -189,7 +189,7 @@ impl Pretend {
 }
 
 impl Running {
-    /// Lets the shaft turn as far as time has gone on, and does one piece of work; while a table is solved for, slices for [`SOLVING`], as
+    /// Lets the shaft turn as far as time has gone on, and does one piece of work; while a table is solved for, slices for 10 ms, as
     /// the wait at the port in between would be most of the time.
     ///
     /// # Errors
