@@ -63,12 +63,10 @@ impl Plant {
                 amplitude: size,
             }
         };
-        let ripples = twin.ripple.iter();
-        let gears = twin.gear_mesh.iter();
+        let ripples = twin.ripple.iter().chain(&twin.gear_mesh);
         let bearings = twin.bearing.iter().filter(|b| b.runout_rad.is_none());
         ripples
             .map(|r| term(r.order, r.phase_rad, r.torque_n_m, r.speed_fraction))
-            .chain(gears.map(|g| term(g.order, g.phase_rad, g.torque_n_m, g.speed_fraction)))
             .chain(bearings.map(|b| term(b.order, b.phase_rad, b.torque_n_m, b.speed_fraction)))
             .collect()
     }

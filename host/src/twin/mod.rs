@@ -38,7 +38,7 @@ pub use index_slip::IndexSlip;
 pub use latency::CaptureLatency;
 pub use load::LoadStep;
 pub use play::{Backlash, Hysteresis};
-pub use rotating::{Bearing, GearMesh};
+pub use rotating::Bearing;
 pub use speed_loop::{Gains, SeenSpeed, SpeedLoop};
 pub use threshold::{ThresholdDrift, ThresholdRipple};
 pub use tone::TorqueTone;
@@ -69,7 +69,7 @@ pub struct Twin {
     pub ripple: Vec<Ripple>,
     /// Torques at orders that gears give.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub gear_mesh: Vec<GearMesh>,
+    pub gear_mesh: Vec<Ripple>,
     /// Torque or run-out at orders tied to nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bearing: Vec<Bearing>,

@@ -2,24 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// `[[gear_mesh]]`: the torque of a gear on the shaft: amplitude sin(order theta + phase), theta through all turns.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GearMesh {
-    /// Cycles a turn, as the ratio gives it: teeth of the pinion on the shaft, or over the number of turns between repeats.
-    pub order: f64,
-    /// Phase of the torque at angle 0.
-    #[serde(default)]
-    pub phase_rad: f64,
-    /// Amplitude as a torque.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub torque_n_m: Option<f64>,
-    /// Amplitude as the relative speed swing it makes at the nominal speed, as that of [`super::Ripple`].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub speed_fraction: Option<f64>,
-}
-
-/// `[[bearing]]`: a rolling bearing's torque, as that of [`GearMesh`], or its run-out, which moves the disc: an error of
+/// `[[bearing]]`: a rolling bearing's torque, as that of [`super::Ripple`], or its run-out, which moves the disc: an error of
 /// runout sin(order theta + phase) that adds to e(k), theta being the edge's grid angle through all turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

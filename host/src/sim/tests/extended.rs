@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::twin::{GearMesh, SpeedDrift, TorqueTone};
+use crate::twin::{Ripple, SpeedDrift, TorqueTone};
 
 #[test]
 fn a_tone_swings_the_shaft_by_torque_over_inertia_and_frequency_squared() {
@@ -61,7 +61,7 @@ fn a_gear_s_torque_is_that_of_a_ripple_of_its_order() {
     let mut rippled = plain(60.0, 3.0);
     rippled.ripple = vec![ripple];
     let mut geared = plain(60.0, 3.0);
-    geared.gear_mesh = vec![GearMesh {
+    geared.gear_mesh = vec![Ripple {
         order: ripple.order,
         phase_rad: ripple.phase_rad,
         torque_n_m: ripple.torque_n_m,

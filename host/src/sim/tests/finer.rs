@@ -3,8 +3,8 @@
 use super::motion::largest_angle_difference;
 use super::*;
 use crate::twin::{
-    Backlash, Bearing, GearMesh, Hysteresis, SpeedDrift, StickSlip, ThresholdDrift,
-    ThresholdRipple, TorqueTone, TorsionalResonance,
+    Backlash, Bearing, Hysteresis, SpeedDrift, StickSlip, ThresholdDrift, ThresholdRipple,
+    TorqueTone, TorsionalResonance,
 };
 
 fn tone(f_hz: f64) -> TorqueTone {
@@ -37,7 +37,7 @@ fn rigs(r_min: f64) -> Vec<(&'static str, Twin)> {
         (
             "gear",
             with(&|t| {
-                t.gear_mesh = vec![GearMesh {
+                t.gear_mesh = vec![Ripple {
                     order: 17.3,
                     phase_rad: 1.0,
                     torque_n_m: None,

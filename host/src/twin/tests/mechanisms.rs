@@ -16,7 +16,7 @@ fn all_mechanisms() -> Twin {
         channel: Some(Channel::B),
         edge: Some(Flank::Fall),
     }];
-    twin.gear_mesh = vec![GearMesh {
+    twin.gear_mesh = vec![Ripple {
         order: 7.25,
         phase_rad: 0.5,
         torque_n_m: Some(1e-5),
