@@ -7,6 +7,7 @@ pub mod cli;
 pub mod delays;
 pub mod demo;
 pub mod device;
+pub mod diagnose;
 pub mod findings;
 pub mod free_run;
 pub mod locate;
