@@ -1,0 +1,180 @@
+//! What a diagnosis says: the verdict, what was found, and how well it fits. The JSON of `quadcal diagnose` is this, field by field.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::mechanism::Mechanism;
+
+/// A finished diagnosis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// Version of this form: 1.
+    pub version: u32,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The verdict in a sentence or two.
+    pub summary: String,
+    /// The recordings, in the order given.
+    pub recordings: Vec<RecordingFacts>,
+    /// How well simulation and recordings agree, all recordings together.
+    pub fit: Fit,
+    /// What was missing, the surest first.
+    pub findings: Vec<Finding>,
+    /// The recording to make next, where one would decide something.
+    pub next_recording: Option<NextRecording>,
+}
+
+/// What comes out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The twin explains the recordings: what is left is noise.
+    Complete,
+    /// With the findings, what is left is noise.
+    Explained,
+    /// Findings have names, and something else is left.
+    Partly,
+    /// Some finding may be one mechanism or another; these recordings can't tell.
+    Ambiguous,
+    /// Something is there and it is none of the catalogue's mechanisms.
+    Unknown,
+}
+
+/// One recording as the diagnosis read it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecordingFacts {
+    /// Its file.
+    pub file: String,
+    /// Its twin's file.
+    pub twin: String,
+    /// Edges that were compared.
+    pub edges: u64,
+    /// Turns that they make.
+    pub turns: f64,
+    /// From first to last edge, s.
+    pub seconds: f64,
+    /// Least and greatest speed of the twin along the way, r/min; negative in reverse.
+    pub speed_r_min: [f64; 2],
+    /// Whether angles are those of the disc; else they count from the first edge.
+    pub anchored: bool,
+    /// RMS error of a time stamp as found, s.
+    pub stamp_rms_s: f64,
+    /// Times at which the count of edges was disturbed, s.
+    pub disturbed_s: Vec<f64>,
+}
+
+/// Agreement. What is measured is how far each edge comes from where twin and the edges before it let it expect.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// RMS with the twin as it was given, rad.
+    pub rms_before_rad: f64,
+    /// RMS with the findings in the twin, rad.
+    pub rms_after_rad: f64,
+    /// RMS of the noise alone, rad.
+    pub floor_rad: f64,
+    /// Probability that what is left is noise, before the findings.
+    pub whiteness_p_before: f64,
+    /// The same with them.
+    pub whiteness_p: f64,
+    /// Fitted on the turns before, judged on the last ones of each recording.
+    pub held_out: HeldOut,
+}
+
+/// Agreement on turns that the parameters were not fitted on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    /// RMS with the twin as it was given, rad.
+    pub rms_before_rad: f64,
+    /// RMS with the findings in the twin, rad.
+    pub rms_after_rad: f64,
+    /// RMS of the noise alone, rad.
+    pub floor_rad: f64,
+    /// Share of what the findings could remove on these turns at best that they did remove; none without findings that can be judged.
+    pub reducible_removed: Option<f64>,
+}
+
+/// Something that was missing in the twin.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// The mechanism: an id of the catalogue, or `unknown`.
+    pub mechanism: Mechanism,
+    /// Where it shows, in a sentence: "channel B, falling edges, 211.3 degrees +- 0.1, once a turn".
+    pub text: String,
+    /// Probability that it is this mechanism, among those that were weighed, 0 to 1.
+    pub confidence: f64,
+    /// Its parameters by the twin's name of them.
+    pub parameters: BTreeMap<String, Parameter>,
+    /// Where it shows.
+    #[serde(rename = "where")]
+    pub place: Place,
+    /// What speaks for it.
+    pub evidence: Evidence,
+    /// Other mechanisms that these recordings allow as well.
+    pub look_alikes: Vec<Mechanism>,
+    /// The recording that would tell it from them, where there are some.
+    pub next_recording: Option<NextRecording>,
+}
+
+/// A number with its interval.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Value.
+    pub value: f64,
+    /// Unit: `rad`, `s`, `N m`, `Hz`, `1`.
+    pub unit: String,
+    /// Interval that holds the true value in 95 of 100 cases; none where it is exact.
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// Where a finding shows; an empty list says nothing, not "none".
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Cycles a turn.
+    pub orders: Vec<f64>,
+    /// Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// Degrees of the disc.
+    pub angles_deg: Vec<f64>,
+    /// Instants, s from the recording's clock zero.
+    pub times_s: Vec<f64>,
+    /// Names of edge classes: "A rise".
+    pub edge_classes: Vec<String>,
+    /// Channels: "A".
+    pub channels: Vec<String>,
+    /// "forward", "reverse".
+    pub directions: Vec<String>,
+    /// Power of the speed that its angle goes with, where it was seen at more than one.
+    pub speed_exponent: Option<f64>,
+}
+
+/// What speaks for a finding.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Schwarz's criterion without it less that with it: above 10 is strong.
+    pub delta_bic: f64,
+    /// Probability that noise alone shows as much anywhere in what was searched.
+    pub p_value: f64,
+    /// RMS on held-out turns with it over that without it.
+    pub held_out_rms_ratio: Option<f64>,
+    /// The next best mechanism, and Schwarz's criterion with it in place less that of the finding.
+    pub runner_up: Option<RunnerUp>,
+}
+
+/// The next best explanation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunnerUp {
+    /// Its mechanism.
+    pub mechanism: Mechanism,
+    /// How much worse it is by Schwarz's criterion.
+    pub delta_bic: f64,
+}
+
+/// A recording that would decide.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NextRecording {
+    /// What to do, in a sentence.
+    pub text: String,
+    /// Schwarz's criterion by which the mechanisms would differ, as simulated; none where no simulation can show it.
+    pub expected_delta_bic: Option<f64>,
+}
