@@ -4,6 +4,7 @@ pub mod diagnosis;
 pub mod kalman;
 pub mod model;
 pub mod residual;
+pub mod run;
 pub mod scan;
 pub mod search;
 pub mod shown;
