@@ -1,267 +1,246 @@
-//! Looks for patterns one after another until what is left is noise.
+//! Looks for what is missing, one mechanism after another, until what is left is noise.
 
 use std::f64::consts::TAU;
 
-use super::model::{Fit, Noisy, explained, fit_terms};
-use super::residual::Residual;
-use super::scan::Spectrum;
-use super::term::{Pattern, Rhythm, Term};
+use super::basis::Basis;
+use super::board::{Board, Column, Model};
+use super::hypothesis::Hypothesis;
+use super::propose::propose;
+use crate::mechanism::Mechanism;
 
-/// Probability that noise alone gives a finding anywhere in a recording.
-const FALSE_ALARM: f64 = 1e-3;
+/// Mechanisms at the most.
+const MOST: usize = 12;
 
-/// Patterns at the most.
-const TERMS_MOST: usize = 24;
+/// What a finding must explain beyond Schwarz's cost of its numbers, so that noise seldom gives one: twice the logarithm of how many
+/// independent places were searched, over the probability of a false one.
+const BEYOND: f64 = 40.0;
 
-/// A pattern that was found.
+/// A mechanism that was found.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// The pattern.
-    pub term: Term,
-    /// Fall of the sum of white squares when it was added, less what its unknowns cost (Schwarz).
-    pub gain: f64,
-    /// Other patterns that explain it nearly as well, best first, with theirs.
-    pub rivals: Vec<(Term, f64)>,
+    /// It.
+    pub hypothesis: Hypothesis,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// Fall of the sum of squares, less what its numbers cost.
+    pub score: f64,
+    /// Others in its place, with theirs, best first.
+    pub rivals: Vec<(Hypothesis, f64)>,
 }
 
-/// What was found, and the noise that is left.
-pub struct Outcome<'a> {
-    /// The patterns, in the order in which they were found.
+/// What a search came to.
+pub struct Searched {
+    /// Mechanisms, in the order in which they were found.
     pub found: Vec<Found>,
     /// All of them fitted together.
-    pub fit: Option<Fit>,
-    /// The stretches with their noise.
-    pub stretches: Vec<Noisy<'a>>,
-    /// Speed that sizes hold for, rad/s.
-    pub reference: f64,
-    /// Largest power of a rhythm that is left, over what noise alone reaches.
+    pub model: Model,
+    /// Strongest rhythm left, over what noise reaches.
     pub left: f64,
 }
 
-/// Searches all stretches of a rig's recordings.
+/// Searches.
 #[must_use]
-pub fn search<'a>(residuals: &'a [Residual], tick_s: f64) -> Outcome<'a> {
-    let reference = residuals
-        .iter()
-        .map(Residual::mean_speed)
-        .fold(0.0, f64::max);
-    let zero: Vec<Vec<f64>> = residuals
-        .iter()
-        .map(|r| vec![0.0; r.angles.len()])
-        .collect();
-    let noisy = |made: &[Vec<f64>], before: Option<&[Noisy<'_>]>| -> Vec<Noisy<'a>> {
-        let each = residuals.iter().zip(made).enumerate();
-        each.map(|(i, (r, made))| Noisy::of(r, made, tick_s, before.map(|b| b[i].noise)))
-            .collect()
-    };
-    let mut outcome = Outcome {
-        found: Vec::new(),
-        fit: None,
-        stretches: noisy(&zero, None),
-        reference,
-        left: 0.0,
-    };
-    let mut made = zero;
-    while outcome.found.len() < TERMS_MOST {
-        let terms: Vec<Term> = outcome.found.iter().map(|found| found.term).collect();
-        let Some(best) = outcome.strongest(&terms, &made) else {
+pub fn search(board: &mut Board) -> Searched {
+    let mut found: Vec<Found> = Vec::new();
+    let empty = Model::none(board);
+    let mut model = empty;
+    let mut left = 0.0;
+    while found.len() < MOST {
+        let (proposed, strongest) = propose(board, &model);
+        left = strongest;
+        let Some(best) = best(board, &model, proposed) else {
             break;
         };
-        outcome.found.push(best);
-        let terms: Vec<Term> = outcome.found.iter().map(|found| found.term).collect();
-        for _ in 0..2 {
-            outcome.fit = fit_terms(&terms, &outcome.stretches, reference);
-            let Some(fit) = &outcome.fit else {
-                break;
+        found.push(best);
+        let columns: Vec<Column> = found.iter().flat_map(|f| f.columns.clone()).collect();
+        let Some(fitted) = board.fit(columns) else {
+            found.pop();
+            break;
+        };
+        model = fitted;
+    }
+    Searched { found, model, left }
+}
+
+impl Model {
+    /// Nothing fitted.
+    #[must_use]
+    pub fn none(board: &Board) -> Self {
+        Self {
+            columns: Vec::new(),
+            sizes: nalgebra::DVector::zeros(0),
+            covariance: nalgebra::DMatrix::zeros(0, 0),
+            factor: None,
+            left: board.benches.iter().map(|bench| bench.white.clone()).collect(),
+        }
+    }
+}
+
+/// Schwarz's cost of a hypothesis.
+#[must_use]
+pub fn cost(board: &Board, hypothesis: &Hypothesis, columns: usize) -> f64 {
+    (columns + hypothesis.searched()) as f64 * (board.edges() as f64).ln()
+}
+
+/// The best hypothesis on top of a model.
+fn best(board: &Board, model: &Model, proposed: Vec<Hypothesis>) -> Option<Found> {
+    let mut tried: Vec<(Hypothesis, Vec<Column>, f64)> = Vec::new();
+    for hypothesis in proposed {
+        let columns = hypothesis.columns(board);
+        let Some(gain) = board.gain(model, &columns) else {
+            continue;
+        };
+        let score = gain.squares - cost(board, &hypothesis, columns.len());
+        tried.push((hypothesis, columns, score));
+    }
+    tried.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let top = tried.first()?.2;
+    // Only what may win is worth a closer look: a frequency a little off costs a good part.
+    let mut closer: Vec<(Hypothesis, Vec<Column>, f64)> = Vec::new();
+    for (hypothesis, columns, score) in tried {
+        if score < 0.3 * top {
+            continue;
+        }
+        let (hypothesis, columns, score) = refined(board, model, hypothesis, columns, score);
+        if !closer.iter().any(|other| other.0 == hypothesis) {
+            closer.push((hypothesis, columns, score));
+        }
+    }
+    closer.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let mut closer = closer.into_iter();
+    let (hypothesis, columns, score) = closer.next()?;
+    (score > BEYOND).then(|| Found {
+        hypothesis,
+        columns,
+        score,
+        rivals: closer.map(|(h, _, score)| (h, score)).collect(),
+    })
+}
+
+/// The same with what is searched for where it explains most.
+fn refined(
+    board: &Board,
+    model: &Model,
+    hypothesis: Hypothesis,
+    columns: Vec<Column>,
+    score: f64,
+) -> (Hypothesis, Vec<Column>, f64) {
+    let mut best = (hypothesis, columns, score);
+    let steps = steps(board, &best.0);
+    if steps.is_empty() {
+        return best;
+    }
+    let mut size = 1.0;
+    for _ in 0..5 {
+        for &(ref change, step) in &steps {
+            let at = |by: f64| change(&best.0, by * step * size);
+            let weigh = |hypothesis: Hypothesis| {
+                let columns = hypothesis.columns(board);
+                let gain = board.gain(model, &columns).map_or(f64::NEG_INFINITY, |g| g.squares);
+                let score = gain - cost(board, &hypothesis, columns.len());
+                (hypothesis, columns, score)
             };
-            made = residuals
-                .iter()
-                .map(|residual| explained(&terms, &fit.sizes, residual, reference))
-                .collect();
-            outcome.stretches = noisy(&made, Some(&outcome.stretches));
-        }
-    }
-    outcome
-}
-
-impl Outcome<'_> {
-    /// The pattern that explains most of what is left, if it is no accident.
-    fn strongest(&mut self, terms: &[Term], made: &[Vec<f64>]) -> Option<Found> {
-        let mut candidates = Vec::new();
-        self.left = 0.0;
-        for (stretch, made) in self.stretches.iter().zip(made) {
-            let white = stretch.white(made);
-            let spectrum = Spectrum::of(&white);
-            let threshold = spectrum.threshold(FALSE_ALARM);
-            let mut peaks = spectrum.peaks(threshold);
-            peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
-            let strongest = peaks.first().map_or(0.0, |peak| peak.1);
-            self.left = self.left.max(strongest / threshold);
-            for &(at, _) in peaks.iter().take(2) {
-                let place = spectrum.frequency(at) * stretch.residual.edges as f64;
-                candidates.extend(hypotheses(
-                    stretch.residual,
-                    place,
-                    1.0 / (2.0 * turns(stretch.residual)),
-                ));
-            }
-        }
-        let mut once: Vec<Term> = Vec::new();
-        for candidate in candidates {
-            if !once.contains(&candidate) {
-                once.push(candidate);
-            }
-        }
-        let candidates = once;
-        let edges: f64 = self
-            .stretches
-            .iter()
-            .map(|s| s.residual.places.len() as f64)
-            .sum();
-        let base = fit_terms(terms, &self.stretches, self.reference).map_or(0.0, |fit| fit.gain);
-        let mut tried: Vec<(Term, f64)> = candidates
-            .into_iter()
-            .filter(|candidate| !terms.contains(candidate))
-            .filter_map(|candidate| {
-                let candidate = self.refined(candidate, made);
-                let all: Vec<Term> = terms.iter().copied().chain([candidate]).collect();
-                let gain = fit_terms(&all, &self.stretches, self.reference)?.gain - base;
-                // Schwarz: what a number more must explain.
-                Some((candidate, gain - candidate.unknowns() as f64 * edges.ln()))
-            })
-            .collect();
-        tried.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let (term, gain) = *tried.first().filter(|best| best.1 > 0.0)?;
-        const RIVAL: f64 = 10.0;
-        Some(Found {
-            term,
-            gain,
-            rivals: tried[1..]
-                .iter()
-                .filter(|rival| gain - rival.1 < RIVAL)
-                .copied()
-                .collect(),
-        })
-    }
-
-    /// The same with its frequency where it explains most.
-    fn refined(&self, term: Term, made: &[Vec<f64>]) -> Term {
-        let with = |frequency: f64| Term {
-            rhythm: match term.rhythm {
-                Rhythm::Order(_) => Rhythm::Order(frequency),
-                Rhythm::Hertz(_) => Rhythm::Hertz(frequency),
-                Rhythm::Constant => Rhythm::Constant,
-            },
-            ..term
-        };
-        let (frequency, mut step) = match term.rhythm {
-            Rhythm::Constant => return term,
-            // A whole number of cycles a turn is what it is.
-            Rhythm::Order(order) if order.fract() == 0.0 => return term,
-            Rhythm::Order(order) => (order, 0.25 / self.turns_most()),
-            Rhythm::Hertz(hertz) => (hertz, 0.25 * self.reference / (TAU * self.turns_most())),
-        };
-        let gain = |frequency: f64| self.gain_alone(with(frequency), made);
-        let (mut best, mut most) = (frequency, gain(frequency));
-        for _ in 0..6 {
-            for side in [-step, step] {
-                let there = gain(best + side);
-                if there > most {
-                    (best, most) = (best + side, there);
-                }
-            }
-            step *= 0.5;
-        }
-        with(best)
-    }
-
-    /// What a pattern explains of what is left.
-    fn gain_alone(&self, term: Term, made: &[Vec<f64>]) -> f64 {
-        let (mut right, mut gram) = ([0.0; 2], [[0.0; 2]; 2]);
-        for (stretch, made) in self.stretches.iter().zip(made) {
-            let white = stretch.white(made);
-            let columns: Vec<Vec<f64>> = term
-                .columns(stretch.residual, self.reference)
-                .into_iter()
-                .map(|column| stretch.whitened(column))
-                .collect();
-            for (i, a) in columns.iter().enumerate() {
-                right[i] += a.iter().zip(&white).map(|(a, b)| a * b).sum::<f64>();
-                for (j, b) in columns.iter().enumerate() {
-                    gram[i][j] += a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let (before, after) = (weigh(at(-1.0)), weigh(at(1.0)));
+            let bend = before.2 - 2.0 * best.2 + after.2;
+            let top = if bend < 0.0 {
+                (0.5 * (before.2 - after.2) / bend).clamp(-2.0, 2.0)
+            } else {
+                0.0
+            };
+            let there = weigh(at(top));
+            for other in [before, after, there] {
+                if other.2 > best.2 {
+                    best = other;
                 }
             }
         }
-        let determinant = gram[0][0] * gram[1][1] - gram[0][1] * gram[1][0];
-        (right[0] * right[0] * gram[1][1] - 2.0 * right[0] * right[1] * gram[0][1]
-            + right[1] * right[1] * gram[0][0])
-            / determinant
+        size *= 0.4;
     }
-
-    fn turns_most(&self) -> f64 {
-        let each = self.stretches.iter().map(|stretch| turns(stretch.residual));
-        each.fold(1.0, f64::max)
-    }
+    best
 }
 
-#[allow(clippy::cast_precision_loss)]
-fn turns(residual: &Residual) -> f64 {
-    residual.places.len() as f64 / residual.edges as f64
-}
+type Change = Box<dyn Fn(&Hypothesis, f64) -> Hypothesis>;
 
-/// What may make a rhythm at so many cycles a turn, known to within `within`.
-#[allow(clippy::cast_precision_loss)]
-fn hypotheses(residual: &Residual, place: f64, within: f64) -> Vec<Term> {
-    let lines = (residual.edges / residual.classes) as f64;
-    let turns_per_s = residual.mean_speed() / TAU;
-    let mut terms = Vec::new();
-    let mut add = |order: f64, pattern: Pattern, alike: bool| {
-        if order < within {
-            if !alike {
-                for exponent in [0, 1] {
-                    terms.push(Term {
-                        rhythm: Rhythm::Constant,
-                        pattern,
-                        exponent,
-                    });
+/// Numbers that are searched for, and first steps.
+fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
+    let turns = board.benches.iter().map(|b| b.seen.turns()).fold(1.0, f64::max);
+    let long = board.benches.iter().map(|b| b.seen.seconds()).fold(0.0, f64::max);
+    match hypothesis.bases.first() {
+        _ if hypothesis.whole() => Vec::new(),
+        Some(Basis::Round { .. } | Basis::TorqueOrder { .. }) => {
+            let change: Change = Box::new(|h, by| h.at_rhythm(h.rhythm().unwrap_or(0.0) + by));
+            vec![(change, 0.25 / turns)]
+        }
+        Some(Basis::TorqueTone { .. } | Basis::LevelTone { .. }) => {
+            let change: Change = Box::new(|h, by| h.at_rhythm(h.rhythm().unwrap_or(0.0) + by));
+            vec![(change, 0.25 / long)]
+        }
+        Some(Basis::LevelDrift { tau_s, .. }) => {
+            let from: Change = Box::new(|h, by| with(h, |basis| {
+                if let Basis::LevelDrift { from_s, .. } = basis {
+                    *from_s = (*from_s + by).max(0.0);
                 }
-            }
-            return;
+            }));
+            let tau: Change = Box::new(|h, by| with(h, |basis| {
+                if let Basis::LevelDrift { tau_s, .. } = basis {
+                    *tau_s = (*tau_s * (1.0 + by)).max(1e-9);
+                }
+            }));
+            vec![(from, 0.04 * long), (tau, 0.3)].into_iter().map(|(c, s)| (c, s.min(0.5 * tau_s.max(s)))).collect()
         }
-        let whole = order.round();
-        if (order - whole).abs() < within && whole > 0.0 {
-            for exponent in if alike { &[0, -2][..] } else { &[0] } {
-                terms.push(Term {
-                    rhythm: Rhythm::Order(whole),
-                    pattern,
-                    exponent: *exponent,
-                });
-            }
-        } else {
-            terms.push(Term {
-                rhythm: Rhythm::Order(order),
-                pattern,
-                exponent: if alike { -2 } else { 0 },
-            });
+        Some(Basis::Load { .. }) => {
+            let from: Change = Box::new(|h, by| with(h, |basis| {
+                if let Basis::Load { from_s, .. } = basis {
+                    *from_s = (*from_s + by).max(0.0);
+                }
+            }));
+            let until: Change = Box::new(|h, by| with(h, |basis| {
+                if let Basis::Load { until_s, .. } = basis {
+                    *until_s += by;
+                }
+            }));
+            vec![(from, 0.01 * long), (until, 0.01 * long)]
         }
-        terms.push(Term {
-            rhythm: Rhythm::Hertz(order * turns_per_s),
-            pattern,
-            exponent: 0,
-        });
-    };
-    // Above, a rhythm of all edges can't be told from one of unlike classes.
-    if residual.classes == 1 || place < lines / 2.0 {
-        add(place, Pattern::ALL, true);
+        Some(Basis::Stribeck { .. }) => {
+            let speed: Change = Box::new(|h, by| with(h, |basis| {
+                if let Basis::Stribeck { rad_s } = basis {
+                    *rad_s *= 1.0 + by;
+                }
+            }));
+            vec![(speed, 0.1)]
+        }
+        _ => Vec::new(),
     }
-    // Edges of unlike classes show a rhythm beside the multiples of the lines.
-    for carrier in 1..=(residual.classes / 2) {
-        let order = (carrier as f64 * lines - place).abs();
-        if order < lines / 2.0 {
-            for pattern in Pattern::of_classes(residual.classes) {
-                add(order, *pattern, false);
-            }
+}
+
+fn with(hypothesis: &Hypothesis, change: impl Fn(&mut Basis)) -> Hypothesis {
+    let mut changed = hypothesis.clone();
+    changed.bases.iter_mut().for_each(change);
+    changed
+}
+
+/// Frequency or order of a rhythm as cycles a turn at a recording's mean speed.
+#[must_use]
+pub fn cycles_a_turn(board: &Board, hypothesis: &Hypothesis) -> Option<f64> {
+    let rhythm = hypothesis.rhythm()?;
+    match hypothesis.bases.first()? {
+        Basis::TorqueTone { .. } | Basis::LevelTone { .. } => {
+            Some(rhythm * TAU / board.benches.first()?.seen.mean_speed())
         }
+        _ => Some(rhythm),
     }
-    terms
+}
+
+/// Whether a mechanism is of the disc or head: the same at every turn and speed.
+#[must_use]
+pub const fn geometry(mechanism: Mechanism) -> bool {
+    matches!(
+        mechanism,
+        Mechanism::LineError
+            | Mechanism::WidthError
+            | Mechanism::QuadratureError
+            | Mechanism::Eccentricity
+            | Mechanism::DiscTilt
+            | Mechanism::LocalDefect
+    )
 }

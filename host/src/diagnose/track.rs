@@ -44,6 +44,8 @@ pub struct Track {
     pub tick_s: f64,
     /// Whether places are angles of the disc; without an index they count from the first edge.
     pub anchored: bool,
+    /// What a place lacks to be an edge of the disc, as far as it is known from elsewhere.
+    pub origin: i64,
     /// All stretches, by time.
     pub stretches: Vec<Stretch>,
     /// Where the count was disturbed.
@@ -69,6 +71,7 @@ impl Track {
                 classes: shape.classes().into(),
                 tick_s: 1.0 / clock_hz as f64,
                 anchored: plan.anchor() == Anchor::Index,
+                origin: 0,
                 stretches: Vec::new(),
                 slips: Vec::new(),
             },
@@ -86,7 +89,57 @@ impl Track {
                 Outcome::Index(_) | Outcome::Idle => {}
             }
         }
+        walker.track.origin = walker.track.usual_origin();
         Ok(walker.track)
+    }
+
+    /// The twin's angle starts within the first turn, so going forward an index is first passed at its end.
+    fn usual_origin(&self) -> i64 {
+        let forward = self.stretches.first().is_some_and(|s| s.direction == 1);
+        if self.anchored && forward {
+            self.edges
+        } else {
+            0
+        }
+    }
+
+    /// Without an index: places are those of a shaft that starts at an angle.
+    pub fn starts_at(&mut self, angle_rad: f64) {
+        let Some(first) = self.stretches.first() else {
+            return;
+        };
+        let (place, way) = (first.marks[0].place, first.direction);
+        let step = std::f64::consts::TAU / self.edges as f64;
+        // Between two edges, so the next one is half a step on, give or take; what kind of edge it is says which.
+        let next = angle_rad / step + 0.5 * way as f64;
+        let lines = ((next - place as f64) / self.classes as f64).round();
+        #[allow(clippy::cast_possible_truncation)]
+        let origin = lines as i64 * self.classes;
+        self.origin = origin;
+    }
+
+    /// Whether it goes in both directions, each for a while.
+    #[must_use]
+    pub fn reverses(&self) -> bool {
+        let goes = |direction: i64| {
+            let there = self.stretches.iter().filter(|s| s.direction == direction);
+            8 * there.map(|s| s.marks.len()).max().unwrap_or(0) as i64 > self.edges
+        };
+        goes(1) && goes(-1)
+    }
+
+    /// Turns in all stretches.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        let edges: usize = self.stretches.iter().map(|s| s.marks.len()).sum();
+        edges as f64 / self.edges as f64
+    }
+
+    /// Time of the last edge, s.
+    #[must_use]
+    pub fn end_s(&self) -> Option<f64> {
+        let lasts = self.stretches.iter().filter_map(|s| s.marks.last());
+        lasts.map(|mark| mark.time_s).reduce(f64::max)
     }
 
     /// The stretch with the most edges.

@@ -1,0 +1,72 @@
+//! From recordings and twins to what is searched.
+
+use super::board::{Bench, Board};
+use super::kalman::ShaftNoise;
+use super::run::{DiagnoseError, Recorded};
+use super::seen::Seen;
+use super::shaft::ShaftLaw;
+use crate::twin::{Noise, Twin};
+
+/// Edges that a recording needs, and turns.
+const EDGES_LEAST: usize = 200;
+const TURNS_LEAST: f64 = 3.0;
+
+/// Compares all recordings with their twins.
+///
+/// # Errors
+/// [`DiagnoseError`] where a twin can't be run or there is nothing to compare.
+pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
+    let benches: Result<Vec<Bench>, DiagnoseError> = rig.iter().map(bench).collect();
+    let tied = rig
+        .iter()
+        .all(|one| one.track.anchored || one.twin.shaft.initial_angle_rad != 0.0);
+    Ok(Board {
+        benches: benches?,
+        tied,
+    })
+}
+
+fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
+    let turns = one.track.turns();
+    let edges: usize = one.track.stretches.iter().map(|s| s.marks.len()).sum();
+    if edges < EDGES_LEAST || turns < TURNS_LEAST {
+        return Err(DiagnoseError::TooShort {
+            file: one.file.clone(),
+            edges,
+            turns,
+        });
+    }
+    let mut track = one.track.clone();
+    if !track.anchored {
+        track.starts_at(one.twin.shaft.initial_angle_rad);
+    }
+    let seen = Seen::of(&track, one.plan, &one.twin)?;
+    if 2 * seen.len() < edges {
+        return Err(DiagnoseError::OtherMotion {
+            file: one.file.clone(),
+            twin: one.twin.name.clone(),
+            why: format!("{} of {edges} edges are where it goes", seen.len()),
+        });
+    }
+    let least_stamp_s = track.tick_s / 12_f64.sqrt();
+    let law = ShaftLaw::of(&one.twin);
+    let declared = declared(&one.twin, &law, least_stamp_s);
+    Ok(Bench::new(seen, law, declared, least_stamp_s))
+}
+
+/// The noise that a twin declares; none where it says nothing of torque noise.
+fn declared(twin: &Twin, law: &ShaftLaw, least_stamp_s: f64) -> Option<ShaftNoise> {
+    let acceleration = match twin.noise? {
+        Noise::White { psd_n2_m2_s, .. } => psd_n2_m2_s / (law.inertia * law.inertia),
+        Noise::SpeedWander { rms_fraction, .. } => {
+            let speed = twin.drive.nominal_rad_s();
+            2.0 * law.damping(0.0, speed) * (rms_fraction * speed).powi(2)
+        }
+    };
+    Some(ShaftNoise {
+        acceleration,
+        stamp_s: least_stamp_s.hypot(twin.timer.jitter_s),
+        drift: 0.0,
+        forgets_per_s: 0.0,
+    })
+}

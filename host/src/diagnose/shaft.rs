@@ -1,0 +1,163 @@
+//! What a push does to the shaft: the twin's law of motion, linear about its course.
+//!
+//! A small acceleration f changes angle and speed by y and v with dy/dt = v and dv/dt = -b v - k y + f. Open loop, b is friction and
+//! the drive's stiffness over the inertia and k is 0; a PI speed loop adds its gains to both, and takes an error e of the encoder
+//! for motion: -b' de/dt - k e, b' and k the gains' parts.
+
+use crate::twin::{Drive, Gains, Noise, Twin};
+
+/// The law of one twin.
+#[derive(Clone, Copy, Debug)]
+pub struct ShaftLaw {
+    /// Moment of inertia, kg m^2.
+    pub inertia: f64,
+    /// Viscous friction, 1/s.
+    viscous: f64,
+    /// What an open-loop drive adds to it while it is on, 1/s.
+    stiffness: f64,
+    drag: f64,
+    stribeck: f64,
+    stribeck_rad_s: f64,
+    /// When the drive goes off, s.
+    off_s: f64,
+    /// A speed loop's gains.
+    pub gains: Option<Gains>,
+}
+
+impl ShaftLaw {
+    /// Of a twin.
+    #[must_use]
+    pub fn of(twin: &Twin) -> Self {
+        let shaft = &twin.shaft;
+        let inertia = shaft.inertia_kg_m2;
+        let viscous = shaft.viscous_n_m_s / inertia;
+        let held = match twin.noise {
+            Some(Noise::SpeedWander {
+                correlation_rad: Some(correlation),
+                ..
+            }) => twin.drive.nominal_rad_s().abs() / correlation,
+            _ => viscous + shaft.stiffness_n_m_s / inertia,
+        };
+        let gains = twin.speed_loop().map(|model| model.gains);
+        Self {
+            inertia,
+            viscous,
+            stiffness: if gains.is_some() { 0.0 } else { held - viscous },
+            drag: shaft.drag_n_m_s2 / inertia,
+            stribeck: shaft.stribeck_n_m / inertia,
+            stribeck_rad_s: shaft.stribeck_rad_s,
+            off_s: match twin.drive {
+                Drive::RunDown { off_s, .. } => off_s,
+                _ => f64::INFINITY,
+            },
+            gains,
+        }
+    }
+
+    /// Whether an open-loop drive holds the speed at a time.
+    #[must_use]
+    pub fn driven(&self, time_s: f64) -> bool {
+        time_s < self.off_s
+    }
+
+    /// Damping b at a time and a speed, 1/s.
+    #[must_use]
+    pub fn damping(&self, time_s: f64, speed: f64) -> f64 {
+        let mut damping = self.viscous + 2.0 * self.drag * speed.abs();
+        if self.stribeck > 0.0 {
+            let over = speed / self.stribeck_rad_s;
+            damping -= 2.0 * self.stribeck * over.abs() / self.stribeck_rad_s * (-over * over).exp();
+        }
+        if self.driven(time_s) {
+            damping += self.stiffness;
+        }
+        damping + self.gains.map_or(0.0, |gains| gains.kp)
+    }
+
+    /// Spring k, 1/s^2.
+    #[must_use]
+    pub fn spring(&self) -> f64 {
+        self.gains.map_or(0.0, |gains| gains.ki)
+    }
+
+    /// Whether the twin says anything that holds the speed.
+    #[must_use]
+    pub fn held(&self) -> bool {
+        self.viscous + self.stiffness > 0.0 || self.drag > 0.0 || self.gains.is_some()
+    }
+}
+
+/// A way from one edge to the next for a state of angle and speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Leap {
+    /// Time, s.
+    pub after_s: f64,
+    /// Damping, 1/s.
+    pub damping: f64,
+    /// Spring, 1/s^2.
+    pub spring: f64,
+}
+
+impl Leap {
+    /// Angle that a speed makes, and what stays of the speed.
+    #[must_use]
+    pub fn reach(&self, after_s: f64) -> (f64, f64) {
+        let x = self.damping * after_s;
+        if x.abs() < 1e-4 {
+            (after_s * (1.0 - 0.5 * x), 1.0 - x + 0.5 * x * x)
+        } else {
+            let forgotten = -(-x).exp_m1();
+            (forgotten / self.damping, 1.0 - forgotten)
+        }
+    }
+
+    /// Angle and speed after a push given at start, middle and end, rad/s^2.
+    #[must_use]
+    pub fn step(&self, state: [f64; 2], push: [f64; 3]) -> [f64; 2] {
+        let h = self.after_s;
+        let [y, v] = state;
+        let (reach, stays) = self.reach(h);
+        let (half_reach, half_stays) = self.reach(0.5 * h);
+        let push = if self.spring == 0.0 {
+            push
+        } else {
+            let pull = |angle: f64| self.spring * angle;
+            [
+                push[0] - pull(y),
+                push[1] - pull(y + half_reach * v),
+                push[2] - pull(y + reach * v),
+            ]
+        };
+        [
+            y + reach * v + h / 6.0 * (reach * push[0] + 4.0 * half_reach * push[1]),
+            stays * v + h / 6.0 * (stays * push[0] + 4.0 * half_stays * push[1] + push[2]),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Response of the angle to sin(w t), once the start is forgotten.
+    #[test]
+    fn a_push_swings_the_shaft_as_its_transfer_function_says() {
+        let leap = Leap {
+            after_s: 2e-3,
+            damping: 3.0,
+            spring: 40.0,
+        };
+        let w = 60.0;
+        let mut state = [0.0; 2];
+        let mut largest = 0.0_f64;
+        for i in 0..10_000 {
+            let at = |share: f64| (w * leap.after_s * (f64::from(i) + share)).sin();
+            state = leap.step(state, [at(0.0), at(0.5), at(1.0)]);
+            if i > 8_000 {
+                largest = largest.max(state[0]);
+            }
+        }
+        let expected = 1.0 / ((40.0 - w * w).powi(2) + (3.0 * w).powi(2)).sqrt();
+        assert!((largest / expected - 1.0).abs() < 5e-3, "{largest} {expected}");
+    }
+}

@@ -1,0 +1,233 @@
+//! The twin without randomness, run along a recording.
+
+use std::f64::consts::TAU;
+
+use super::seen::{EDGES_LEAST, Reach};
+use super::track::{Mark, Stretch, Track};
+use crate::sensor::{PlanError, SensorPlan};
+use crate::sim::Simulation;
+use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
+
+/// The twin's edges, and those of a perfect disc on the same shaft, which give its speed.
+#[derive(Clone, Debug)]
+pub struct Still {
+    twins: Vec<Stretch>,
+    /// A perfect disc on a shaft that nothing disturbs.
+    pub pace: Vec<Stretch>,
+    /// The same on the twin's shaft, where that swings in a rhythm.
+    swing: Vec<Stretch>,
+    /// Errors of the twin's disc, rad.
+    pub errors: Vec<f64>,
+    /// What a speed is taken over.
+    pub reach: Reach,
+    /// The same where the speed swings.
+    pub fine: Reach,
+}
+
+impl Still {
+    /// Runs a twin along a recording.
+    ///
+    /// # Errors
+    /// [`TwinError`] where it can't be run.
+    pub fn of(track: &Track, plan: SensorPlan, twin: &Twin) -> Result<Self, TwinError> {
+        let still = started(track, without_randomness(track, twin))?;
+        let (perfect, swinging) = (perfect(&still), swinging(&still));
+        let edges_of = |twin: &Twin| simulated(plan, twin).map(|(stretches, _)| stretches);
+        let (twins, pace, swing) = std::thread::scope(|scope| {
+            let others = scope.spawn(|| {
+                let swing = swinging.as_ref().map(edges_of).transpose();
+                (edges_of(&perfect), swing)
+            });
+            let twins = simulated(plan, &still);
+            let none = || (Ok(Vec::new()), Ok(None));
+            let (pace, swing) = others.join().unwrap_or_else(|_| none());
+            (twins, pace, swing)
+        });
+        let (twins, errors) = twins?;
+        let (pace, swing) = (pace?, swing?.unwrap_or_default());
+        let lines = (track.edges / track.classes / 500).max(1);
+        let edges = lines * track.classes;
+        Ok(Self {
+            twins,
+            pace,
+            swing,
+            errors,
+            reach: Reach::of(edges, track.edges),
+            fine: Reach::of(1, track.edges),
+        })
+    }
+
+    /// The twin's stretch along a recorded one, and the perfect disc's.
+    #[must_use]
+    pub fn alongside(&self, stretch: &Stretch) -> Option<(&Stretch, &Stretch)> {
+        Some((
+            nearest(&self.twins, stretch)?,
+            nearest(&self.pace, stretch)?,
+        ))
+    }
+
+    /// The swinging shaft's stretch along a recorded one, where it swings.
+    #[must_use]
+    pub fn swinging(&self, stretch: &Stretch) -> Option<&Stretch> {
+        nearest(&self.swing, stretch)
+    }
+}
+
+/// The simulated stretch in the same direction that is on its way at about the same time.
+fn nearest<'a>(simulated: &'a [Stretch], stretch: &Stretch) -> Option<&'a Stretch> {
+    let middle = |stretch: &Stretch| stretch.marks[stretch.marks.len() / 2].time_s;
+    simulated
+        .iter()
+        .filter(|twins| twins.direction == stretch.direction && twins.marks.len() >= EDGES_LEAST)
+        .min_by(|a, b| {
+            let off = |twins: &Stretch| (middle(twins) - middle(stretch)).abs();
+            off(a).total_cmp(&off(b))
+        })
+}
+
+/// Stretches of a twin's edges, and the errors of its disc.
+fn simulated(plan: SensorPlan, twin: &Twin) -> Result<(Vec<Stretch>, Vec<f64>), TwinError> {
+    let simulation = Simulation::new(twin)?;
+    let errors = simulation.true_errors();
+    let rows = simulation.map(|event| Ok::<_, PlanError>(event.row));
+    let track = Track::of(plan, twin.timer.clock_hz, rows);
+    // The plan has decoded the recording, so it decodes this.
+    Ok((
+        track.map_or_else(|_| Vec::new(), |track| track.stretches),
+        errors,
+    ))
+}
+
+/// Without randomness, with time stamps as good as exact, at the recording's mean speed where it is to hold one.
+fn without_randomness(track: &Track, twin: &Twin) -> Twin {
+    const FINE_HZ: u64 = 1_000_000_000_000;
+    let mut still = twin.clone();
+    // A wander also says how strongly the drive holds the speed, which stays.
+    still.noise = still.noise.and_then(|noise| match noise {
+        Noise::SpeedWander {
+            correlation_rad,
+            hold_s,
+            ..
+        } => Some(Noise::SpeedWander {
+            rms_fraction: 1e-30,
+            correlation_rad,
+            hold_s,
+        }),
+        _ => None,
+    });
+    still.faults = Faults::default();
+    if let Some(latency) = &mut still.capture_latency {
+        latency.mean_s = None;
+        if latency.task_hz.is_none() {
+            still.capture_latency = None;
+        }
+    }
+    if let Some(resonance) = &mut still.torsional_resonance {
+        resonance.load_psd_n2_m2_s = None;
+        resonance.load_hold_s = None;
+    }
+    still.timer.jitter_s = 0.0;
+    still.timer.clock_hz = FINE_HZ;
+    still.timer.bits = 64;
+    still.timer.raw_captures = false;
+    if let Some(longest) = track.longest()
+        && still.speed_drift.is_none()
+    {
+        match &mut still.drive {
+            Drive::Constant { r_min } => *r_min = mean_r_min(track, &longest.marks).unwrap_or(*r_min),
+            Drive::RunDown { r_min, off_s } => {
+                let driven = longest.marks.partition_point(|mark| mark.time_s < *off_s);
+                *r_min = mean_r_min(track, &longest.marks[..driven]).unwrap_or(*r_min);
+            }
+            _ => {}
+        }
+    }
+    let turns = track.turns();
+    still.duration = match still.duration {
+        // Before the index nothing has a place.
+        Duration::Turns(declared) => Duration::Turns(declared.max(turns) * 1.02 + 3.0),
+        Duration::Seconds(declared) => {
+            Duration::Seconds(track.end_s().unwrap_or(declared).max(declared) * 1.05)
+        }
+    };
+    still
+}
+
+/// The same, started so that it passes the recording's first place when the recording does.
+fn started(track: &Track, mut still: Twin) -> Result<Twin, TwinError> {
+    let Some(first) = track.stretches.first().and_then(|s| s.marks.first()) else {
+        return Ok(still);
+    };
+    if !track.anchored || first.time_s <= 0.0 {
+        return Ok(still);
+    }
+    let short = Twin {
+        duration: Duration::Seconds(first.time_s),
+        ..perfect(&still)
+    };
+    let mut last = None;
+    for event in Simulation::new(&short)? {
+        last = Some(event.truth.angle_rad);
+    }
+    // What the shaft does until then; its last edge is near enough.
+    if let Some(last) = last {
+        let travelled = last - still.shaft.initial_angle_rad;
+        let place = first.place as f64 * TAU / track.edges as f64;
+        still.shaft.initial_angle_rad = (place - travelled).rem_euclid(TAU);
+    }
+    Ok(still)
+}
+
+/// The same shaft with a disc and a capture that do nothing, and none of the torques that keep step with turn or time: a shaft that
+/// lags lags in their rhythm too, so how far edges are apart is measured by the speed without it.
+fn perfect(still: &Twin) -> Twin {
+    Twin {
+        errors: Errors::default(),
+        local_defect: Vec::new(),
+        edge_delay: None,
+        channel_skew: None,
+        threshold_ripple: None,
+        threshold_drift: None,
+        hysteresis: None,
+        backlash: None,
+        index_slip: Vec::new(),
+        capture_latency: None,
+        ripple: Vec::new(),
+        gear_mesh: Vec::new(),
+        bearing: Vec::new(),
+        torque_tone: Vec::new(),
+        torsional_resonance: None,
+        ..still.clone()
+    }
+}
+
+/// The same with the torques, where there are any.
+fn swinging(still: &Twin) -> Option<Twin> {
+    let swings = !still.ripple.is_empty()
+        || !still.gear_mesh.is_empty()
+        || !still.torque_tone.is_empty()
+        || still.bearing.iter().any(|b| b.runout_rad.is_none());
+    swings.then(|| Twin {
+        ripple: still.ripple.clone(),
+        gear_mesh: still.gear_mesh.clone(),
+        torque_tone: still.torque_tone.clone(),
+        bearing: still.bearing.iter().filter(|b| b.runout_rad.is_none()).copied().collect(),
+        torsional_resonance: still.torsional_resonance,
+        ..perfect(still)
+    })
+}
+
+/// Mean speed over half a turn or more.
+fn mean_r_min(track: &Track, marks: &[Mark]) -> Option<f64> {
+    let (first, last) = (marks.first()?, marks.last()?);
+    // Over whole turns the errors of the disc cancel, where there are any.
+    let way = last.place - first.place;
+    let whole = way / track.edges * track.edges;
+    let way = if whole == 0 { way } else { whole };
+    if 2 * way.abs() < track.edges {
+        return None;
+    }
+    let end = marks.get(usize::try_from(way.abs()).ok()?).unwrap_or(last);
+    let turns = (end.place - first.place) as f64 / track.edges as f64;
+    Some(60.0 * turns / (end.time_s - first.time_s))
+}
