@@ -37,6 +37,8 @@ const END_RAD: f64 = 0.06;
 /// What the ideal detector has of one recording: base run without noise, and the noise's filter.
 pub(crate) struct Sight {
     course: Course,
+    /// Times and speeds of a run without ripples.
+    course_speed: Vec<(f64, f64)>,
     times: Vec<f64>,
     pub(crate) whitener: Whitener,
     /// Which of the base run's crossings are edges.
@@ -152,6 +154,12 @@ impl<'a> Ideal<'a> {
 impl Sight {
     fn new(rig: &Rig) -> Self {
         let course = turn_evenly(rig, &[]);
+        let calm = Rig {
+            ripples: Vec::new(),
+            ..rig.clone()
+        };
+        let course_speed = turn_evenly(&calm, &[]).crossings;
+        let course_speed = course_speed.iter().map(|c| (c.time_s, c.speed)).collect();
         let times = arrivals(&course, &[]);
         let mut edges: Vec<usize> = (0..course.crossings.len())
             .filter(|&at| course.crossings[at].class.is_some())
@@ -200,6 +208,22 @@ impl Sight {
             noise,
             density,
             course,
+            course_speed,
+        }
+    }
+
+    /// Speed without the rig's ripples at a time. A shaft that lags keeps the ripples' places, so its lag in time, at this speed, is
+    /// smooth; at the speed with ripples it would seem to swing.
+    fn smooth(&self, time_s: f64) -> f64 {
+        let after = self.course_speed.partition_point(|(at, _)| *at <= time_s);
+        let at = |i: usize| self.course_speed.get(i.min(self.course_speed.len().saturating_sub(1)));
+        match (at(after.saturating_sub(1)), at(after)) {
+            (Some(&(t0, v0)), Some(&(t1, v1))) if t1 > t0 => {
+                let share = ((time_s - t0) / (t1 - t0)).clamp(0.0, 1.0);
+                v0 + share * (v1 - v0)
+            }
+            (Some(&(_, v)), _) => v,
+            _ => 0.0,
         }
     }
 
@@ -222,7 +246,7 @@ impl Sight {
         let each = self.edges.iter().zip(&self.visit).map(|(&at, &visit)| {
             let crossing = &self.course.crossings[at];
             let time = met.get(&(crossing.place, visit));
-            time.map(|time| (time - self.times[at]) * crossing.speed)
+            time.map(|time| (time - self.times[at]) * self.smooth(crossing.time_s))
         });
         let signal: Vec<Option<f64>> = each.collect();
         // Few are not met, as at a reversal: the difference beside one holds.

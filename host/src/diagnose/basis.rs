@@ -265,7 +265,7 @@ impl Basis {
                     let before = now - seen.readings[at].leap.after_s;
                     // The part of the interval under load pushes as much as the whole would in part.
                     let under = (now.min(until_s) - before.max(from_s)).max(0.0);
-                    under / (now - before).max(f64::MIN_POSITIVE) / law.inertia
+                    if now > before { under / (now - before) / law.inertia } else { 0.0 }
                 })]
             }
             Self::Drift => vec![pushed(seen, &|at, end| {
@@ -292,6 +292,12 @@ impl Basis {
             }),
         }
     }
+}
+
+/// An error of the disc, edge by edge, as the residual has it.
+#[must_use]
+pub fn as_it_shows(seen: &Seen, law: &ShaftLaw, disc: Vec<f64>) -> Vec<f64> {
+    in_loop(seen, law, shown(seen, disc))
 }
 
 /// An error of the disc as the residual has it.

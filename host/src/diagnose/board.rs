@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::basis::Basis;
+use super::basis::{self, Basis};
 use super::kalman::{ShaftNoise, Whitener};
 use super::noise_fit::{self, Free};
 use super::seen::Seen;
@@ -26,6 +26,8 @@ pub struct Bench {
     pub declared: Option<ShaftNoise>,
     /// Best stamp its timer can give, s.
     pub least_stamp_s: f64,
+    /// Whether the mean speed is the recording's own, so that a steady push says nothing.
+    pub free_speed: bool,
     whitener: Whitener,
     /// The residual, white.
     pub white: Vec<f64>,
@@ -34,7 +36,13 @@ pub struct Bench {
 impl Bench {
     /// With the noise that a twin declares, else one found.
     #[must_use]
-    pub fn new(seen: Seen, law: ShaftLaw, declared: Option<ShaftNoise>, least_stamp_s: f64) -> Self {
+    pub fn new(
+        seen: Seen,
+        law: ShaftLaw,
+        declared: Option<ShaftNoise>,
+        least_stamp_s: f64,
+        free_speed: bool,
+    ) -> Self {
         let noise = declared.unwrap_or_else(|| first_guess(&seen, &law, least_stamp_s));
         let mut bench = Self {
             seen,
@@ -42,6 +50,7 @@ impl Bench {
             noise,
             declared,
             least_stamp_s,
+            free_speed,
             whitener: Whitener::default(),
             white: Vec::new(),
         };
@@ -152,22 +161,51 @@ impl Board {
         self.benches.iter().map(|bench| bench.seen.len()).sum()
     }
 
+    /// What is nobody's finding: the mean speed, where it is the recording's own. As angles.
+    #[must_use]
+    pub fn raw_nuisances(&self) -> Vec<Column> {
+        let whole = Basis::Load {
+            from_s: f64::NEG_INFINITY,
+            until_s: f64::INFINITY,
+        };
+        let free = self.benches.iter().enumerate().filter(|(_, bench)| bench.free_speed);
+        free.map(|(at, bench)| {
+            let mut column = vec![None; self.benches.len()];
+            column[at] = Some(whole.columns(&bench.seen, &bench.law).swap_remove(0));
+            Column(column)
+        })
+        .collect()
+    }
+
+    /// The same, white.
+    #[must_use]
+    pub fn nuisances(&self) -> Vec<Column> {
+        self.whitened(self.raw_nuisances())
+    }
+
+    fn whitened(&self, columns: Vec<Column>) -> Vec<Column> {
+        let white = |column: Column| {
+            let parts = column.0.into_iter().zip(&self.benches);
+            Column(parts.map(|(part, bench)| part.map(|part| bench.whitened(part))).collect())
+        };
+        columns.into_iter().map(white).collect()
+    }
+
     /// A pattern's columns, white: each recording its own where nothing ties them.
     #[must_use]
     pub fn columns(&self, basis: Basis) -> Vec<Column> {
+        self.whitened(self.raw_columns(basis))
+    }
+
+    /// A pattern's columns as angles.
+    #[must_use]
+    pub fn raw_columns(&self, basis: Basis) -> Vec<Column> {
         let own = self.benches.len() > 1 && (basis.timed() || (basis.placed() && !self.tied));
-        let white: Vec<Vec<Vec<f64>>> = self
-            .benches
-            .iter()
-            .map(|bench| {
-                let raw = basis.columns(&bench.seen, &bench.law);
-                raw.into_iter().map(|column| bench.whitened(column)).collect()
-            })
-            .collect();
+        let raw = self.benches.iter().map(|bench| basis.columns(&bench.seen, &bench.law));
         let count = self.benches.len();
         if own {
             let mut columns = Vec::new();
-            for (at, parts) in white.into_iter().enumerate() {
+            for (at, parts) in raw.enumerate() {
                 for part in parts {
                     let mut column = vec![None; count];
                     column[at] = Some(part);
@@ -177,13 +215,49 @@ impl Board {
             columns
         } else {
             let mut columns = vec![Column(Vec::with_capacity(count)); basis.count()];
-            for parts in white {
+            for parts in raw {
                 for (column, part) in columns.iter_mut().zip(parts) {
                     column.0.push(Some(part));
                 }
             }
             columns
         }
+    }
+
+    /// Takes a pattern of the disc off every recording.
+    pub fn take_off(&mut self, errors_rad: &[f64]) {
+        for bench in &mut self.benches {
+            let disc = (0..bench.seen.len()).map(|at| errors_rad[bench.seen.edge(at)]).collect();
+            let shows = basis::as_it_shows(&bench.seen, &bench.law, disc);
+            for (angle, shows) in bench.seen.angles.iter_mut().zip(shows) {
+                *angle -= shows;
+            }
+            bench.set_noise(bench.noise);
+        }
+    }
+
+    /// Fits the noise to what is not explained; whether it is another than before. What a twin declares is kept unless it is wrong.
+    pub fn refit_noise(&mut self, explained: &[Vec<f64>]) -> bool {
+        let mut changed = false;
+        for (bench, explained) in self.benches.iter_mut().zip(explained) {
+            let angles = bench.seen.angles.iter().zip(explained);
+            let left: Vec<f64> = angles.map(|(angle, explained)| angle - explained).collect();
+            if bench.declared.is_some() {
+                let white = bench.whitened(left.clone());
+                let count = white.len() as f64;
+                let variance = white.iter().map(|w| w * w).sum::<f64>() / count;
+                if (variance - 1.0).abs() < 0.03 + 6.0 * (2.0 / count).sqrt() {
+                    continue;
+                }
+            }
+            let noise = bench.noise_of(&left);
+            let far = |a: f64, b: f64| (a / b).ln().abs() > 0.06;
+            if far(noise.acceleration, bench.noise.acceleration) || far(noise.stamp_s, bench.noise.stamp_s) {
+                bench.set_noise(noise);
+                changed = true;
+            }
+        }
+        changed
     }
 
     /// Fits columns together; none where they can't be told apart.

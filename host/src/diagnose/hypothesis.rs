@@ -154,3 +154,24 @@ pub fn of_rhythm(order: f64, f_hz: f64, within: f64) -> Vec<Hypothesis> {
     ));
     all
 }
+
+/// The same where the disc's pattern is not known either: what could be of the disc is fitted beside it.
+#[must_use]
+pub fn with_disc(mut hypothesis: Hypothesis, board: &Board) -> Hypothesis {
+    let Some(first) = board.benches.first() else {
+        return hypothesis;
+    };
+    let channels = channels(first.seen.classes);
+    match hypothesis.bases.first() {
+        Some(Basis::TorqueOrder { order }) if order.fract() == 0.0 => {
+            let round = Basis::Round { order: *order };
+            hypothesis.bases.push(round);
+        }
+        Some(Basis::RiseLate { .. } | Basis::Late { .. }) => {
+            hypothesis.bases.extend((0..channels).map(|c| Basis::Width { channel: Some(c) }));
+            hypothesis.bases.extend((1..channels).map(|c| Basis::Shift { channel: c }));
+        }
+        _ => {}
+    }
+    hypothesis
+}

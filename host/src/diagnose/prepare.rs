@@ -5,7 +5,7 @@ use super::kalman::ShaftNoise;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
 use super::shaft::ShaftLaw;
-use crate::twin::{Noise, Twin};
+use crate::twin::{Drive, Noise, Twin};
 
 /// Edges that a recording needs, and turns.
 const EDGES_LEAST: usize = 200;
@@ -51,7 +51,8 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let least_stamp_s = track.tick_s / 12_f64.sqrt();
     let law = ShaftLaw::of(&one.twin);
     let declared = declared(&one.twin, &law, least_stamp_s);
-    Ok(Bench::new(seen, law, declared, least_stamp_s))
+    let free_speed = matches!(one.twin.drive, Drive::Constant { .. });
+    Ok(Bench::new(seen, law, declared, least_stamp_s, free_speed))
 }
 
 /// The noise that a twin declares; none where it says nothing of torque noise.

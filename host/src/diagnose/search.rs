@@ -1,19 +1,19 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
-use std::f64::consts::TAU;
-
-use super::basis::Basis;
 use super::board::{Board, Column, Model};
-use super::hypothesis::Hypothesis;
+use super::disc::{self, Pattern};
+use super::hypothesis::{Hypothesis, with_disc};
 use super::propose::propose;
-use crate::mechanism::Mechanism;
+use super::refine::refined;
+use super::scan::{defects, loads};
+use super::weigh::{Shelf, Weighed, weigh};
 
 /// Mechanisms at the most.
 const MOST: usize = 12;
-
-/// What a finding must explain beyond Schwarz's cost of its numbers, so that noise seldom gives one: twice the logarithm of how many
-/// independent places were searched, over the probability of a false one.
-const BEYOND: f64 = 40.0;
+/// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
+pub const BEYOND: f64 = 40.0;
+/// Times that the search starts anew with the noise that it found.
+const ROUNDS: usize = 3;
 
 /// A mechanism that was found.
 #[derive(Clone, Debug)]
@@ -22,225 +22,182 @@ pub struct Found {
     pub hypothesis: Hypothesis,
     /// Its columns.
     pub columns: Vec<Column>,
-    /// Fall of the sum of squares, less what its numbers cost.
+    /// What it explains beyond its cost.
     pub score: f64,
     /// Others in its place, with theirs, best first.
     pub rivals: Vec<(Hypothesis, f64)>,
 }
 
 /// What a search came to.
+#[derive(Clone, Debug)]
 pub struct Searched {
     /// Mechanisms, in the order in which they were found.
     pub found: Vec<Found>,
-    /// All of them fitted together.
+    /// The disc's pattern, if it lacks one.
+    pub pattern: Option<Pattern>,
+    /// All of them fitted together; columns of no finding come first.
     pub model: Model,
+    /// How many those are.
+    pub nuisances: usize,
     /// Strongest rhythm left, over what noise reaches.
     pub left: f64,
 }
 
-/// Searches.
+/// Searches; the noise of the board is set to what is found.
 #[must_use]
-pub fn search(board: &mut Board) -> Searched {
+pub fn search(board: &mut Board) -> Option<Searched> {
+    let mut searched = once(board)?;
+    for _ in 1..ROUNDS {
+        let explained = searched.explained(board);
+        if !board.refit_noise(&explained) {
+            break;
+        }
+        // The pattern that was taken off stays off.
+        let pattern = searched.pattern.take();
+        searched = once(board)?;
+        searched.pattern = merged(pattern, searched.pattern.take());
+    }
+    Some(searched)
+}
+
+/// Two patterns, one found after the other was taken off.
+fn merged(first: Option<Pattern>, second: Option<Pattern>) -> Option<Pattern> {
+    match (first, second) {
+        (Some(mut first), Some(second)) => {
+            for (error, more) in first.errors_rad.iter_mut().zip(&second.errors_rad) {
+                *error += more;
+            }
+            Some(first)
+        }
+        (first, second) => first.or(second),
+    }
+}
+
+fn once(board: &mut Board) -> Option<Searched> {
+    let nuisances = board.nuisances();
     let mut found: Vec<Found> = Vec::new();
-    let empty = Model::none(board);
-    let mut model = empty;
+    let mut pattern: Option<Pattern> = None;
+    let mut shelf = Shelf::default();
+    let mut model = board.fit(nuisances.clone())?;
     let mut left = 0.0;
+    let mut patterns = 0;
     while found.len() < MOST {
-        let (proposed, strongest) = propose(board, &model);
+        let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
-        let Some(best) = best(board, &model, proposed) else {
+        if pattern.is_some() {
+            proposed = proposed.into_iter().map(|h| with_disc(h, board)).collect();
+        }
+        proposed.extend(loads(board, &model));
+        proposed.extend(defects(board, &model));
+        let best = best(board, &model, &mut shelf, proposed);
+        let score = best.as_ref().map_or(0.0, |best| best.score);
+        let whole = if patterns < 4 { disc::pattern(board, &model) } else { None };
+        if let Some(whole) = whole.filter(|whole| whole.score > score.max(BEYOND)) {
+            patterns += 1;
+            board.take_off(&whole.errors_rad);
+            pattern = merged(pattern, Some(whole));
+            model = board.fit(columns(&nuisances, &found))?;
+            continue;
+        }
+        let Some(best) = best.filter(|best| best.score > BEYOND) else {
             break;
         };
         found.push(best);
-        let columns: Vec<Column> = found.iter().flat_map(|f| f.columns.clone()).collect();
-        let Some(fitted) = board.fit(columns) else {
+        let Some(fitted) = board.fit(columns(&nuisances, &found)) else {
             found.pop();
             break;
         };
         model = fitted;
     }
-    Searched { found, model, left }
-}
-
-impl Model {
-    /// Nothing fitted.
-    #[must_use]
-    pub fn none(board: &Board) -> Self {
-        Self {
-            columns: Vec::new(),
-            sizes: nalgebra::DVector::zeros(0),
-            covariance: nalgebra::DMatrix::zeros(0, 0),
-            factor: None,
-            left: board.benches.iter().map(|bench| bench.white.clone()).collect(),
-        }
-    }
-}
-
-/// Schwarz's cost of a hypothesis.
-#[must_use]
-pub fn cost(board: &Board, hypothesis: &Hypothesis, columns: usize) -> f64 {
-    (columns + hypothesis.searched()) as f64 * (board.edges() as f64).ln()
-}
-
-/// The best hypothesis on top of a model.
-fn best(board: &Board, model: &Model, proposed: Vec<Hypothesis>) -> Option<Found> {
-    let mut tried: Vec<(Hypothesis, Vec<Column>, f64)> = Vec::new();
-    for hypothesis in proposed {
-        let columns = hypothesis.columns(board);
-        let Some(gain) = board.gain(model, &columns) else {
-            continue;
-        };
-        let score = gain.squares - cost(board, &hypothesis, columns.len());
-        tried.push((hypothesis, columns, score));
-    }
-    tried.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let top = tried.first()?.2;
-    // Only what may win is worth a closer look: a frequency a little off costs a good part.
-    let mut closer: Vec<(Hypothesis, Vec<Column>, f64)> = Vec::new();
-    for (hypothesis, columns, score) in tried {
-        if score < 0.3 * top {
-            continue;
-        }
-        let (hypothesis, columns, score) = refined(board, model, hypothesis, columns, score);
-        if !closer.iter().any(|other| other.0 == hypothesis) {
-            closer.push((hypothesis, columns, score));
-        }
-    }
-    closer.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let mut closer = closer.into_iter();
-    let (hypothesis, columns, score) = closer.next()?;
-    (score > BEYOND).then(|| Found {
-        hypothesis,
-        columns,
-        score,
-        rivals: closer.map(|(h, _, score)| (h, score)).collect(),
+    Some(Searched {
+        found,
+        pattern,
+        model,
+        nuisances: nuisances.len(),
+        left,
     })
 }
 
-/// The same with what is searched for where it explains most.
-fn refined(
-    board: &Board,
-    model: &Model,
-    hypothesis: Hypothesis,
-    columns: Vec<Column>,
-    score: f64,
-) -> (Hypothesis, Vec<Column>, f64) {
-    let mut best = (hypothesis, columns, score);
-    let steps = steps(board, &best.0);
-    if steps.is_empty() {
-        return best;
+fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
+    let own = found.iter().flat_map(|f| f.columns.iter());
+    nuisances.iter().chain(own).cloned().collect()
+}
+
+/// The best hypothesis on top of a model.
+fn best(board: &Board, model: &Model, shelf: &mut Shelf, proposed: Vec<Hypothesis>) -> Option<Found> {
+    let mut tried: Vec<Weighed> = proposed
+        .into_iter()
+        .filter_map(|hypothesis| {
+            let columns = shelf.columns(board, &hypothesis);
+            weigh(board, model, hypothesis, columns)
+        })
+        .collect();
+    tried.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let top = tried.first()?.score;
+    // Only what may win is worth a closer look: a frequency a little off costs a good part. Of one kind, the best will do.
+    let mut closer: Vec<Weighed> = Vec::new();
+    let mut kinds: Vec<(crate::mechanism::Mechanism, i64)> = Vec::new();
+    for one in tried {
+        let kind = (one.hypothesis.mechanism, one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64));
+        let again = kinds.iter().filter(|k| **k == kind).count();
+        if one.score < 0.3 * top || again >= 2 {
+            continue;
+        }
+        kinds.push(kind);
+        closer.push(refined(board, model, one));
     }
-    let mut size = 1.0;
-    for _ in 0..5 {
-        for &(ref change, step) in &steps {
-            let at = |by: f64| change(&best.0, by * step * size);
-            let weigh = |hypothesis: Hypothesis| {
-                let columns = hypothesis.columns(board);
-                let gain = board.gain(model, &columns).map_or(f64::NEG_INFINITY, |g| g.squares);
-                let score = gain - cost(board, &hypothesis, columns.len());
-                (hypothesis, columns, score)
-            };
-            let (before, after) = (weigh(at(-1.0)), weigh(at(1.0)));
-            let bend = before.2 - 2.0 * best.2 + after.2;
-            let top = if bend < 0.0 {
-                (0.5 * (before.2 - after.2) / bend).clamp(-2.0, 2.0)
-            } else {
-                0.0
-            };
-            let there = weigh(at(top));
-            for other in [before, after, there] {
-                if other.2 > best.2 {
-                    best = other;
+    closer.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let mut closer = closer.into_iter();
+    let first = closer.next()?;
+    Some(Found {
+        hypothesis: first.hypothesis,
+        columns: first.columns,
+        score: first.score,
+        rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
+    })
+}
+
+impl Searched {
+    /// What everything found makes of the angles of each recording, rad.
+    #[must_use]
+    pub fn explained(&self, board: &Board) -> Vec<Vec<f64>> {
+        let mut sums: Vec<Vec<f64>> = board.benches.iter().map(|b| vec![0.0; b.seen.len()]).collect();
+        // White, what is explained is what is not left; the noise needs it as angles, and those come from the patterns anew.
+        for (bases, sizes) in self.sized(board) {
+            for (columns, size) in bases.iter().zip(sizes) {
+                for (sum, part) in sums.iter_mut().zip(&columns.0) {
+                    if let Some(part) = part {
+                        for (sum, value) in sum.iter_mut().zip(part) {
+                            *sum += size * value;
+                        }
+                    }
                 }
             }
         }
-        size *= 0.4;
+        sums
     }
-    best
-}
 
-type Change = Box<dyn Fn(&Hypothesis, f64) -> Hypothesis>;
-
-/// Numbers that are searched for, and first steps.
-fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
-    let turns = board.benches.iter().map(|b| b.seen.turns()).fold(1.0, f64::max);
-    let long = board.benches.iter().map(|b| b.seen.seconds()).fold(0.0, f64::max);
-    match hypothesis.bases.first() {
-        _ if hypothesis.whole() => Vec::new(),
-        Some(Basis::Round { .. } | Basis::TorqueOrder { .. }) => {
-            let change: Change = Box::new(|h, by| h.at_rhythm(h.rhythm().unwrap_or(0.0) + by));
-            vec![(change, 0.25 / turns)]
+    /// Columns as angles, not white, with their sizes.
+    fn sized(&self, board: &Board) -> Vec<(Vec<Column>, Vec<f64>)> {
+        let mut at = self.nuisances;
+        let mut all = vec![(
+            board.raw_nuisances(),
+            self.model.sizes.as_slice()[..self.nuisances].to_vec(),
+        )];
+        for found in &self.found {
+            let raw: Vec<Column> = found
+                .hypothesis
+                .bases
+                .iter()
+                .flat_map(|basis| board.raw_columns(*basis))
+                .collect();
+            let sizes = self.model.sizes.as_slice()[at..at + found.columns.len()].to_vec();
+            at += found.columns.len();
+            // A column that does not show has no size.
+            if raw.len() == sizes.len() {
+                all.push((raw, sizes));
+            }
         }
-        Some(Basis::TorqueTone { .. } | Basis::LevelTone { .. }) => {
-            let change: Change = Box::new(|h, by| h.at_rhythm(h.rhythm().unwrap_or(0.0) + by));
-            vec![(change, 0.25 / long)]
-        }
-        Some(Basis::LevelDrift { tau_s, .. }) => {
-            let from: Change = Box::new(|h, by| with(h, |basis| {
-                if let Basis::LevelDrift { from_s, .. } = basis {
-                    *from_s = (*from_s + by).max(0.0);
-                }
-            }));
-            let tau: Change = Box::new(|h, by| with(h, |basis| {
-                if let Basis::LevelDrift { tau_s, .. } = basis {
-                    *tau_s = (*tau_s * (1.0 + by)).max(1e-9);
-                }
-            }));
-            vec![(from, 0.04 * long), (tau, 0.3)].into_iter().map(|(c, s)| (c, s.min(0.5 * tau_s.max(s)))).collect()
-        }
-        Some(Basis::Load { .. }) => {
-            let from: Change = Box::new(|h, by| with(h, |basis| {
-                if let Basis::Load { from_s, .. } = basis {
-                    *from_s = (*from_s + by).max(0.0);
-                }
-            }));
-            let until: Change = Box::new(|h, by| with(h, |basis| {
-                if let Basis::Load { until_s, .. } = basis {
-                    *until_s += by;
-                }
-            }));
-            vec![(from, 0.01 * long), (until, 0.01 * long)]
-        }
-        Some(Basis::Stribeck { .. }) => {
-            let speed: Change = Box::new(|h, by| with(h, |basis| {
-                if let Basis::Stribeck { rad_s } = basis {
-                    *rad_s *= 1.0 + by;
-                }
-            }));
-            vec![(speed, 0.1)]
-        }
-        _ => Vec::new(),
+        all
     }
-}
-
-fn with(hypothesis: &Hypothesis, change: impl Fn(&mut Basis)) -> Hypothesis {
-    let mut changed = hypothesis.clone();
-    changed.bases.iter_mut().for_each(change);
-    changed
-}
-
-/// Frequency or order of a rhythm as cycles a turn at a recording's mean speed.
-#[must_use]
-pub fn cycles_a_turn(board: &Board, hypothesis: &Hypothesis) -> Option<f64> {
-    let rhythm = hypothesis.rhythm()?;
-    match hypothesis.bases.first()? {
-        Basis::TorqueTone { .. } | Basis::LevelTone { .. } => {
-            Some(rhythm * TAU / board.benches.first()?.seen.mean_speed())
-        }
-        _ => Some(rhythm),
-    }
-}
-
-/// Whether a mechanism is of the disc or head: the same at every turn and speed.
-#[must_use]
-pub const fn geometry(mechanism: Mechanism) -> bool {
-    matches!(
-        mechanism,
-        Mechanism::LineError
-            | Mechanism::WidthError
-            | Mechanism::QuadratureError
-            | Mechanism::Eccentricity
-            | Mechanism::DiscTilt
-            | Mechanism::LocalDefect
-    )
 }

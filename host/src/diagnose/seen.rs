@@ -147,7 +147,7 @@ impl Seen {
         let mut fresh = fresh;
         for mark in &stretch.marks {
             let place = mark.place + shift;
-            let edge = (place + track.origin).rem_euclid(track.edges);
+            let edge = (place + still.origin).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
             let past = still.errors.get(edge).copied().unwrap_or(0.0);
             let (Some(here), Some(speed)) =
@@ -161,7 +161,7 @@ impl Seen {
             let lateness = mark.time_s - here + self.twin_ahead_s;
             let swung = swing.and_then(|swing| speed_at(swing, place, -past, still.fine));
             let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
-            self.places.push(mark.place + track.origin);
+            self.places.push(mark.place + still.origin);
             self.times_s.push(mark.time_s);
             self.speeds.push(speed * way);
             self.shows.push(swung.map_or(1.0, |swung| speed / swung));

@@ -18,6 +18,10 @@ pub struct Still {
     swing: Vec<Stretch>,
     /// Errors of the twin's disc, rad.
     pub errors: Vec<f64>,
+    /// What a place lacks to be an edge of the disc, turns counted from the twin's start.
+    pub origin: i64,
+    /// Angle that the twin starts at, rad.
+    pub start_rad: f64,
     /// What a speed is taken over.
     pub reach: Reach,
     /// The same where the speed swings.
@@ -30,7 +34,7 @@ impl Still {
     /// # Errors
     /// [`TwinError`] where it can't be run.
     pub fn of(track: &Track, plan: SensorPlan, twin: &Twin) -> Result<Self, TwinError> {
-        let still = started(track, without_randomness(track, twin))?;
+        let (still, turns) = started(track, without_randomness(track, twin))?;
         let (perfect, swinging) = (perfect(&still), swinging(&still));
         let edges_of = |twin: &Twin| simulated(plan, twin).map(|(stretches, _)| stretches);
         let (twins, pace, swing) = std::thread::scope(|scope| {
@@ -52,6 +56,8 @@ impl Still {
             pace,
             swing,
             errors,
+            origin: track.origin + turns * track.edges,
+            start_rad: still.shaft.initial_angle_rad,
             reach: Reach::of(edges, track.edges),
             fine: Reach::of(1, track.edges),
         })
@@ -153,29 +159,29 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
     still
 }
 
-/// The same, started so that it passes the recording's first place when the recording does.
-fn started(track: &Track, mut still: Twin) -> Result<Twin, TwinError> {
+/// The same, started so that it passes the recording's first place when the recording does; and the turns by which the shaft's angle
+/// is then ahead of the recording's count.
+fn started(track: &Track, mut still: Twin) -> Result<(Twin, i64), TwinError> {
     let Some(first) = track.stretches.first().and_then(|s| s.marks.first()) else {
-        return Ok(still);
+        return Ok((still, 0));
     };
     if !track.anchored || first.time_s <= 0.0 {
-        return Ok(still);
+        return Ok((still, 0));
     }
     let short = Twin {
         duration: Duration::Seconds(first.time_s),
         ..perfect(&still)
     };
-    let mut last = None;
-    for event in Simulation::new(&short)? {
-        last = Some(event.truth.angle_rad);
-    }
     // What the shaft does until then; its last edge is near enough.
-    if let Some(last) = last {
-        let travelled = last - still.shaft.initial_angle_rad;
-        let place = first.place as f64 * TAU / track.edges as f64;
-        still.shaft.initial_angle_rad = (place - travelled).rem_euclid(TAU);
-    }
-    Ok(still)
+    let last = Simulation::new(&short)?.last();
+    let Some(last) = last else {
+        return Ok((still, 0));
+    };
+    let travelled = last.truth.angle_rad - still.shaft.initial_angle_rad;
+    let place = first.place as f64 * TAU / track.edges as f64;
+    let start = place - travelled;
+    still.shaft.initial_angle_rad = start.rem_euclid(TAU);
+    Ok((still, -start.div_euclid(TAU) as i64))
 }
 
 /// The same shaft with a disc and a capture that do nothing, and none of the torques that keep step with turn or time: a shaft that

@@ -89,18 +89,7 @@ impl Track {
                 Outcome::Index(_) | Outcome::Idle => {}
             }
         }
-        walker.track.origin = walker.track.usual_origin();
         Ok(walker.track)
-    }
-
-    /// The twin's angle starts within the first turn, so going forward an index is first passed at its end.
-    fn usual_origin(&self) -> i64 {
-        let forward = self.stretches.first().is_some_and(|s| s.direction == 1);
-        if self.anchored && forward {
-            self.edges
-        } else {
-            0
-        }
     }
 
     /// Without an index: places are those of a shaft that starts at an angle.

@@ -31,12 +31,12 @@ impl Seen {
                     continue;
                 }
                 let (place, speed) = through(&course[near..near + 4], mark.time_s);
-                let edge = (mark.place + track.origin).rem_euclid(track.edges);
+                let edge = (mark.place + still.origin).rem_euclid(track.edges);
                 let edge = usize::try_from(edge).unwrap_or(0);
                 let error = still.errors.get(edge).copied().unwrap_or(0.0);
                 let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
                 let speed = speed * step;
-                self.places.push(mark.place + track.origin);
+                self.places.push(mark.place + still.origin);
                 self.times_s.push(mark.time_s);
                 self.speeds.push(speed.abs() * stretch.direction as f64);
                 self.shows.push(1.0);
