@@ -59,6 +59,9 @@ struct Options {
     /// Score cases drawn before: their sealed folder
     #[arg(long, value_name = "DIR", requires = "open")]
     sealed: Option<PathBuf>,
+    /// Folder to keep the answers' JSON in, where the cases are not kept with them
+    #[arg(long, value_name = "DIR")]
+    answers: Option<PathBuf>,
     /// Try this case only; may be given several times
     #[arg(long, value_name = "NAME")]
     case: Vec<String>,
@@ -75,7 +78,7 @@ struct Options {
     #[arg(long, value_name = "PROGRAM")]
     quadcal: Option<PathBuf>,
     /// Time the diagnosis of a minute of 150,000 edges, and do nothing else
-    #[arg(long, conflicts_with_all = ["open", "sealed", "case", "misses", "markdown", "json"])]
+    #[arg(long, conflicts_with_all = ["open", "sealed", "answers", "case", "misses", "markdown", "json"])]
     speed: bool,
 }
 
@@ -90,7 +93,7 @@ fn main() -> Result<ExitCode> {
         fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         return speed(&quadcal, &folder.canonicalize()?);
     }
-    let folders = match (&options.open, &options.sealed) {
+    let mut folders = match (&options.open, &options.sealed) {
         (Some(open), Some(sealed)) => {
             ensure!(
                 !fs::canonicalize(sealed)?.starts_with(fs::canonicalize(open)?),
@@ -106,6 +109,9 @@ fn main() -> Result<ExitCode> {
         }
         _ => draw(&options, folder)?,
     };
+    if let Some(answers) = &options.answers {
+        folders.answers.clone_from(answers);
+    }
     let mut names = folders.names()?;
     if !options.case.is_empty() {
         names.retain(|name| options.case.contains(name));

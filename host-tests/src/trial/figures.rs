@@ -162,6 +162,14 @@ pub fn figures(scores: &[Score]) -> Vec<Figure> {
             &each(&pick, &right),
         ));
     }
+    for kind in [Kind::One, Kind::Masked, Kind::Loop] {
+        let pick = |s: &Score| s.kind == kind && s.identifiable;
+        all.push(Figure::share(
+            format!("the same, {} only, any size", kind.name()),
+            None,
+            &each(&pick, &right),
+        ));
+    }
     all.push(Figure::share(
         "first or among the look-alikes, any size, not identifiable",
         None,

@@ -1,12 +1,14 @@
 //! Whether an interval of a finding holds the true value.
 //!
-//! Generator and twin mean the same by a parameter's name, which `blind/tests/conventions.rs` holds recording against recording,
-//! with these exceptions, that are converted here:
+//! Generator and twin mean the same by a parameter's name, which `blind/tests/conventions` holds recording against recording. Angles
+//! count through all turns, from the turn in which the recording begins; friction is what comes on top of the twin's. What differs is
+//! converted here, or not counted:
 //!
 //! - A delay of all edges alike is no more than an offset of the clock, so a finding has differences: `rise_less_fall_s`,
 //!   `b.rise_less_fall_s`, `b_less_a_s`.
 //! - `timestamp_jitter`: a twin's `jitter_s` is the whole of it; the generator's comes on top of what the twin has, square on square.
 //! - A play found for a hysteresis, or the other way round, has another name for the same angle.
+//! - `stick_slip`: a twin's drive damps beside its spring and the generator's does not, so no number of theirs is the same: none counts.
 //! - `line_error`: the RMS of the pattern that was drawn counts, not that of the distribution.
 //!
 //! Phases count modulo 2 pi, and a negative amplitude is a positive one with its phase turned by pi.
@@ -59,6 +61,7 @@ fn true_value(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -
         Mechanism::LineError if name == "rms_rad" => {
             number("pattern_rms_rad").or_else(|| number(name))
         }
+        Mechanism::StickSlip => None,
         Mechanism::Friction if name == "stribeck_rad_s" => {
             // Without such friction its scale means nothing.
             number(name).filter(|_| number("stribeck_n_m") != Some(0.0))
