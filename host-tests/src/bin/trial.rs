@@ -96,7 +96,7 @@ fn main() -> Result<ExitCode> {
     let mut folders = match (&options.open, &options.sealed) {
         (Some(open), Some(sealed)) => {
             ensure!(
-                !fs::canonicalize(sealed)?.starts_with(fs::canonicalize(open)?),
+                !real(sealed)?.starts_with(real(open)?),
                 "{} lies within {}: the truth must not lie where the cases are",
                 sealed.display(),
                 open.display()
@@ -158,7 +158,7 @@ fn draw(options: &Options, folder: &Path) -> Result<Folders> {
 /// The command under trial, as an absolute path.
 fn program(given: Option<&Path>) -> Result<PathBuf> {
     if let Some(path) = given {
-        return fs::canonicalize(path).with_context(|| path.display().to_string());
+        return real(path);
     }
     let own = std::env::current_exe()?;
     let names = ["quadcal", "quadcal-under-test"];
@@ -216,6 +216,11 @@ impl Options {
         }
         text
     }
+}
+
+/// A path that is there, absolute.
+fn real(path: &Path) -> Result<PathBuf> {
+    fs::canonicalize(path).with_context(|| path.display().to_string())
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {
