@@ -25,3 +25,4 @@ pub mod rig;
 pub mod session;
 pub mod slot_check;
 pub mod speed_loop;
+pub mod trial;

@@ -6,6 +6,7 @@ use super::case::{Case, Drawn, Sized};
 use super::kind::Kind;
 use crate::capture::rows;
 use crate::effect::Effect;
+use crate::encoder::Encoder;
 use crate::ideal::changed;
 use crate::rig::Profile;
 use crate::turning::turn;
@@ -43,7 +44,7 @@ pub(super) fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option
     let mechanisms: Vec<Value> = drawn
         .effects
         .iter()
-        .map(|s| mechanism(s, &events))
+        .map(|s| mechanism(s, &events, drawn.rigs[0].encoder))
         .collect();
     let verdict = match kind {
         Kind::Nothing => "complete",
@@ -74,11 +75,17 @@ pub(super) fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option
     Some(Case { runs, truth })
 }
 
-fn mechanism(sized: &Sized, events: &[f64]) -> Value {
+fn mechanism(sized: &Sized, events: &[f64], encoder: Encoder) -> Value {
     let effect = &sized.effect;
     let mut parameters = effect.parameters();
     if matches!(effect, Effect::LostEdges { .. } | Effect::ExtraEdges { .. }) {
         parameters.insert("times_s".to_owned(), json!(events));
+    }
+    if let (Effect::LineError { .. }, Some(pattern)) = (effect, effect.disc(encoder)) {
+        // What can be measured is the pattern that was drawn, not what it was drawn from.
+        let squares: f64 = pattern.iter().map(|e| e * e).sum();
+        let rms = (squares / pattern.len() as f64).sqrt();
+        parameters.insert("pattern_rms_rad".to_owned(), json!(rms));
     }
     json!({
         "id": effect.id(),

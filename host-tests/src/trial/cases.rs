@@ -1,0 +1,181 @@
+//! Cases of a trial: drawn by the generator, or made before; and work on many of them at once.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use quadcal_blind::draw::{Kind, case, plan};
+use quadcal_blind::write;
+use thiserror::Error;
+
+use super::run::Quadcal;
+use super::score::Score;
+use super::truth::Truth;
+
+/// Why a trial came to nothing. What goes wrong in a single case counts against the command instead.
+#[derive(Debug, Error)]
+pub enum TrialError {
+    /// A file or folder.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// It.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A truth that is none.
+    #[error("{path}: not a truth of this version: {source}", path = path.display())]
+    Truth {
+        /// Its file.
+        path: PathBuf,
+        /// What is wrong in it.
+        source: serde_json::Error,
+    },
+    /// The generator can't write a case.
+    #[error("{0:#}")]
+    Draw(anyhow::Error),
+    /// A sealed folder without cases.
+    #[error("{path}: no case-*/truth.json in it", path = path.display())]
+    NoCases {
+        /// It.
+        path: PathBuf,
+    },
+}
+
+impl TrialError {
+    /// Of a file or folder.
+    pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |source| Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+}
+
+/// Where the cases of a trial lie; the truth apart from them.
+#[derive(Clone, Debug)]
+pub struct Folders {
+    /// Recordings and twins, a folder for each case.
+    pub open: PathBuf,
+    /// The truths, a folder for each case.
+    pub sealed: PathBuf,
+    /// Where the JSON of the answers goes.
+    pub answers: PathBuf,
+}
+
+impl Folders {
+    /// All three within one folder.
+    #[must_use]
+    pub fn within(folder: &Path) -> Self {
+        Self {
+            open: folder.join("open"),
+            sealed: folder.join("sealed"),
+            answers: folder.join("answers"),
+        }
+    }
+
+    /// Draws cases. The same number, seed and kind give the same cases. `done` is told of each.
+    ///
+    /// # Errors
+    /// [`TrialError::Draw`] where one can't be written.
+    pub fn draw(
+        &self,
+        cases: usize,
+        seed: u64,
+        kind: Option<Kind>,
+        jobs: usize,
+        done: impl Fn() + Sync,
+    ) -> Result<(), TrialError> {
+        let plan = plan(cases, seed, kind);
+        let each = in_parallel(jobs, plan.len(), |place| {
+            let (kind, number) = plan[place];
+            let case = case(seed, place, kind, number);
+            let name = format!("case-{place:04}");
+            write::open_folder(&self.open.join(&name), &case.runs).map_err(TrialError::Draw)?;
+            write::sealed(&self.sealed.join(&name), &case.truth).map_err(TrialError::Draw)?;
+            done();
+            Ok(())
+        });
+        each.into_iter().collect()
+    }
+
+    /// Names of the cases, in order.
+    ///
+    /// # Errors
+    /// [`TrialError::NoCases`] where there are none.
+    pub fn names(&self) -> Result<Vec<String>, TrialError> {
+        let entries = fs::read_dir(&self.sealed).map_err(TrialError::io(&self.sealed))?;
+        let mut names = Vec::new();
+        for entry in entries {
+            let entry = entry.map_err(TrialError::io(&self.sealed))?;
+            if entry.path().join("truth.json").is_file() {
+                names.push(entry.file_name().to_string_lossy().into_owned());
+            }
+        }
+        names.sort();
+        if names.is_empty() {
+            return Err(TrialError::NoCases {
+                path: self.sealed.clone(),
+            });
+        }
+        Ok(names)
+    }
+
+    /// Lets the command diagnose cases, and scores them. The truth is read when the answers are in.
+    ///
+    /// # Errors
+    /// [`TrialError`] where a folder can't be used or a truth can't be read.
+    pub fn judge(
+        &self,
+        names: &[String],
+        quadcal: &Quadcal,
+        jobs: usize,
+        done: impl Fn() + Sync,
+    ) -> Result<Vec<Score>, TrialError> {
+        fs::create_dir_all(&self.answers).map_err(TrialError::io(&self.answers))?;
+        let answers = fs::canonicalize(&self.answers).map_err(TrialError::io(&self.answers))?;
+        let said = in_parallel(jobs, names.len(), |at| {
+            let json = answers.join(format!("{}.json", names[at]));
+            let answer = quadcal.diagnose(&self.open.join(&names[at]), &json);
+            done();
+            answer
+        });
+        let pairs = names.iter().zip(&said);
+        pairs
+            .map(|(name, answer)| {
+                let path = self.sealed.join(name).join("truth.json");
+                let text = fs::read_to_string(&path).map_err(TrialError::io(&path))?;
+                let truth: Truth = serde_json::from_str(&text)
+                    .map_err(|source| TrialError::Truth { path, source })?;
+                Ok(Score::of(name, &truth, answer))
+            })
+            .collect()
+    }
+}
+
+/// Results of work on numbers from 0, so many at a time, in order.
+fn in_parallel<T: Send>(jobs: usize, count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let take = || {
+        let mut done = Vec::new();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            if at >= count {
+                return done;
+            }
+            done.push((at, work(at)));
+        }
+    };
+    let mut all: Vec<(usize, T)> = thread::scope(|scope| {
+        let running: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(take)).collect();
+        let joined = running.into_iter().map(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        joined.flatten().collect()
+    });
+    all.sort_by_key(|(at, _)| *at);
+    all.into_iter().map(|(_, result)| result).collect()
+}
