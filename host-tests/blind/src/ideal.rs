@@ -34,6 +34,9 @@ pub const DETECTABLE: f64 = 5.0;
 /// Way at either end of a run that is left out, rad: as far as an effect moves an edge.
 const END_RAD: f64 = 0.06;
 
+/// Edges at the end of a run that say how it would go on.
+const SLOPE: usize = 40;
+
 /// What the ideal detector has of one recording: base run without noise, and the noise's filter.
 pub(crate) struct Sight {
     course: Course,
@@ -250,12 +253,22 @@ impl Sight {
         });
         let signal: Vec<Option<f64>> = each.collect();
         // Few are not met, as at a reversal: the difference beside one holds.
+        let met_last = signal.iter().rposition(Option::is_some);
         let mut last = signal.iter().flatten().next().copied().unwrap_or(0.0);
         let filled = signal.into_iter().map(|value| {
             last = value.unwrap_or(last);
             last
         });
-        filled.collect()
+        let mut filled: Vec<f64> = filled.collect();
+        // A run that the effect slows down ends before: it goes on as it went, or its end would be an effect.
+        if let Some(end) = met_last.filter(|end| *end > SLOPE) {
+            let from = end - SLOPE;
+            let slope = (filled[end] - filled[from]) / (self.time[end] - self.time[from]);
+            for at in end + 1..filled.len() {
+                filled[at] = filled[end] + slope * (self.time[at] - self.time[end]);
+            }
+        }
+        filled
     }
 }
 

@@ -203,7 +203,7 @@ impl Basis {
             }
             Self::TorqueTone { f_hz } => pushed_round(seen, law, &|at, half| {
                 TAU * f_hz
-                    * (seen.times_s[at] + half * seen.readings[at].leap.after_s + seen.twin_ahead_s)
+                    * (seen.times_s[at] + half * seen.readings[at].leap.after_s)
             }),
             Self::LevelTone { f_hz, channel } => {
                 let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
@@ -211,7 +211,7 @@ impl Basis {
                     let change = change_of(seen.class(at), seen.classes);
                     if hit(channel, change) {
                         let size = if change.rises { -1.0 } else { 1.0 };
-                        let (s, c) = (TAU * f_hz * (seen.times_s[at] + seen.twin_ahead_s)).sin_cos();
+                        let (s, c) = (TAU * f_hz * (seen.times_s[at])).sin_cos();
                         (sin[at], cos[at]) = (size * s, size * c);
                     }
                 }
@@ -232,7 +232,7 @@ impl Basis {
                 if change.channel == channel { -seen.speeds[at] } else { 0.0 }
             }),
             Self::LevelDrift { from_s, tau_s } => each(&|at, change| {
-                let since = (seen.times_s[at] + seen.twin_ahead_s - from_s).max(0.0);
+                let since = (seen.times_s[at] - from_s).max(0.0);
                 let size = -(-since / tau_s).exp_m1();
                 if change.rises { -size } else { size }
             }),
@@ -261,7 +261,7 @@ impl Basis {
             }
             Self::Load { from_s, until_s } => {
                 vec![pushed(seen, &|at, _| {
-                    let now = seen.times_s[at] + seen.twin_ahead_s;
+                    let now = seen.times_s[at];
                     let before = now - seen.readings[at].leap.after_s;
                     // The part of the interval under load pushes as much as the whole would in part.
                     let under = (now.min(until_s) - before.max(from_s)).max(0.0);
@@ -271,7 +271,7 @@ impl Basis {
             Self::Drift => vec![pushed(seen, &|at, end| {
                 // What the drive adds to follow: J dw/dt and damping times what it asks for on top.
                 let h = seen.readings[at].leap.after_s;
-                let time = seen.times_s[at] + seen.twin_ahead_s - (1.0 - end) * h;
+                let time = seen.times_s[at] - (1.0 - end) * h;
                 let speed = seen.speeds[at];
                 speed + law.damping(time, speed) * speed * time
             })],
@@ -287,7 +287,7 @@ impl Basis {
                 busy_s,
                 phase_s,
             } => late(&|at, _| {
-                let since = (seen.times_s[at] + seen.twin_ahead_s - phase_s).rem_euclid(1.0 / f_hz);
+                let since = (seen.times_s[at] - phase_s).rem_euclid(1.0 / f_hz);
                 if since < busy_s { -seen.speeds[at].abs() * (busy_s - since) } else { 0.0 }
             }),
         }
@@ -349,7 +349,7 @@ fn pushed_round(
 /// Response to a friction, N m at a speed, while the drive is off: what is on balances friction.
 fn braked(seen: &Seen, law: &ShaftLaw, friction: &dyn Fn(f64) -> f64) -> Vec<Vec<f64>> {
     vec![pushed(seen, &|at, _| {
-        if law.driven(seen.times_s[at] + seen.twin_ahead_s) {
+        if law.driven(seen.times_s[at]) {
             0.0
         } else {
             -friction(seen.speeds[at]) / law.inertia

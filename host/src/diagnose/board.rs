@@ -326,6 +326,45 @@ impl Board {
         })
     }
 
+    /// Columns with nothing outside of some parts.
+    #[must_use]
+    pub fn cut(&self, columns: &[Column], parts: std::ops::Range<usize>) -> Vec<Column> {
+        let cut = |column: &Column| {
+            let each = column.0.iter().zip(&self.benches).map(|(part, bench)| {
+                part.as_ref().map(|part| {
+                    let range = bench.part(parts.start).start..bench.part(parts.end - 1).end;
+                    let mut cut = vec![0.0; part.len()];
+                    cut[range.clone()].copy_from_slice(&part[range]);
+                    cut
+                })
+            });
+            Column(each.collect())
+        };
+        columns.iter().map(cut).collect()
+    }
+
+    /// Columns with given sizes.
+    #[must_use]
+    pub fn with_sizes(&self, columns: &[Column], sizes: &DVector<f64>) -> Model {
+        let mut left: Vec<Vec<f64>> = self.benches.iter().map(|bench| bench.white.clone()).collect();
+        for (column, size) in columns.iter().zip(sizes.iter()) {
+            for (left, part) in left.iter_mut().zip(&column.0) {
+                if let Some(part) = part {
+                    for (left, value) in left.iter_mut().zip(part) {
+                        *left -= size * value;
+                    }
+                }
+            }
+        }
+        Model {
+            columns: Vec::new(),
+            sizes: sizes.clone(),
+            covariance: DMatrix::zeros(0, 0),
+            factor: None,
+            left,
+        }
+    }
+
     /// What more columns would explain of what a model leaves.
     #[must_use]
     pub fn gain(&self, model: &Model, more: &[Column]) -> Option<Gain> {

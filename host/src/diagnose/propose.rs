@@ -82,7 +82,7 @@ fn slow(board: &Board) -> Vec<Hypothesis> {
     if board.benches[0].seen.classes > 1 {
         for bench in &board.benches {
             let (from, long) = (
-                bench.seen.times_s.first().copied().unwrap_or(0.0) + bench.seen.twin_ahead_s,
+                bench.seen.times_s.first().copied().unwrap_or(0.0),
                 bench.seen.seconds(),
             );
             for start in 0..8 {

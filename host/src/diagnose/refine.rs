@@ -44,10 +44,12 @@ pub fn refined(board: &Board, model: &Model, first: Weighed) -> Weighed {
     best
 }
 
-type Change = fn(&mut Basis, f64);
+/// Changes a pattern's searched number.
+pub type Change = fn(&mut Basis, f64);
 
 /// Numbers that are searched for, and first steps.
-fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
+#[must_use]
+pub fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
     let most = |value: &dyn Fn(usize) -> f64| (0..board.benches.len()).map(value).fold(0.0, f64::max);
     let turns = most(&|i| board.benches[i].seen.turns());
     let long = most(&|i| board.benches[i].seen.seconds());

@@ -46,7 +46,7 @@ fn load(bench: &Bench, left: &[f64]) -> Option<Hypothesis> {
             }
         }
     }
-    let time = |cell: usize| start + seen.twin_ahead_s + long * cell as f64 / CELLS as f64;
+    let time = |cell: usize| start + long * cell as f64 / CELLS as f64;
     // A push into the end has no end.
     let until_s = if best.2 == CELLS { f64::INFINITY } else { time(best.2) };
     let from_s = if best.1 == 0 { f64::NEG_INFINITY } else { time(best.1) };

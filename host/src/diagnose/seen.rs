@@ -36,8 +36,6 @@ pub struct Seen {
     pub angles: Vec<f64>,
     /// What the noise model needs of it.
     pub readings: Vec<Reading>,
-    /// Time of the twin less that of the recording, s: its tones count from its own start.
-    pub twin_ahead_s: f64,
 }
 
 impl Seen {
@@ -155,10 +153,7 @@ impl Seen {
             else {
                 continue;
             };
-            if self.is_empty() {
-                self.twin_ahead_s = here - mark.time_s;
-            }
-            let lateness = mark.time_s - here + self.twin_ahead_s;
+            let lateness = mark.time_s - here;
             let swung = swing.and_then(|swing| speed_at(swing, place, -past, still.fine));
             let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
             self.places.push(mark.place + still.origin);
@@ -169,7 +164,7 @@ impl Seen {
             self.readings.push(Reading {
                 leap: Leap {
                     after_s,
-                    damping: law.damping(mark.time_s + self.twin_ahead_s, speed),
+                    damping: law.damping(mark.time_s, speed),
                     spring: law.spring(),
                 },
                 speed,

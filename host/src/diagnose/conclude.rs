@@ -1,0 +1,270 @@
+//! From what a search found to what is named: what is a mechanism, what only resembles one, and what is one or another.
+
+use super::basis::Basis;
+use super::board::Board;
+use super::hypothesis::Hypothesis;
+use super::leftover::{Leftover, leftovers};
+use super::locate::Among;
+use super::rivals::{ALIKE, rivals, same_mark};
+use super::search::{BEYOND, Found, Searched};
+use super::steady::steadiness;
+use crate::mechanism::Mechanism;
+
+/// A finding with a name.
+#[derive(Clone, Debug)]
+pub struct Name {
+    /// Its place in the search's list.
+    pub number: usize,
+    /// What it is.
+    pub hypothesis: Hypothesis,
+    /// What it explains beyond its cost.
+    pub score: f64,
+    /// The next best mechanism, and how much worse it is.
+    pub runner_up: Option<(Mechanism, f64)>,
+    /// Mechanisms as likely as not.
+    pub alike: Vec<Mechanism>,
+    /// Probability among those weighed.
+    pub confidence: f64,
+}
+
+/// Something that has no name.
+#[derive(Clone, Debug)]
+pub struct Nameless {
+    /// Where it is, in words.
+    pub text: String,
+    /// Sum of squares that it makes.
+    pub squares: f64,
+    /// Probability that noise makes as much.
+    pub p_value: f64,
+    /// Orders that bound it.
+    pub orders: Vec<f64>,
+    /// Frequencies that bound it, Hz.
+    pub frequencies_hz: Vec<f64>,
+}
+
+/// What is concluded.
+#[derive(Clone, Debug, Default)]
+pub struct Conclusion {
+    /// Findings with a name, strongest first.
+    pub named: Vec<Name>,
+    /// What has none.
+    pub nameless: Option<Nameless>,
+    /// Whether the disc's pattern is a finding.
+    pub pattern: bool,
+    /// Probability that what is left is noise.
+    pub whiteness_p: f64,
+}
+
+/// Concludes.
+#[must_use]
+pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
+    let odd = odd(board, searched);
+    let odd_score: f64 = odd.iter().map(|number| searched.found[*number].score).sum();
+    let (left, whiteness_p) = leftovers(board, &searched.model);
+    let left = worst(&left, searched);
+    let mut conclusion = Conclusion {
+        pattern: searched.pattern.is_some(),
+        whiteness_p,
+        ..Conclusion::default()
+    };
+    // Beside something that has no name, small findings of the same kind of edges are parts of it.
+    let unknown_squares = odd_score + left.map_or(0.0, |left| left.squares);
+    for (number, found) in searched.found.iter().enumerate() {
+        let part = unknown_squares > 0.0
+            && found.score < 0.3 * unknown_squares
+            && (odd.iter().any(|o| family(&searched.found[*o]) == family(found))
+                || left.is_some_and(|left| kin(left.among) == family(found)));
+        if odd.contains(&number) || part {
+            continue;
+        }
+        conclusion.named.push(name(board, searched, number));
+    }
+    conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
+    conclusion.nameless = nameless(board, searched, &odd, left);
+    conclusion
+}
+
+/// What is left and matters beside what was found.
+fn worst<'a>(left: &'a [Leftover], searched: &Searched) -> Option<&'a Leftover> {
+    left.iter().find(|one| {
+        let family_score: f64 = searched
+            .found
+            .iter()
+            .filter(|found| family(found) == kin(one.among))
+            .map(|found| found.score)
+            .sum();
+        let pattern = searched.pattern.as_ref().map_or(0.0, |p| p.score);
+        one.squares > BEYOND + 0.02 * (family_score + pattern)
+    })
+}
+
+/// Edges that a finding shows on: alike or against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    Alike,
+    Level,
+    Channel,
+    Place,
+}
+
+fn family(found: &Found) -> Family {
+    match found.hypothesis.bases.first() {
+        Some(
+            Basis::LevelTone { .. }
+            | Basis::LevelDrift { .. }
+            | Basis::Width { .. }
+            | Basis::RiseLate { .. },
+        ) => Family::Level,
+        Some(Basis::Shift { .. } | Basis::Late { .. }) => Family::Channel,
+        Some(Basis::Bump { .. }) => Family::Place,
+        _ => Family::Alike,
+    }
+}
+
+fn kin(among: Among) -> Family {
+    match among {
+        Among::All => Family::Alike,
+        Among::Level | Among::LevelOf(_) => Family::Level,
+        Among::Channel(_) => Family::Channel,
+    }
+}
+
+/// Findings that only resemble a mechanism: not the same from beginning to end, or one of a crowd.
+fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
+    let mut odd: Vec<usize> = searched
+        .found
+        .iter()
+        .enumerate()
+        .filter(|(_, found)| steadiness(board, &searched.model, &found.columns).changes(found.score))
+        .map(|(number, _)| number)
+        .collect();
+    let turns = board.benches.iter().map(|b| b.seen.turns()).fold(1.0, f64::max);
+    let turning = board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
+    let place = |found: &Found| -> Option<(Family, f64, bool)> {
+        let rhythm = found.hypothesis.rhythm()?;
+        let cycles = match found.hypothesis.bases.first()? {
+            Basis::TorqueTone { .. } | Basis::LevelTone { .. } => rhythm / turning,
+            _ => rhythm,
+        };
+        Some((family(found), cycles, found.hypothesis.whole()))
+    };
+    let rhythms: Vec<Option<(Family, f64, bool)>> = searched.found.iter().map(place).collect();
+    for (number, one) in rhythms.iter().enumerate() {
+        let Some(one) = one else { continue };
+        let near = rhythms.iter().flatten().filter(|other| {
+            let close = (other.1 - one.1).abs() < (15.0 / turns).max(0.06 * one.1);
+            other.0 == one.0 && close && !(other.2 && one.2)
+        });
+        // It is near itself.
+        if near.count() >= 3 {
+            odd.push(number);
+        }
+    }
+    let drifts = |found: &Found| {
+        matches!(
+            found.hypothesis.bases.first(),
+            Some(Basis::LevelDrift { .. } | Basis::Drift | Basis::Load { .. })
+        )
+    };
+    for family_of in [Family::Level, Family::Alike] {
+        let slow: Vec<usize> = (0..searched.found.len())
+            .filter(|i| drifts(&searched.found[*i]) && family(&searched.found[*i]) == family_of)
+            .collect();
+        if slow.len() >= 3 {
+            odd.extend(slow);
+        }
+    }
+    odd.sort_unstable();
+    odd.dedup();
+    odd
+}
+
+fn name(board: &Board, searched: &Searched, number: usize) -> Name {
+    let (own, rivals) = rivals(board, searched, number);
+    let found = &searched.found[number];
+    let mut hypothesis = found.hypothesis.clone();
+    let mut score = own;
+    let mut others: Vec<(Hypothesis, f64)> = rivals;
+    // Another may fit better now that all the rest is known.
+    if let Some(best) = others.first().cloned()
+        && best.1 > own + ALIKE
+        && best.0.bases.len() == hypothesis.bases.len()
+    {
+        others[0] = (hypothesis, own);
+        (hypothesis, score) = best;
+    }
+    let other = |one: &&(Hypothesis, f64)| one.0.mechanism != hypothesis.mechanism;
+    let runner_up = others.iter().find(other).map(|one| (one.0.mechanism, score - one.1));
+    let mut alike: Vec<Mechanism> = others
+        .iter()
+        .filter(other)
+        .filter(|one| score - one.1 < ALIKE)
+        .map(|one| one.0.mechanism)
+        .collect();
+    let same = same_mark(&hypothesis);
+    alike.extend(same.iter().filter(|m| **m != hypothesis.mechanism));
+    let weights: f64 = others
+        .iter()
+        .filter(other)
+        .map(|one| (0.5 * (one.1 - score)).exp())
+        .sum::<f64>()
+        + same.len().saturating_sub(1) as f64;
+    Name {
+        number,
+        hypothesis,
+        score,
+        runner_up,
+        alike,
+        confidence: 1.0 / (1.0 + weights),
+    }
+}
+
+fn nameless(board: &Board, searched: &Searched, odd: &[usize], left: Option<&Leftover>) -> Option<Nameless> {
+    if let Some(strongest) = odd.iter().max_by(|a, b| {
+        searched.found[**a].score.total_cmp(&searched.found[**b].score)
+    }) {
+        let turning = board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
+        let mut orders: Vec<f64> = Vec::new();
+        for number in odd {
+            let hypothesis = &searched.found[*number].hypothesis;
+            if let Some(rhythm) = hypothesis.rhythm() {
+                orders.push(match hypothesis.bases.first() {
+                    Some(Basis::TorqueTone { .. } | Basis::LevelTone { .. }) => rhythm / turning,
+                    _ => rhythm,
+                });
+            }
+        }
+        orders.sort_by(f64::total_cmp);
+        let bounds: Vec<f64> = match (orders.first(), orders.last()) {
+            (Some(low), Some(high)) if high > low => vec![*low, *high],
+            (Some(low), _) => vec![*low],
+            _ => Vec::new(),
+        };
+        let resembles = searched.found[*strongest].hypothesis.mechanism;
+        let score: f64 = odd.iter().map(|number| searched.found[*number].score).sum();
+        let edges = match family(&searched.found[*strongest]) {
+            Family::Level => "rising against falling edges",
+            Family::Channel => "channel against channel",
+            _ => "all edges alike",
+        };
+        let text = match bounds.as_slice() {
+            [] => format!("{edges}; like {resembles}, but not the same throughout"),
+            [one] => format!("{edges}, around order {one:.2}; like {resembles}, but not the same throughout"),
+            [low, high, ..] => format!("{edges}, orders {low:.2} to {high:.2}: a rhythm that is none of turn or time"),
+        };
+        return Some(Nameless {
+            text,
+            squares: score + left.map_or(0.0, |left| left.squares),
+            p_value: 0.0,
+            frequencies_hz: bounds.iter().map(|order| order * turning).collect(),
+            orders: bounds,
+        });
+    }
+    left.map(|left| Nameless {
+        text: left.text.clone(),
+        squares: left.squares,
+        p_value: left.p_value,
+        orders: left.orders.clone(),
+        frequencies_hz: left.frequencies_hz.clone(),
+    })
+}
