@@ -34,7 +34,7 @@ fn bad_twins_are_refused_with_their_line() {
             "typo.toml",
             "width_a_rad",
             "widht_a_rad",
-            "typo.toml:8:1: errors: unknown",
+            "typo.toml:8:1: errors.widht_a_rad: unknown field",
         ),
         (
             "unit.toml",

@@ -34,8 +34,8 @@ Examples:
   quadcal diagnose hub.csv --twin hall.toml                            Hall sensors
 
 The twin says what is known of the rig: encoder, shaft, drive, noise (quadcal simulate --keys). What
-it lacks is searched in every coordinate in which physics leaves a mark, named, fitted on a part of the
-turns and judged on the rest. The verdict is one of
+it lacks is searched in every coordinate in which physics leaves a mark, named, fitted on the
+earlier turns and judged on the last ones. The verdict is one of
 
   complete   the twin explains the recordings; what is left is noise
   explained  with the findings, what is left is noise
@@ -66,7 +66,7 @@ pub struct Diagnose {
     twins: Vec<PathBuf>,
     #[command(flatten)]
     reading: ReadingArgs,
-    /// Write the twin with the findings in it; of several recordings the others' as PATH with a number (new-2.toml)
+    /// Write the twin with the findings in it; of several recordings the others' get a number (new-2.toml)
     #[arg(long, value_name = "PATH", value_parser = file, help_heading = "Results")]
     write_twin: Option<PathBuf>,
     #[command(flatten)]

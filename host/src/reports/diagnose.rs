@@ -9,7 +9,7 @@ pub mod recordings;
 mod tests;
 pub mod words;
 
-use crate::diagnose::diagnosis::{Diagnosis, Fit, Verdict};
+use crate::diagnose::diagnosis::{Diagnosis, Verdict};
 use crate::diagnose::run::Diagnosed;
 use crate::report::plot::{Axis, Bars};
 use crate::report::{Body, Cell, Colour, Footer, Level, Report, Tile};
@@ -27,12 +27,13 @@ pub fn report(diagnosed: &Diagnosed, footer: Footer) -> Report {
         tiles(diagnosis),
     );
     let body = report.body();
+    findings::overview(body, &diagnosis.findings);
     if let Some(next) = &diagnosis.next_recording {
         let text = words::next(next);
         body.section("The recording to make next", &[&text]);
     }
-    findings::sections(body, &diagnosis.findings, shown);
-    agreement(body, &diagnosis.fit);
+    findings::sections(body, diagnosis, shown);
+    agreement(body, diagnosis);
     recordings::sections(body, diagnosis, &shown.recordings);
     report.details("Details", details(diagnosis));
     report.footer(footer);
@@ -65,7 +66,11 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
             words::meaning(diagnosis.verdict),
         ),
         Tile::si(
-            "Residual before",
+            if diagnosis.findings.is_empty() {
+                "Residual"
+            } else {
+                "Residual before"
+            },
             fit.rms_before_rad,
             "rad",
             "RMS, the twin as given",
@@ -96,20 +101,31 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
     tiles
 }
 
-fn agreement(body: &mut Body, fit: &Fit) {
-    let held = &fit.held_out;
-    let text = format!(
-        "Parameters were fitted on the earlier turns and judged on the last ones of each recording, which they had not seen. \
-         Whether what is left is noise: probability {} before, {} with the findings; under 0.01 it is none.",
-        words::probability(fit.whiteness_p_before),
-        words::probability(fit.whiteness_p)
+fn agreement(body: &mut Body, diagnosis: &Diagnosis) {
+    let (fit, held) = (&diagnosis.fit, &diagnosis.fit.held_out);
+    let found = !diagnosis.findings.is_empty();
+    let before = words::probability(fit.whiteness_p_before);
+    let noise = if found {
+        let after = words::probability(fit.whiteness_p);
+        format!("{before} with the twin as given, {after} with the findings")
+    } else {
+        before
+    };
+    let mut text = format!(
+        "Probability that noise alone leaves a residual like this: {noise}. Under 0.01 something is left that is no noise."
     );
+    if found {
+        text += " Parameters were fitted on the earlier turns and judged on the last ones of each recording, held out.";
+    }
     body.section("How well it fits", &[&text]);
     let bars = |before: f64, after: f64, floor: f64| {
-        Bars::new(Axis::new("Residual, RMS", "rad"))
-            .bar("twin as given", before, Colour::BEFORE)
-            .bar("with the findings", after, Colour::AFTER)
-            .bar("noise alone", floor, Colour::Grey)
+        let bars = Bars::new(Axis::new("Residual, RMS", "rad"));
+        let bars = bars.bar("twin as given", before, Colour::BEFORE);
+        let bars = match found {
+            true => bars.bar("with the findings", after, Colour::AFTER),
+            false => bars,
+        };
+        bars.bar("noise alone", floor, Colour::Grey)
     };
     body.figure_pair(
         (

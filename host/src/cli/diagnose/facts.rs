@@ -10,18 +10,24 @@ use crate::reports::diagnose::words;
 pub(super) fn facts(diagnosis: &Diagnosis) -> Facts {
     let mut facts = Facts::default();
     let verdict = diagnosis.verdict;
-    facts
-        .push(
-            "Verdict",
-            format!(
-                "{}: {}",
-                words::verdict_id(verdict),
-                words::meaning(verdict)
-            ),
-        )
-        .push("", words::headline(diagnosis));
+    facts.push(
+        "Verdict",
+        format!(
+            "{}: {}",
+            words::verdict_id(verdict),
+            words::meaning(verdict)
+        ),
+    );
+    if !diagnosis.summary.trim().is_empty() {
+        facts.push("", words::headline(diagnosis));
+    }
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         finding_facts(&mut facts, index + 1, finding);
+        // That of the whole diagnosis comes below.
+        let next = finding.next_recording.as_ref();
+        if let Some(next) = next.filter(|next| diagnosis.next_recording.as_ref() != Some(*next)) {
+            facts.push("  record next", words::next(next));
+        }
     }
     fit_facts(&mut facts, diagnosis, &diagnosis.fit);
     if let Some(next) = &diagnosis.next_recording {
@@ -46,14 +52,14 @@ fn finding_facts(facts: &mut Facts, number: usize, finding: &Finding) {
     for (name, parameter) in &finding.parameters {
         facts.push(format!("  {name}"), words::with_interval(parameter));
     }
-    facts.push("  evidence", words::evidence(&finding.evidence).join("; "));
+    for (index, (against, result)) in words::evidence(&finding.evidence).iter().enumerate() {
+        let name = if index == 0 { "  evidence" } else { "" };
+        facts.push(name, format!("{against}: {result}"));
+    }
     if !finding.look_alikes.is_empty() {
         let names = finding.look_alikes.iter().copied().map(words::named);
         let names: Vec<String> = names.collect();
         facts.push("  looks the same", words::list(&names));
-    }
-    if let Some(next) = &finding.next_recording {
-        facts.push("  record next", words::next(next));
     }
 }
 
@@ -81,11 +87,15 @@ fn fit_facts(facts: &mut Facts, diagnosis: &Diagnosis, fit: &Fit) {
         .push("  on turns not fitted on", on_held_out)
         .push(
             "  is noise, probability",
-            format!(
-                "{} before, {} after",
-                words::probability(fit.whiteness_p_before),
-                words::probability(fit.whiteness_p)
-            ),
+            if diagnosis.findings.is_empty() {
+                words::probability(fit.whiteness_p_before)
+            } else {
+                format!(
+                    "{} before, {} after",
+                    words::probability(fit.whiteness_p_before),
+                    words::probability(fit.whiteness_p)
+                )
+            },
         );
 }
 
@@ -107,7 +117,12 @@ fn read(recording: &RecordingFacts) -> String {
         }
     );
     if !recording.disturbed_s.is_empty() {
-        text += &format!("; count disturbed {} times", recording.disturbed_s.len());
+        let times = recording.disturbed_s.len();
+        let plural = if times == 1 { "" } else { "s" };
+        text += &format!("; count disturbed at {times} instant{plural}");
     }
     text
 }
+
+#[cfg(test)]
+mod tests;

@@ -21,41 +21,43 @@ pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, plots: &[Recordin
             title,
             &["How far each edge comes from where the twin and the edges before it let it expect."],
         );
-        residual(body, plot);
-        spectrum(body, diagnosis, plot);
+        let found = !diagnosis.findings.is_empty();
+        residual(body, plot, found);
+        spectrum(body, diagnosis, plot, found);
     }
 }
 
-fn residual(body: &mut Body, plot: &RecordingPlot) {
+fn residual(body: &mut Body, plot: &RecordingPlot, found: bool) {
     if plot.before.is_empty() {
         return;
     }
     let scale = [1.0, 1e-6];
-    let drawn = Xy::new(Axis::new("Time", "s"), Axis::new("Residual", "rad"))
-        .series(series("twin as given", &plot.before, scale).colour(Colour::BEFORE))
-        .series(series("with the findings", &plot.after, scale).colour(Colour::AFTER));
+    let mut drawn = Xy::new(Axis::new("Time", "s"), Axis::new("Residual", "rad"))
+        .series(series("twin as given", &plot.before, scale).colour(Colour::BEFORE));
+    if found {
+        let after = series("with the findings", &plot.after, scale);
+        drawn = drawn.series(after.colour(Colour::AFTER));
+    }
     body.figure(drawn, "Residual along the recording.");
 }
 
-fn spectrum(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot) {
+fn spectrum(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot, found: bool) {
     if plot.spectrum_before.is_empty() {
         return;
     }
     let [x, before] = columns(&plot.spectrum_before, [1.0; 2]);
-    let mut drawn = Spectrum::new("").label("Power, 1 is noise").stems(
-        "twin as given",
-        &x,
-        &before,
-        Colour::BEFORE,
+    let mut drawn = Spectrum::new("")
+        .label("Power, 1 is the mean of noise")
+        .stems("twin as given", &x, &before, Colour::BEFORE);
+    if found {
+        let [x, after] = columns(&plot.spectrum_after, [1.0; 2]);
+        drawn = drawn.stems("with the findings", &x, &after, Colour::AFTER);
+    }
+    drawn = drawn.floor(
+        "noise alone comes this far once in 20 recordings",
+        &[1.0],
+        &[plot.threshold],
     );
-    let [x, after] = columns(&plot.spectrum_after, [1.0; 2]);
-    drawn = drawn
-        .stems("with the findings", &x, &after, Colour::AFTER)
-        .floor(
-            "noise alone, once in 20 recordings",
-            &[1.0],
-            &[plot.threshold],
-        );
     for finding in &diagnosis.findings {
         for order in finding.place.orders.iter().take(1) {
             drawn = drawn.name(*order, finding.mechanism.id());
@@ -102,7 +104,7 @@ pub(super) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
 }
 
 /// Where angles count from.
-pub(super) const fn origin(facts: &RecordingFacts) -> &'static str {
+const fn origin(facts: &RecordingFacts) -> &'static str {
     if facts.anchored {
         "the disc's index"
     } else {

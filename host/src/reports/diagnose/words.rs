@@ -34,7 +34,7 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
     let summary = diagnosis.summary.trim();
     if summary.is_empty() {
         let meaning = meaning(diagnosis.verdict);
-        return meaning[..1].to_uppercase() + &meaning[1..] + ".";
+        return sentence(meaning) + ".";
     }
     summary.to_owned()
 }
@@ -48,10 +48,20 @@ pub fn named(mechanism: Mechanism) -> String {
 /// A list with "and" before its last.
 #[must_use]
 pub fn list(names: &[String]) -> String {
+    joined_by("and", names)
+}
+
+/// A list with "or" before its last.
+#[must_use]
+pub fn list_or(names: &[String]) -> String {
+    joined_by("or", names)
+}
+
+fn joined_by(word: &str, names: &[String]) -> String {
     match names {
         [] => String::new(),
         [one] => one.clone(),
-        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+        [rest @ .., last] => format!("{} {word} {last}", rest.join(", ")),
     }
 }
 
@@ -147,31 +157,60 @@ pub fn confidence(finding: &Finding) -> String {
     }
 }
 
-/// What speaks for a finding, one clause each.
+/// What speaks for a finding: against what it was held, and what came of it.
 #[must_use]
-pub fn evidence(evidence: &Evidence) -> Vec<String> {
-    let mut clauses = vec![format!(
-        "without it the criterion (BIC) is {:.0} worse, where 10 is strong",
-        evidence.delta_bic
-    )];
+pub fn evidence(evidence: &Evidence) -> Vec<(String, String)> {
+    let worse = |delta: f64| match delta {
+        delta if delta < 0.0 => format!("{:.1} better by the criterion (BIC)", -delta),
+        delta if delta < 10.0 => {
+            format!("{delta:.1} worse by the criterion (BIC), which decides nothing")
+        }
+        delta => format!("{delta:.0} worse by the criterion (BIC), where 10 is strong"),
+    };
+    let mut rows = vec![("without it".to_owned(), worse(evidence.delta_bic))];
     if let Some(next) = &evidence.runner_up {
-        clauses.push(format!(
-            "with the next best in its place, {}, {:.0} worse",
-            named(next.mechanism),
-            next.delta_bic
-        ));
+        let instead = format!("with the next best instead, {}", named(next.mechanism));
+        rows.push((instead, worse(next.delta_bic)));
     }
-    clauses.push(format!(
-        "noise alone shows as much, anywhere that was searched, with probability {}",
-        probability(evidence.p_value)
+    rows.push((
+        "noise alone".to_owned(),
+        format!(
+            "shows as much, anywhere that was searched, with probability {}",
+            probability(evidence.p_value)
+        ),
     ));
     if let Some(ratio) = evidence.held_out_rms_ratio {
-        clauses.push(format!(
-            "on turns held out it takes the RMS to {} of what it was",
-            si_digits(ratio, "", 2).0
+        let ratio = si_digits(ratio, "", 2).0;
+        rows.push((
+            "turns not fitted on".to_owned(),
+            format!("with it the RMS is {ratio} of that without it"),
         ));
     }
-    clauses
+    rows
+}
+
+/// The parameters that say how large it is, in a line: no phases and no places in it.
+#[must_use]
+pub fn size(finding: &Finding) -> String {
+    const MOST: usize = 3;
+    const NO_SIZE: [&str; 5] = ["phase_rad", "at_s", "from_s", "until_s", "phase_s"];
+    let local = finding.mechanism == Mechanism::LocalDefect;
+    let sizes = finding.parameters.iter().filter(|(name, _)| {
+        !NO_SIZE.contains(&name.as_str()) && !(local && name.as_str() == "angle_rad")
+    });
+    let text = |(name, parameter): (&String, &Parameter)| {
+        let name = parameter_name(name, &parameter.unit);
+        format!("{name} {}", with_interval(parameter))
+    };
+    sizes.take(MOST).map(text).collect::<Vec<_>>().join("; ")
+}
+
+/// With a capital first letter.
+#[must_use]
+pub fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
 }
 
 /// A recording to make, and what a simulation says that it would decide.
