@@ -194,10 +194,11 @@ pub fn evidence(evidence: &Evidence) -> Vec<(String, String)> {
 pub fn size(finding: &Finding) -> String {
     const MOST: usize = 3;
     const NO_SIZE: [&str; 5] = ["phase_rad", "at_s", "from_s", "until_s", "phase_s"];
-    let local = finding.mechanism == Mechanism::LocalDefect;
-    let sizes = finding.parameters.iter().filter(|(name, _)| {
-        !NO_SIZE.contains(&name.as_str()) && !(local && name.as_str() == "angle_rad")
-    });
+    let place = |name: &str| {
+        let local = finding.mechanism == Mechanism::LocalDefect;
+        NO_SIZE.contains(&name) || (local && name == "angle_rad")
+    };
+    let sizes = finding.parameters.iter().filter(|(name, _)| !place(name));
     let text = |(name, parameter): (&String, &Parameter)| {
         let name = parameter_name(name, &parameter.unit);
         format!("{name} {}", with_interval(parameter))
