@@ -52,7 +52,7 @@ fn bad_twins_are_refused_with_their_line() {
             "range.toml",
             "lines = 50",
             "lines = 0",
-            "range.toml:4:1: encoder.quadrature.lines = 0",
+            "range.toml:4:9: encoder.quadrature.lines = 0",
         ),
         ("cross.toml", "4e-3", "1.5", "cross.toml: errors: edge "),
     ] {
