@@ -13,6 +13,7 @@ use thiserror::Error;
 use crate::calibrate::{CalibrateError, Disagreement};
 use crate::demo::DemoError;
 use crate::device::{BadAddress, DeviceError, KeyError, TableMismatch};
+use crate::diagnose::run::DiagnoseError;
 use crate::free_run::FreeRunError;
 use crate::locate::LocateError;
 use crate::recording::ReadError;
@@ -22,6 +23,7 @@ use crate::twin::TwinError;
 use crate::verify::{ReferenceError, VerifyError};
 
 use super::device::pace::outside;
+use super::diagnose::OtherEncoder;
 use super::hints::{lines_hint, option_for, reference_hint, twin_hint};
 use super::output::Target;
 
@@ -65,6 +67,42 @@ pub enum Failure {
         /// The sensor that was recorded.
         recorded: &'static str,
     },
+    /// A recording is not of the encoder that its twin declares.
+    #[error("{recording}: another encoder than in {twin}: {source}", recording = recording.display(), twin = twin.display())]
+    OtherEncoder {
+        /// The recording.
+        recording: PathBuf,
+        /// The twin.
+        twin: PathBuf,
+        /// What differs.
+        source: OtherEncoder,
+    },
+    /// Two twins of one rig declare two encoders.
+    #[error(
+        "{this}: declares another encoder than {other}; recordings diagnosed together must be of one rig",
+        this = this.display(),
+        other = other.display()
+    )]
+    OtherRig {
+        /// The twin.
+        this: PathBuf,
+        /// One given before it.
+        other: PathBuf,
+    },
+    /// Neither one twin nor one for each recording.
+    #[error(
+        "--twin: given {twins} times for {recordings} {name}; give it once for all, or once for each in the same order",
+        name = if *recordings == 1 { "recording" } else { "recordings" }
+    )]
+    TwinCount {
+        /// Twins given.
+        twins: usize,
+        /// Recordings given.
+        recordings: usize,
+    },
+    /// There is no diagnosis.
+    #[error("{0}")]
+    Diagnose(Box<DiagnoseError>),
     /// A recording can't be calibrated.
     #[error("{recording}: {source}{hint}", recording = recording.display(), hint = lines_hint(source, twin.as_deref()))]
     Calibrate {

@@ -7,6 +7,7 @@ mod completions;
 mod convert;
 mod demo;
 mod device;
+mod diagnose;
 pub mod failure;
 mod footer;
 mod hints;
@@ -43,6 +44,7 @@ Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal verify spindle.csv --table spindle.qct
   quadcal locate spindle.csv --table spindle.qct
+  quadcal diagnose rig.csv --twin rig.toml --report rig.html
   quadcal info spindle.csv                    what a recording holds
   quadcal convert capture.vcd -o capture.csv  from one format to another
   quadcal device recalibrate --port /dev/ttyACM0
@@ -83,6 +85,7 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Verify(verify::Verify),
     Locate(locate::Locate),
+    Diagnose(diagnose::Diagnose),
     Info(info::Info),
     Convert(convert::Convert),
     Device(device::Device),
@@ -116,6 +119,7 @@ impl Cli {
             Command::Calibrate(command) => command.run(globals),
             Command::Verify(command) => command.run(globals),
             Command::Locate(command) => command.run(globals),
+            Command::Diagnose(command) => command.run(globals),
             Command::Info(command) => command.run(globals),
             Command::Convert(command) => command.run(globals),
             Command::Device(command) => command.run(globals),

@@ -113,10 +113,18 @@ impl Target {
     /// # Errors
     /// [`Failure::Write`]; a file is then as it was.
     pub fn write_json(&self, value: &impl Serialize) -> Result<(), Failure> {
+        self.write(&self.json_of(value)?)
+    }
+
+    /// `value` as [`write_json`](Self::write_json) writes it.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub fn json_of(&self, value: &impl Serialize) -> Result<Vec<u8>, Failure> {
         let mut text =
             serde_json::to_vec_pretty(value).map_err(|error| self.failed(error.into()))?;
         text.push(b'\n');
-        self.write(&text)
+        Ok(text)
     }
 
     /// Writes the page of `report`.

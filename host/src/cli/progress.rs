@@ -17,11 +17,15 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Steps between looks at the clock, which would cost more than a row.
 const STRIDE: u64 = 4096;
 
+/// Parts that a share is counted in.
+const SHARES: u64 = 1000;
+
 /// What is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unit {
     Bytes,
     Steps(&'static str),
+    Share,
 }
 
 /// A bar that appears on a terminal once the work has taken a second, and goes away when dropped.
@@ -44,6 +48,22 @@ impl Progress {
         globals: Globals,
     ) -> Self {
         Self::new(what.into(), Unit::Steps(unit), total, globals)
+    }
+
+    /// Progress through work of which only the share done is known.
+    pub fn share(what: impl Into<String>, globals: Globals) -> Self {
+        Self::new(what.into(), Unit::Share, Some(SHARES), globals)
+    }
+
+    /// Says that a share from 0 to 1 is behind us, and what is going on.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss
+    )]
+    pub fn at(&mut self, share: f64, what: &str) {
+        let done = (share.clamp(0.0, 1.0) * SHARES as f64).round() as u64;
+        self.reach(done, |_| what.to_owned());
     }
 
     fn new(what: String, unit: Unit, total: Option<u64>, globals: Globals) -> Self {
@@ -111,6 +131,7 @@ fn bar(what: &str, unit: Unit, total: Option<u64>, elapsed: Duration) -> Progres
     let counts = match (unit, total) {
         (Unit::Bytes, Some(_)) => "{bytes} of {total_bytes}".to_owned(),
         (Unit::Bytes, None) => "{bytes}".to_owned(),
+        (Unit::Share, _) => String::new(),
         (Unit::Steps(unit), Some(_)) => format!("{{human_pos}} of {{human_len}} {unit}"),
         (Unit::Steps(unit), None) => format!("{{human_pos}} {unit}"),
     };

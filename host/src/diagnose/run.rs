@@ -30,6 +30,9 @@ pub struct Diagnosed {
     pub shown: Shown,
     /// The twins with the findings in them, one for each recording.
     pub twins: Vec<Twin>,
+    /// For each recording, if the disc was learned edge by edge, the whole of e, rad for each edge of the grid; it takes the place of
+    /// all of the twin's `errors`.
+    pub error_lists: Vec<Option<Vec<f64>>>,
 }
 
 /// Why there is no diagnosis.
@@ -108,5 +111,6 @@ pub fn diagnose(
         },
         shown: Shown::default(),
         twins: rig.iter().map(|one| one.twin.clone()).collect(),
+        error_lists: vec![None; rig.len()],
     })
 }

@@ -28,6 +28,7 @@ struct Stems {
 /// An order spectrum (orders are cycles a revolution, whole or not).
 #[derive(Clone, Debug)]
 pub struct Spectrum {
+    label: String,
     unit: String,
     stems: Vec<Stems>,
     floor: Vec<(f64, f64)>,
@@ -40,6 +41,7 @@ impl Spectrum {
     /// An empty spectrum of amplitudes in `unit`.
     pub fn new(unit: impl Into<String>) -> Self {
         Self {
+            label: "Amplitude".to_owned(),
             unit: unit.into(),
             stems: Vec::new(),
             floor: Vec::new(),
@@ -47,6 +49,12 @@ impl Spectrum {
             band: None,
             named: Vec::new(),
         }
+    }
+
+    /// Says what the heights are, where they are no amplitudes.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
     }
 
     /// Adds amplitudes by order, drawn over those before them. Orders or amplitudes at or below zero are not shown.
@@ -104,7 +112,7 @@ impl Spectrum {
 
     pub(super) fn draw(&self, canvas: Canvas, label: &str) -> Markup {
         let x_axis = Axis::new("Order, cycles a revolution", "").log();
-        let y_axis = Axis::new("Amplitude", self.unit.clone()).log();
+        let y_axis = Axis::new(self.label.clone(), self.unit.clone()).log();
         let (mut x, mut y) = (Extent::default(), Extent::default());
         for s in &self.stems {
             x.take(s.orders.iter().copied(), true);

@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod demo;
+pub mod diagnose;
 pub mod expected;
 mod figures;
 pub mod separation;

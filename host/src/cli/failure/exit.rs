@@ -38,6 +38,10 @@ impl Failure {
             Self::Read(_)
             | Self::Twin(_)
             | Self::OtherSensor { .. }
+            | Self::OtherEncoder { .. }
+            | Self::OtherRig { .. }
+            | Self::TwinCount { .. }
+            | Self::Diagnose(_)
             | Self::Calibrate { .. }
             | Self::Loop { .. }
             | Self::NoInertia

@@ -1,0 +1,166 @@
+//! `quadcal diagnose`: what a twin lacks to explain its recordings.
+
+mod encoder;
+mod facts;
+mod new_twins;
+mod rig;
+mod staged;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::diagnose::run::{self, DiagnoseError, Diagnosed};
+use crate::report::Report;
+use crate::reports;
+
+use super::Globals;
+use super::failure::Failure;
+use super::footer::footer;
+use super::input::ReadingArgs;
+use super::output::{JsonArg, ReportArg, Target, spare};
+use super::progress::Progress;
+pub use encoder::OtherEncoder;
+use rig::Named;
+use staged::Staged;
+
+const EXAMPLES: &str = "\
+Examples:
+  quadcal diagnose rig.csv --twin rig.toml --report rig.html
+  quadcal diagnose rig.csv --twin rig.toml --write-twin better.toml    the twin with what it lacked
+  quadcal simulate better.toml -o again.csv                            runs it
+  quadcal diagnose slow.csv fast.csv --twin slow.toml --twin fast.toml --json -
+  quadcal diagnose one.csv two.csv three.csv --twin rig.toml           one twin for all
+  quadcal diagnose hub.csv --twin hall.toml                            Hall sensors
+
+The twin says what is known of the rig: encoder, shaft, drive, noise (quadcal simulate --keys). What
+it lacks is searched in every coordinate in which physics leaves a mark, named, fitted on the
+earlier turns and judged on the last ones. The verdict is one of
+
+  complete   the twin explains the recordings; what is left is noise
+  explained  with the findings, what is left is noise
+  partly     findings have names, and something else is left
+  ambiguous  a finding may be one mechanism or another: the recording that would decide is named
+  unknown    something is there, and it is none of the known mechanisms
+
+Two recordings at speeds a factor of two apart, or in both directions, tell most look-alikes apart.
+
+";
+
+/// As of all commands, but whatever the verdict is, it was reached.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  a verdict was reached, whichever
+  1  an output cannot be written
+  2  recording, twin or command line are wrong; no output file is written";
+
+/// Find what a twin lacks to explain its recordings, name it, and show that it fits
+#[derive(Debug, Args)]
+#[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
+pub struct Diagnose {
+    /// Recordings of one rig: native CSV, logic-analyser CSV, VCD, or one column of seconds
+    #[arg(value_name = "REC", required = true)]
+    recordings: Vec<PathBuf>,
+    /// Twin that should explain the recordings: once for all, or once for each in the same order
+    #[arg(long = "twin", value_name = "TWIN", required = true)]
+    twins: Vec<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingArgs,
+    /// Write the twin with the findings in it; of several recordings the others' get a number (new-2.toml)
+    #[arg(long, value_name = "PATH", value_parser = file, help_heading = "Results")]
+    write_twin: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportArg,
+    #[command(flatten)]
+    json: JsonArg,
+}
+
+/// A name of a file, as a twin may come with a list beside it.
+fn file(text: &str) -> Result<PathBuf, String> {
+    match text {
+        "" | "-" => Err("give the name of a file, as in new.toml".to_owned()),
+        _ => Ok(text.into()),
+    }
+}
+
+impl Diagnose {
+    /// Diagnoses and writes everything that was asked for; nothing is written before all of it is known.
+    pub fn run(self, globals: Globals) -> Result<(), Failure> {
+        self.spare()?;
+        let named = Named {
+            recordings: &self.recordings,
+            twins: &self.twins,
+            reading: &self.reading,
+        };
+        let rig = named.read(globals)?;
+        let mut progress = Progress::share("Diagnosing", globals);
+        let diagnosed = run::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
+        drop(progress);
+        self.write(&diagnosed)
+    }
+
+    fn write(&self, diagnosed: &Diagnosed) -> Result<(), Failure> {
+        let new = match &self.write_twin {
+            Some(first) => new_twins::files(first, diagnosed)?,
+            None => Vec::new(),
+        };
+        let page = match &self.report.report {
+            Some(target) => Some((target, self.page(diagnosed)?.render())),
+            None => None,
+        };
+        let json = match &self.json.json {
+            Some(target) => Some((target, target.json_of(&diagnosed.diagnosis)?)),
+            None => None,
+        };
+        let mut staged = Staged::default();
+        for file in &new {
+            staged.add(Target::File(file.path.clone()), file.text.as_bytes())?;
+        }
+        if let Some((target, page)) = page {
+            staged.add(target.clone(), page.as_bytes())?;
+        }
+        if let Some((target, json)) = json {
+            staged.add(target.clone(), &json)?;
+        }
+        staged.commit()?;
+        if self.json.json == Some(Target::Stdout) {
+            return Ok(());
+        }
+        let mut text = facts::facts(&diagnosed.diagnosis);
+        for file in &new {
+            text.push("Written", file.path.display());
+        }
+        Target::Stdout.write(text.to_string().as_bytes())
+    }
+
+    /// Refuses outputs that would take each other's place, or an input's.
+    fn spare(&self) -> Result<(), Failure> {
+        let new = self.write_twin.as_deref();
+        let new = new.map_or_else(Vec::new, |first| {
+            new_twins::names(first, self.recordings.len())
+        });
+        let new: Vec<Target> = new.into_iter().map(Target::File).collect();
+        let asked = [self.report.report.as_ref(), self.json.json.as_ref()];
+        let outputs: Vec<Option<&Target>> = new.iter().map(Some).chain(asked).collect();
+        self.inputs().try_for_each(|input| spare(&outputs, input))
+    }
+
+    fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let all = self.recordings.iter().chain(&self.twins);
+        all.map(PathBuf::as_path)
+    }
+
+    fn page(&self, diagnosed: &Diagnosed) -> Result<Report, Failure> {
+        let inputs: Vec<&Path> = self.inputs().collect();
+        Ok(reports::diagnose::report(diagnosed, footer(&inputs)?))
+    }
+}
+
+impl From<DiagnoseError> for Failure {
+    fn from(error: DiagnoseError) -> Self {
+        match error {
+            DiagnoseError::Twin(error) => Self::Twin(error),
+            error => Self::Diagnose(Box::new(error)),
+        }
+    }
+}

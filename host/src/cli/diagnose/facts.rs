@@ -1,0 +1,128 @@
+//! What `quadcal diagnose` prints.
+
+use crate::cli::output::Facts;
+use crate::diagnose::diagnosis::{Diagnosis, Finding, Fit, RecordingFacts};
+use crate::report::si;
+use crate::reports::diagnose::recordings::speed;
+use crate::reports::diagnose::words;
+
+/// The result as text for people.
+pub(super) fn facts(diagnosis: &Diagnosis) -> Facts {
+    let mut facts = Facts::default();
+    let verdict = diagnosis.verdict;
+    facts.push(
+        "Verdict",
+        format!(
+            "{}: {}",
+            words::verdict_id(verdict),
+            words::meaning(verdict)
+        ),
+    );
+    if !diagnosis.summary.trim().is_empty() {
+        facts.push("", words::headline(diagnosis));
+    }
+    for (index, finding) in diagnosis.findings.iter().enumerate() {
+        finding_facts(&mut facts, index + 1, finding);
+        // That of the whole diagnosis comes below.
+        let next = finding.next_recording.as_ref();
+        if let Some(next) = next.filter(|next| diagnosis.next_recording.as_ref() != Some(*next)) {
+            facts.push("  record next", words::next(next));
+        }
+    }
+    fit_facts(&mut facts, diagnosis, &diagnosis.fit);
+    if let Some(next) = &diagnosis.next_recording {
+        facts.push("Record next", words::next(next));
+    }
+    for recording in &diagnosis.recordings {
+        facts.push("Recording", read(recording));
+    }
+    facts
+}
+
+fn finding_facts(facts: &mut Facts, number: usize, finding: &Finding) {
+    facts.push(
+        format!("Finding {number}"),
+        format!(
+            "{}, confidence {}",
+            words::named(finding.mechanism),
+            words::confidence(finding)
+        ),
+    );
+    facts.push("  where", &finding.text);
+    for (name, parameter) in &finding.parameters {
+        facts.push(format!("  {name}"), words::with_interval(parameter));
+    }
+    for (index, (against, result)) in words::evidence(&finding.evidence).iter().enumerate() {
+        let name = if index == 0 { "  evidence" } else { "" };
+        facts.push(name, format!("{against}: {result}"));
+    }
+    if !finding.look_alikes.is_empty() {
+        let names = finding.look_alikes.iter().copied().map(words::named);
+        let names: Vec<String> = names.collect();
+        facts.push("  looks the same", words::list(&names));
+    }
+}
+
+fn fit_facts(facts: &mut Facts, diagnosis: &Diagnosis, fit: &Fit) {
+    let rms = |before: f64, after: f64, floor: f64| {
+        let before = si(before, "rad");
+        let floor = si(floor, "rad");
+        if diagnosis.findings.is_empty() {
+            format!("{before}, of which noise {floor}")
+        } else {
+            let after = si(after, "rad");
+            format!("{before} before, {after} after, of which noise {floor}")
+        }
+    };
+    let held = &fit.held_out;
+    let mut on_held_out = rms(held.rms_before_rad, held.rms_after_rad, held.floor_rad);
+    if let Some(percent) = words::removed(diagnosis) {
+        on_held_out += &format!("; {percent:.1} % of what could be removed");
+    }
+    facts
+        .push(
+            "Residual, RMS",
+            rms(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad),
+        )
+        .push("  on turns not fitted on", on_held_out)
+        .push(
+            "  is noise, probability",
+            if diagnosis.findings.is_empty() {
+                words::probability(fit.whiteness_p_before)
+            } else {
+                format!(
+                    "{} before, {} after",
+                    words::probability(fit.whiteness_p_before),
+                    words::probability(fit.whiteness_p)
+                )
+            },
+        );
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn read(recording: &RecordingFacts) -> String {
+    let mut text = format!(
+        "{} against {}: {} edges in {:.1} turns, {} at {}; time stamps to {}, angles from {}",
+        recording.file,
+        recording.twin,
+        recording.edges,
+        recording.turns,
+        si(recording.seconds, "s"),
+        speed(recording.speed_r_min),
+        si(recording.stamp_rms_s, "s"),
+        if recording.anchored {
+            "the index"
+        } else {
+            "the first edge"
+        }
+    );
+    if !recording.disturbed_s.is_empty() {
+        let times = recording.disturbed_s.len();
+        let plural = if times == 1 { "" } else { "s" };
+        text += &format!("; count disturbed at {times} instant{plural}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;

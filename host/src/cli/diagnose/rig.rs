@@ -1,0 +1,156 @@
+//! The recordings of a rig, read, each with the twin that should explain it.
+
+use std::path::{Path, PathBuf};
+
+use crate::calibrate::Disagreement;
+use crate::cli::Globals;
+use crate::cli::failure::Failure;
+use crate::cli::input::{InputArgs, ReadingArgs};
+use crate::cli::progress::Pass;
+use crate::diagnose::run::Recorded;
+use crate::diagnose::track::Track;
+use crate::sensor::PlanError;
+use crate::sim::Simulation;
+use crate::survey::Survey;
+use crate::twin::{Encoder, Twin};
+
+use super::encoder::{self, OtherEncoder};
+
+/// What the command line names.
+pub(super) struct Named<'a> {
+    pub(super) recordings: &'a [PathBuf],
+    /// One for all recordings, or one each.
+    pub(super) twins: &'a [PathBuf],
+    pub(super) reading: &'a ReadingArgs,
+}
+
+/// A twin by its file.
+struct Declared<'a> {
+    path: &'a Path,
+    twin: Twin,
+}
+
+impl Named<'_> {
+    /// Reads everything: the twins first, as they are soon read.
+    ///
+    /// # Errors
+    /// The first of a twin that can't be run, of another rig, of a recording that can't be read or is of another encoder.
+    pub(super) fn read(&self, globals: Globals) -> Result<Vec<Recorded>, Failure> {
+        let declared = self.declared()?;
+        let inputs: Vec<InputArgs> = self.recordings.iter().map(|r| self.reading.of(r)).collect();
+        let mut sources: Vec<(u32, &Path)> = Vec::new();
+        for input in &inputs {
+            input.check_regular()?;
+        }
+        let mut rig = Vec::new();
+        let mut surveying = self.pass("Reading", globals);
+        let mut surveys = Vec::new();
+        for input in &inputs {
+            let rows = surveying.watch(input.open()?);
+            let header = rows.recording().header.clone();
+            surveys.push(Survey::of(header, rows)?);
+            let source = input.source()?;
+            if let Some((_, other)) = sources.iter().find(|(earlier, _)| *earlier == source) {
+                return Err(Failure::Together {
+                    this: input.recording.clone(),
+                    other: other.to_path_buf(),
+                    source: Disagreement::Same,
+                });
+            }
+            sources.push((source, &input.recording));
+        }
+        drop(surveying);
+        let mut decoding = self.pass("Decoding", globals);
+        for (index, (input, survey)) in inputs.iter().zip(&surveys).enumerate() {
+            // As many twins as recordings, or one.
+            let Some(declared) = declared.get(index).or(declared.first()) else {
+                break;
+            };
+            rig.push(recorded(input, survey, declared, &mut decoding)?);
+        }
+        Ok(rig)
+    }
+
+    fn declared(&self) -> Result<Vec<Declared<'_>>, Failure> {
+        let (twins, recordings) = (self.twins.len(), self.recordings.len());
+        if twins != 1 && twins != recordings {
+            return Err(Failure::TwinCount { twins, recordings });
+        }
+        let mut declared: Vec<Declared<'_>> = Vec::new();
+        for path in self.twins {
+            let twin = Twin::load(path)?;
+            // Lists of errors are read, and edges looked at for their order, before a long recording is.
+            Simulation::new(&twin)?;
+            if let Some(first) = declared.first()
+                && disc(first.twin.encoder) != disc(twin.encoder)
+            {
+                return Err(Failure::OtherRig {
+                    this: path.clone(),
+                    other: first.path.to_owned(),
+                });
+            }
+            declared.push(Declared { path, twin });
+        }
+        Ok(declared)
+    }
+
+    fn pass(&self, what: &str, globals: Globals) -> Pass {
+        let sizes = self.recordings.iter().map(|path| {
+            let found = std::fs::metadata(path);
+            found.map(|found| found.len())
+        });
+        Pass::new(what, sizes.sum::<Result<u64, _>>().ok(), globals)
+    }
+}
+
+/// An encoder without its index, which may be connected for one recording and not for another.
+const fn disc(encoder: Encoder) -> Encoder {
+    match encoder {
+        Encoder::Quadrature { lines, .. } => Encoder::Quadrature {
+            lines,
+            index: false,
+        },
+        other => other,
+    }
+}
+
+fn recorded(
+    input: &InputArgs,
+    survey: &Survey,
+    declared: &Declared<'_>,
+    pass: &mut Pass,
+) -> Result<Recorded, Failure> {
+    let other = |source| Failure::OtherEncoder {
+        recording: input.recording.clone(),
+        twin: declared.path.to_owned(),
+        source,
+    };
+    let plan = encoder::plan(declared.twin.encoder, survey).map_err(other)?;
+    let rows = pass.watch(input.open()?);
+    let rows = rows.map(|row| match row {
+        Ok(row) => Ok(encoder::as_declared(plan, row)),
+        Err(error) => Err(Broken::Read(error.into())),
+    });
+    let track = Track::of(plan, survey.header.clock_hz, rows).map_err(|broken| match broken {
+        Broken::Plan(error) => other(OtherEncoder::Plan(error)),
+        Broken::Read(failure) => failure,
+    })?;
+    Ok(Recorded {
+        file: input.recording.display().to_string(),
+        plan,
+        track,
+        twin: declared.twin.clone(),
+    })
+}
+
+/// Why decoding ended.
+enum Broken {
+    Plan(PlanError),
+    Read(Failure),
+}
+
+impl From<PlanError> for Broken {
+    fn from(error: PlanError) -> Self {
+        Self::Plan(error)
+    }
+}

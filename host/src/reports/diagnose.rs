@@ -1,0 +1,204 @@
+//! The report of a diagnosis.
+
+mod curves;
+#[cfg(test)]
+pub(crate) mod example;
+mod findings;
+pub mod recordings;
+#[cfg(test)]
+mod tests;
+pub mod words;
+
+use crate::diagnose::diagnosis::{Diagnosis, Verdict};
+use crate::diagnose::run::Diagnosed;
+use crate::report::plot::{Axis, Bars};
+use crate::report::{Body, Cell, Colour, Footer, Level, Report, Tile};
+
+/// The page of a diagnosis.
+#[must_use]
+pub fn report(diagnosed: &Diagnosed, footer: Footer) -> Report {
+    let Diagnosed {
+        diagnosis, shown, ..
+    } = diagnosed;
+    let mut report = Report::new("Diagnosis", subtitle(diagnosis));
+    report.verdict(
+        level(diagnosis.verdict),
+        words::headline(diagnosis),
+        tiles(diagnosis),
+    );
+    let body = report.body();
+    findings::overview(body, &diagnosis.findings);
+    if let Some(next) = &diagnosis.next_recording {
+        let text = words::next(next);
+        body.section("The recording to make next", &[&text]);
+    }
+    findings::sections(body, diagnosis, shown);
+    agreement(body, diagnosis);
+    recordings::sections(body, diagnosis, &shown.recordings);
+    report.details("Details", details(diagnosis));
+    report.footer(footer);
+    report
+}
+
+fn subtitle(diagnosis: &Diagnosis) -> String {
+    let recordings = diagnosis.recordings.iter();
+    let files: Vec<String> = recordings.clone().map(|facts| facts.file.clone()).collect();
+    let mut twins: Vec<String> = recordings.map(|facts| facts.twin.clone()).collect();
+    twins.dedup();
+    format!("{} against {}", words::list(&files), words::list(&twins))
+}
+
+const fn level(verdict: Verdict) -> Level {
+    match verdict {
+        Verdict::Complete | Verdict::Explained => Level::Good,
+        Verdict::Partly | Verdict::Ambiguous => Level::Warn,
+        Verdict::Unknown => Level::Bad,
+    }
+}
+
+fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
+    let fit = &diagnosis.fit;
+    let mut tiles = vec![
+        Tile::new(
+            "Verdict",
+            words::verdict_id(diagnosis.verdict),
+            "",
+            words::meaning(diagnosis.verdict),
+        ),
+        Tile::si(
+            if diagnosis.findings.is_empty() {
+                "Residual"
+            } else {
+                "Residual before"
+            },
+            fit.rms_before_rad,
+            "rad",
+            "RMS, the twin as given",
+        ),
+    ];
+    if !diagnosis.findings.is_empty() {
+        tiles.push(Tile::si(
+            "Residual after",
+            fit.rms_after_rad,
+            "rad",
+            "RMS, with the findings in the twin",
+        ));
+    }
+    tiles.push(Tile::si(
+        "Noise",
+        fit.floor_rad,
+        "rad",
+        "RMS, no twin can do better",
+    ));
+    if let Some(percent) = words::removed(diagnosis) {
+        tiles.push(Tile::new(
+            "Removed",
+            format!("{percent:.1}"),
+            "%",
+            "of what could be, on turns not fitted on",
+        ));
+    }
+    tiles
+}
+
+fn agreement(body: &mut Body, diagnosis: &Diagnosis) {
+    let (fit, held) = (&diagnosis.fit, &diagnosis.fit.held_out);
+    let found = !diagnosis.findings.is_empty();
+    let before = words::probability(fit.whiteness_p_before);
+    let noise = if found {
+        let after = words::probability(fit.whiteness_p);
+        format!("{before} with the twin as given, {after} with the findings")
+    } else {
+        before
+    };
+    let mut text = format!(
+        "Probability that noise alone leaves a residual like this: {noise}. Under 0.01 something is left that is no noise."
+    );
+    if found {
+        text += " Parameters were fitted on the earlier turns and judged on the last ones of each recording, held out.";
+    }
+    body.section("How well it fits", &[&text]);
+    let bars = |before: f64, after: f64, floor: f64| {
+        let bars = Bars::new(Axis::new("Residual, RMS", "rad"));
+        let bars = bars.bar("twin as given", before, Colour::BEFORE);
+        let bars = match found {
+            true => bars.bar("with the findings", after, Colour::AFTER),
+            false => bars,
+        };
+        bars.bar("noise alone", floor, Colour::Grey)
+    };
+    body.figure_pair(
+        (
+            bars(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad),
+            "All turns.",
+        ),
+        (
+            bars(held.rms_before_rad, held.rms_after_rad, held.floor_rad),
+            "Turns held out.",
+        ),
+    );
+}
+
+fn details(diagnosis: &Diagnosis) -> Body {
+    let mut body = Body::new();
+    recordings::table(&mut body, &diagnosis.recordings);
+    for facts in &diagnosis.recordings {
+        if !facts.disturbed_s.is_empty() {
+            let text = format!(
+                "The count of {} was disturbed at {}.",
+                facts.file,
+                times(&facts.disturbed_s)
+            );
+            body.section("", &[&text]);
+        }
+    }
+    let rows = diagnosis.findings.iter().map(|finding| {
+        let place = &finding.place;
+        let numbers = |values: &[f64]| {
+            let all: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
+            let short = |text: &String| text.trim_end_matches('0').trim_end_matches('.').to_owned();
+            Cell::Text(all.iter().map(short).collect::<Vec<_>>().join(", "))
+        };
+        vec![
+            finding.mechanism.id().into(),
+            numbers(&place.orders),
+            numbers(&place.frequencies_hz),
+            numbers(&place.angles_deg),
+            place.times_s.len().to_string().into(),
+            place.edge_classes.join(", ").into(),
+            place.channels.join(", ").into(),
+            place.directions.join(", ").into(),
+        ]
+    });
+    if !diagnosis.findings.is_empty() {
+        body.table(
+            "Where the findings show",
+            &[
+                "Mechanism",
+                "Orders",
+                "Hz",
+                "Degrees",
+                "Instants",
+                "Edges",
+                "Channels",
+                "Directions",
+            ],
+            rows.collect(),
+        );
+    }
+    body
+}
+
+/// The first of some instants.
+fn times(instants: &[f64]) -> String {
+    const LISTED: usize = 10;
+    let first: Vec<String> = instants
+        .iter()
+        .take(LISTED)
+        .map(|t| format!("{t:.4} s"))
+        .collect();
+    match instants.len().saturating_sub(LISTED) {
+        0 => words::list(&first),
+        more => format!("{} and {more} more (--json lists all)", first.join(", ")),
+    }
+}

@@ -1,0 +1,119 @@
+//! The residual of every recording along time and its spectrum, and the facts.
+
+use crate::diagnose::diagnosis::{Diagnosis, RecordingFacts};
+use crate::diagnose::shown::RecordingPlot;
+use crate::report::plot::{Axis, Spectrum, Xy};
+use crate::report::{Body, Cell, Colour};
+use crate::reports::words::speed_range;
+
+use super::curves::{columns, series};
+
+/// Figures of each recording.
+pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, plots: &[RecordingPlot]) {
+    let several = diagnosis.recordings.len() > 1;
+    for (facts, plot) in diagnosis.recordings.iter().zip(plots) {
+        let title = if several {
+            format!("What is left of {}", facts.file)
+        } else {
+            "What is left".to_owned()
+        };
+        body.section(
+            title,
+            &["How far each edge comes from where the twin and the edges before it let it expect."],
+        );
+        let found = !diagnosis.findings.is_empty();
+        residual(body, plot, found);
+        spectrum(body, diagnosis, plot, found);
+    }
+}
+
+fn residual(body: &mut Body, plot: &RecordingPlot, found: bool) {
+    if plot.before.is_empty() {
+        return;
+    }
+    let scale = [1.0, 1e-6];
+    let mut drawn = Xy::new(Axis::new("Time", "s"), Axis::new("Residual", "rad"))
+        .series(series("twin as given", &plot.before, scale).colour(Colour::BEFORE));
+    if found {
+        let after = series("with the findings", &plot.after, scale);
+        drawn = drawn.series(after.colour(Colour::AFTER));
+    }
+    body.figure(drawn, "Residual along the recording.");
+}
+
+fn spectrum(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot, found: bool) {
+    if plot.spectrum_before.is_empty() {
+        return;
+    }
+    let [x, before] = columns(&plot.spectrum_before, [1.0; 2]);
+    let mut drawn = Spectrum::new("")
+        .label("Power, 1 is the mean of noise")
+        .stems("twin as given", &x, &before, Colour::BEFORE);
+    if found {
+        let [x, after] = columns(&plot.spectrum_after, [1.0; 2]);
+        drawn = drawn.stems("with the findings", &x, &after, Colour::AFTER);
+    }
+    drawn = drawn.floor(
+        "noise alone comes this far once in 20 recordings",
+        &[1.0],
+        &[plot.threshold],
+    );
+    for finding in &diagnosis.findings {
+        for order in finding.place.orders.iter().take(1) {
+            drawn = drawn.name(*order, finding.mechanism.id());
+        }
+    }
+    body.figure(
+        drawn,
+        "Spectrum of the residual. What stands above the dashed line is no noise.",
+    );
+}
+
+/// What was read.
+pub(super) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
+    let rows = recordings.iter().map(|facts| {
+        vec![
+            facts.file.as_str().into(),
+            facts.twin.as_str().into(),
+            #[allow(clippy::cast_precision_loss)]
+            Cell::fixed(facts.edges as f64, 0),
+            Cell::fixed(facts.turns, 1),
+            Cell::si(facts.seconds, "s"),
+            speed(facts.speed_r_min).into(),
+            Cell::si(facts.stamp_rms_s, "s"),
+            origin(facts).into(),
+            #[allow(clippy::cast_precision_loss)]
+            Cell::fixed(facts.disturbed_s.len() as f64, 0),
+        ]
+    });
+    body.table(
+        "Recordings",
+        &[
+            "Recording",
+            "Twin",
+            "Edges",
+            "Turns",
+            "Length",
+            "Speed",
+            "Time stamps, RMS error",
+            "Angles from",
+            "Disturbances of the count",
+        ],
+        rows.collect(),
+    );
+}
+
+/// Where angles count from.
+const fn origin(facts: &RecordingFacts) -> &'static str {
+    if facts.anchored {
+        "the disc's index"
+    } else {
+        "the first edge"
+    }
+}
+
+/// The speeds of a recording.
+pub fn speed([least, greatest]: [f64; 2]) -> String {
+    let text = speed_range([least, greatest]);
+    text.replace('\u{a0}', " ")
+}

@@ -1,0 +1,183 @@
+//! `quadcal diagnose` as a user meets it: what is refused and why, and what is written.
+
+mod workshop;
+
+use std::fs;
+
+use quadcal_host::twin::Twin;
+use tempfile::TempDir;
+use workshop::{TWIN, done, json, refused};
+
+const HALL: &str = "[encoder.hall]\npole_pairs = 2";
+const QUADRATURE: &str = "[encoder.quadrature]\nlines = 50\nindex = true";
+
+/// A folder with a twin, its recording, and the twin and recording of three Hall sensors.
+fn bench() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let hall = TWIN
+        .replace(QUADRATURE, HALL)
+        .replace("quadrature_rad = 6e-3", "");
+    fs::write(at.join("rig.toml"), TWIN).unwrap();
+    fs::write(at.join("hall.toml"), hall).unwrap();
+    done(at, "simulate rig.toml -o rig.csv");
+    done(at, "simulate rig.toml --seed 9 -o again.csv");
+    done(at, "simulate hall.toml -o hall.csv");
+    folder
+}
+
+#[test]
+fn bad_twins_are_refused_with_their_line() {
+    let folder = bench();
+    for (name, change, with, expected) in [
+        (
+            "typo.toml",
+            "width_a_rad",
+            "widht_a_rad",
+            "typo.toml:8:1: errors.widht_a_rad: unknown field",
+        ),
+        (
+            "unit.toml",
+            "inertia_kg_m2",
+            "inertia",
+            "unit.toml:11:1: shaft",
+        ),
+        (
+            "text.toml",
+            "r_min = 600",
+            "r_min = \"600 r/min\"",
+            "text.toml:14:9: drive.constant",
+        ),
+        (
+            "range.toml",
+            "lines = 50",
+            "lines = 0",
+            "range.toml:4:9: encoder.quadrature.lines = 0",
+        ),
+        ("cross.toml", "4e-3", "1.5", "cross.toml: errors: edge "),
+    ] {
+        fs::write(folder.path().join(name), TWIN.replace(change, with)).unwrap();
+        let message = refused(&folder, &format!("diagnose rig.csv --twin {name}"), 2);
+        assert!(message.contains(expected), "{name}: {message}");
+    }
+    let message = refused(&folder, "diagnose rig.csv --twin gone.toml", 2);
+    assert!(message.contains("gone.toml: can't read"), "{message}");
+}
+
+#[test]
+fn a_twin_of_another_encoder_is_refused() {
+    let folder = bench();
+    let at = folder.path();
+    let write = |name: &str, text: &str| fs::write(at.join(name), text).unwrap();
+    let columns = |keep: usize| -> String {
+        let text = fs::read_to_string(at.join("rig.csv")).unwrap();
+        let lines = text.lines().map(|line| match line.starts_with('#') {
+            true => line.to_owned(),
+            false => line.split(',').take(keep).collect::<Vec<_>>().join(","),
+        });
+        lines.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    write("ab.csv", &columns(3));
+    write("a.csv", &columns(2));
+    write("60.toml", &TWIN.replace("lines = 50", "lines = 60"));
+    write("no-z.toml", &TWIN.replace("index = true", "index = false"));
+    write(
+        "wheel.toml",
+        &TWIN
+            .replace(QUADRATURE, "[encoder.wheel]\nteeth = 5")
+            .replace("quadrature_rad = 6e-3", ""),
+    );
+    write(
+        "30.toml",
+        &TWIN
+            .replace(QUADRATURE, "[encoder.hall]\npole_pairs = 3")
+            .replace("quadrature_rad = 6e-3", ""),
+    );
+    for (arguments, expected) in [
+        (
+            "rig.csv --twin 60.toml",
+            "declares 60 lines a turn, the recording's edges between two index pulses make 50",
+        ),
+        (
+            "hall.csv --twin 30.toml",
+            "declares 3 pole pairs a turn, the recording's header says 2",
+        ),
+        (
+            "rig.csv --twin hall.toml",
+            "rig.csv: another encoder than in hall.toml: the twin declares three Hall sensors",
+        ),
+        ("rig.csv --twin wheel.toml", "declares a toothed wheel"),
+        ("a.csv --twin rig.toml", "the recording is of one channel"),
+        ("ab.csv --twin rig.toml", "set index = false"),
+        (
+            "rig.csv hall.csv --twin rig.toml --twin hall.toml",
+            "hall.toml: declares another encoder than rig.toml",
+        ),
+        ("rig.csv rig.csv --twin rig.toml", "the same recording"),
+        (
+            "rig.csv --twin rig.toml --twin rig.toml",
+            "given 2 times for 1 recording",
+        ),
+    ] {
+        let message = refused(&folder, &format!("diagnose {arguments}"), 2);
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+}
+
+#[test]
+fn results_that_would_take_each_others_place_are_refused() {
+    let folder = bench();
+    for (results, expected) in [
+        ("--json one --report one", "one: named for two results"),
+        (
+            "--json new.toml --write-twin new.toml",
+            "named for two results",
+        ),
+        (
+            "--report new.errors.csv --write-twin new.toml",
+            "new.errors.csv: named for two results",
+        ),
+        ("--write-twin rig.toml", "rig.toml: is the input itself"),
+        ("--json rig.csv", "rig.csv: is the input itself"),
+    ] {
+        let arguments = format!("diagnose rig.csv --twin rig.toml {results}");
+        let message = refused(&folder, &arguments, 2);
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+    let message = refused(
+        &folder,
+        "diagnose rig.csv --twin rig.toml --json found.json --write-twin gone/new.toml",
+        1,
+    );
+    assert!(message.contains("cannot be written"), "{message}");
+}
+
+#[test]
+fn everything_asked_for_is_written() {
+    let folder = bench();
+    let at = folder.path();
+    let text = done(
+        at,
+        "diagnose rig.csv again.csv --twin rig.toml --json found.json --report found.html --write-twin new.toml",
+    );
+    let found = json(&fs::read_to_string(at.join("found.json")).unwrap());
+    assert_eq!(found["version"], 1);
+    let verdict = found["verdict"].as_str().unwrap();
+    let said = text.lines().next().unwrap();
+    assert!(
+        said.starts_with("Verdict") && said.contains(&format!(" {verdict}: ")),
+        "{text}"
+    );
+    assert_eq!(found["recordings"][1]["file"], "again.csv");
+    assert_eq!(found["recordings"][1]["twin"], "rig.toml");
+    let page = fs::read_to_string(at.join("found.html")).unwrap();
+    assert!(
+        page.contains("rig.csv and again.csv against rig.toml"),
+        "{page}"
+    );
+    let new = Twin::load(&at.join("new.toml")).unwrap();
+    assert_eq!(new.encoder, Twin::parse(TWIN, "rig.toml").unwrap().encoder);
+    done(at, "simulate new.toml -o new.csv");
+    let printed = done(at, "diagnose rig.csv --twin rig.toml --json -");
+    assert_eq!(json(&printed)["recordings"][0]["file"], "rig.csv");
+}
