@@ -145,6 +145,20 @@ pub struct Model {
     pub left: Vec<Vec<f64>>,
 }
 
+impl Model {
+    /// Nothing fitted.
+    #[must_use]
+    pub fn none(board: &Board) -> Self {
+        Self {
+            columns: Vec::new(),
+            sizes: DVector::zeros(0),
+            covariance: DMatrix::zeros(0, 0),
+            factor: None,
+            left: board.benches.iter().map(|bench| bench.white.clone()).collect(),
+        }
+    }
+}
+
 /// What more patterns would do.
 #[derive(Clone, Debug)]
 pub struct Gain {

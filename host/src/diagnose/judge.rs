@@ -19,6 +19,13 @@ impl Sums {
     }
 }
 
+/// RMS of what a model leaves, rad.
+#[must_use]
+pub fn rms_rad(board: &Board, model: &Model) -> f64 {
+    let sums = sums(board, model, 0..PARTS);
+    sums.rms(sums.rad)
+}
+
 /// The fit of a search, against the twin as it was given.
 #[must_use]
 pub fn fit(board: &Board, before: &Model, searched: &Searched, whiteness: (f64, f64)) -> Fit {

@@ -2,8 +2,13 @@
 
 use thiserror::Error;
 
-use super::diagnosis::{Diagnosis, Fit, HeldOut, RecordingFacts, Verdict};
+use super::conclude::conclude;
+use super::diagnosis::Diagnosis;
+use super::prepare;
+use super::search::search;
+use super::settle::settle;
 use super::shown::Shown;
+use super::tell::tell;
 use super::track::Track;
 use crate::sensor::SensorPlan;
 use crate::twin::{Twin, TwinError};
@@ -75,42 +80,27 @@ pub fn diagnose(
     rig: &[Recorded],
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Diagnosed, DiagnoseError> {
+    progress(0.05, "Simulating");
+    let mut board = prepare::board(rig)?;
+    let given = board.clone();
+    progress(0.2, "Searching");
+    let searched = search(&mut board).ok_or_else(|| nothing(rig))?;
+    progress(0.6, "Weighing");
+    let concluded = conclude(&board, &searched);
+    progress(0.8, "Simulating what was found");
+    let settled = settle(rig, &given, board, searched, concluded)?;
+    progress(0.95, "Judging");
+    let diagnosed = tell(rig, &settled);
     progress(1.0, "Done");
-    let facts = rig.iter().map(|one| RecordingFacts {
-        file: one.file.clone(),
-        twin: one.twin.name.clone(),
+    Ok(diagnosed)
+}
+
+/// A recording in which nothing moves can't be fitted.
+fn nothing(rig: &[Recorded]) -> DiagnoseError {
+    let first = rig.first();
+    DiagnoseError::TooShort {
+        file: first.map(|one| one.file.clone()).unwrap_or_default(),
         edges: 0,
-        turns: 0.0,
-        seconds: 0.0,
-        speed_r_min: [0.0; 2],
-        anchored: one.track.anchored,
-        stamp_rms_s: 0.0,
-        disturbed_s: one.track.slips.iter().map(|slip| slip.time_s).collect(),
-    });
-    Ok(Diagnosed {
-        diagnosis: Diagnosis {
-            version: 1,
-            verdict: Verdict::Complete,
-            summary: String::new(),
-            recordings: facts.collect(),
-            fit: Fit {
-                rms_before_rad: 0.0,
-                rms_after_rad: 0.0,
-                floor_rad: 0.0,
-                whiteness_p_before: 1.0,
-                whiteness_p: 1.0,
-                held_out: HeldOut {
-                    rms_before_rad: 0.0,
-                    rms_after_rad: 0.0,
-                    floor_rad: 0.0,
-                    reducible_removed: None,
-                },
-            },
-            findings: Vec::new(),
-            next_recording: None,
-        },
-        shown: Shown::default(),
-        twins: rig.iter().map(|one| one.twin.clone()).collect(),
-        error_lists: vec![None; rig.len()],
-    })
+        turns: first.map_or(0.0, |one| one.track.turns()),
+    }
 }

@@ -24,6 +24,8 @@ pub struct Seen {
     pub edges: i64,
     /// Edge classes.
     pub classes: i64,
+    /// Errors of the twin's disc, rad, for every edge of the grid.
+    pub errors: Vec<f64>,
     /// Where each edge is on the grid, turns counted through.
     pub places: Vec<i64>,
     /// When it came, s.
@@ -49,6 +51,7 @@ impl Seen {
         let mut seen = Self {
             edges: track.edges,
             classes: track.classes,
+            errors: still.errors.clone(),
             ..Self::default()
         };
         if track.reverses() {

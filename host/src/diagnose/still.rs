@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use quadcal::edge::Levels;
+
 use super::seen::{EDGES_LEAST, Reach};
 use super::track::{Mark, Stretch, Track};
-use crate::sensor::{PlanError, SensorPlan};
+use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::Simulation;
 use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
 
@@ -47,7 +49,11 @@ impl Still {
             let (pace, swing) = others.join().unwrap_or_else(|_| none());
             (twins, pace, swing)
         });
-        let (twins, errors) = twins?;
+        let (twins, mut errors) = twins?;
+        // Of a pulse a tooth only the rise is seen.
+        if errors.len() as i64 == 2 * track.edges {
+            errors = errors.into_iter().step_by(2).collect();
+        }
         let (pace, swing) = (pace?, swing?.unwrap_or_default());
         let lines = (track.edges / track.classes / 500).max(1);
         let edges = lines * track.classes;
@@ -91,12 +97,25 @@ fn nearest<'a>(simulated: &'a [Stretch], stretch: &Stretch) -> Option<&'a Stretc
         })
 }
 
+/// The simulator's index is high where A alone is, whatever the recording's is.
+fn simulators(plan: SensorPlan) -> SensorPlan {
+    let kind = match plan.kind {
+        SensorKind::Quadrature {
+            index_state: Some(_),
+        } => SensorKind::Quadrature {
+            index_state: Some(Levels(Levels::A)),
+        },
+        kind => kind,
+    };
+    SensorPlan { kind, ..plan }
+}
+
 /// Stretches of a twin's edges, and the errors of its disc.
 fn simulated(plan: SensorPlan, twin: &Twin) -> Result<(Vec<Stretch>, Vec<f64>), TwinError> {
     let simulation = Simulation::new(twin)?;
     let errors = simulation.true_errors();
     let rows = simulation.map(|event| Ok::<_, PlanError>(event.row));
-    let track = Track::of(plan, twin.timer.clock_hz, rows);
+    let track = Track::of(simulators(plan), twin.timer.clock_hz, rows);
     // The plan has decoded the recording, so it decodes this.
     Ok((
         track.map_or_else(|_| Vec::new(), |track| track.stretches),

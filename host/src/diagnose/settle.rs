@@ -1,0 +1,218 @@
+//! What was concluded, put into the twins, simulated, and fitted once more: the numbers are those of the simulation.
+
+use super::board::{Board, Column, Model};
+use super::conclude::Conclusion;
+use super::diagnosis::Fit;
+use super::estimate::{Estimate, estimates};
+use super::judge;
+use super::leftover::leftovers;
+use super::mend::Mended;
+use super::prepare;
+use super::run::{DiagnoseError, Recorded};
+use super::search::{Found, Searched};
+use crate::twin::{Errors, Twin};
+
+/// A conclusion with its numbers.
+#[derive(Debug)]
+pub struct Settled {
+    /// The recordings against the twins as they were given, in the noise that was found.
+    pub given: Board,
+    /// What the twins as given leave.
+    pub before: Model,
+    /// What the mended twins leave.
+    pub after: Model,
+    /// What was concluded.
+    pub concluded: Conclusion,
+    /// Numbers of the named findings, in their order.
+    pub estimates: Vec<Estimate>,
+    /// The disc's pattern.
+    pub pattern: Option<super::disc::Pattern>,
+    /// The twins with the findings in them.
+    pub twins: Vec<Twin>,
+    /// The whole of e where the disc was learned edge by edge.
+    pub error_lists: Vec<Option<Vec<f64>>>,
+    /// How well it fits.
+    pub fit: Fit,
+    class_names: &'static [&'static str],
+}
+
+/// Settles.
+///
+/// # Errors
+/// [`DiagnoseError`] where a mended twin can't be run.
+pub fn settle(
+    rig: &[Recorded],
+    given: &Board,
+    board: Board,
+    searched: Searched,
+    concluded: Conclusion,
+) -> Result<Settled, DiagnoseError> {
+    let mut given = given.clone();
+    for (bench, found) in given.benches.iter_mut().zip(&board.benches) {
+        bench.set_noise(found.noise);
+    }
+    let before = given.fit(given.nuisances()).unwrap_or_else(|| Model::none(&given));
+    let chosen = chosen(&board, &searched, &concluded);
+    let mut numbers = estimates(&board, &chosen);
+    let mended = |numbers: &[Estimate]| mended(rig, &given, &chosen, numbers);
+    // Against the mended twins only small rests are left of the sizes.
+    let mut again = board;
+    if !numbers.is_empty() {
+        for _ in 0..2 {
+            let rig = recorded(rig, &mended(&numbers).0);
+            let Ok(mut next) = prepare::board(&rig) else {
+                break;
+            };
+            for (bench, found) in next.benches.iter_mut().zip(&again.benches) {
+                bench.set_noise(found.noise);
+            }
+            let rests = Searched {
+                model: match next.fit(chosen.model.columns.clone()) {
+                    Some(model) => model,
+                    None => break,
+                },
+                ..chosen.clone()
+            };
+            let moved = far(&numbers, &rests);
+            for (number, rest) in numbers.iter_mut().zip(sizes_of(&rests)) {
+                for (size, rest) in number.sizes.iter_mut().zip(rest) {
+                    *size += rest;
+                }
+            }
+            again = next;
+            if moved < 0.3 {
+                break;
+            }
+        }
+    }
+    let (twins, error_lists) = mended(&numbers);
+    let after = again.fit(again.nuisances()).unwrap_or_else(|| Model::none(&again));
+    let whiteness = (leftovers(&given, &before).1, leftovers(&again, &after).1);
+    let fit = Fit {
+        rms_after_rad: judge::rms_rad(&again, &after),
+        ..judge::fit(&given, &before, &chosen, whiteness)
+    };
+    let class_names = rig.first().map_or(&[][..], |one| one.plan.kind.class_names());
+    Ok(Settled {
+        given,
+        before,
+        after,
+        pattern: searched.pattern.clone(),
+        concluded,
+        estimates: numbers,
+        twins,
+        error_lists,
+        fit,
+        class_names,
+    })
+}
+
+impl Settled {
+    /// Names of the edge classes.
+    #[must_use]
+    pub const fn class_names(&self) -> &'static [&'static str] {
+        self.class_names
+    }
+}
+
+/// The search with what was concluded in place of what was found.
+fn chosen(board: &Board, searched: &Searched, concluded: &Conclusion) -> Searched {
+    let nuisances: Vec<Column> = searched.model.columns[..searched.nuisances].to_vec();
+    let found: Vec<Found> = concluded
+        .named
+        .iter()
+        .map(|name| {
+            let old = &searched.found[name.number];
+            let columns = if old.hypothesis == name.hypothesis {
+                old.columns.clone()
+            } else {
+                name.hypothesis.columns(board)
+            };
+            Found {
+                hypothesis: name.hypothesis.clone(),
+                columns,
+                score: name.score,
+                rivals: Vec::new(),
+            }
+        })
+        .collect();
+    let own = found.iter().flat_map(|f| f.columns.iter());
+    let all: Vec<Column> = nuisances.iter().chain(own).cloned().collect();
+    match board.fit(all) {
+        Some(model) => Searched {
+            found,
+            model,
+            ..searched.clone()
+        },
+        None => searched.clone(),
+    }
+}
+
+/// Sizes of each finding.
+fn sizes_of(searched: &Searched) -> Vec<Vec<f64>> {
+    let mut at = searched.nuisances;
+    searched
+        .found
+        .iter()
+        .map(|found| {
+            let sizes = searched.model.sizes.as_slice()[at..at + found.columns.len()].to_vec();
+            at += found.columns.len();
+            sizes
+        })
+        .collect()
+}
+
+/// Largest rest in standard errors.
+fn far(numbers: &[Estimate], rests: &Searched) -> f64 {
+    let each = numbers.iter().zip(sizes_of(rests)).flat_map(|(number, rest)| {
+        let rest = rest.into_iter().enumerate();
+        rest.map(|(i, rest)| rest.abs() / number.covariance[(i, i)].sqrt())
+            .collect::<Vec<_>>()
+    });
+    each.fold(0.0, f64::max)
+}
+
+/// Twins with estimates in them, and the lists of errors where the disc needs one.
+fn mended(
+    rig: &[Recorded],
+    given: &Board,
+    searched: &Searched,
+    numbers: &[Estimate],
+) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
+    let (mut twins, mut lists) = (Vec::new(), Vec::new());
+    for (number, one) in rig.iter().enumerate() {
+        let mut mended = Mended {
+            twin: one.twin.clone(),
+            errors_rad: Vec::new(),
+        };
+        if let Some(pattern) = &searched.pattern {
+            mended.errors_rad.clone_from(&pattern.errors_rad);
+        }
+        for estimate in numbers {
+            mended.add(estimate, number, rig.len());
+        }
+        let list = (!mended.errors_rad.is_empty()).then(|| {
+            let known = &given.benches[number].seen.errors;
+            let sum = known.iter().zip(&mended.errors_rad).map(|(known, more)| known + more);
+            sum.collect::<Vec<f64>>()
+        });
+        if let Some(list) = &list {
+            mended.twin.errors = Errors {
+                list_rad: list.clone(),
+                ..Errors::default()
+            };
+        }
+        twins.push(mended.twin);
+        lists.push(list);
+    }
+    (twins, lists)
+}
+
+/// The recordings with other twins.
+fn recorded(rig: &[Recorded], twins: &[Twin]) -> Vec<Recorded> {
+    let each = rig.iter().zip(twins).map(|(one, twin)| Recorded {
+        twin: twin.clone(),
+        ..one.clone()
+    });
+    each.collect()
+}
