@@ -420,6 +420,12 @@ impl Board {
         let factor = gram.cholesky()?;
         let unit = factor.solve(&right);
         let squares = unit.dot(&right);
+        // No more than there is: else the columns are too alike to be told apart.
+        let narrow = factor.l_dirty().diagonal().min();
+        let most: f64 = model.left.iter().flatten().map(|w| w * w).sum();
+        if narrow < 1e-4 || squares > most {
+            return None;
+        }
         let sizes = DVector::from_iterator(new, unit.iter().zip(&scale).map(|(u, s)| u * s));
         squares.is_finite().then_some(Gain { squares, sizes })
     }

@@ -129,15 +129,9 @@ fn kin(among: Among) -> Family {
     }
 }
 
-/// Findings that only resemble a mechanism: not the same from beginning to end, or one of a crowd.
-fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
-    let mut odd: Vec<usize> = searched
-        .found
-        .iter()
-        .enumerate()
-        .filter(|(_, found)| steadiness(board, &searched.model, &found.columns).changes(found.score))
-        .map(|(number, _)| number)
-        .collect();
+/// Rhythms that are too near each other to be mechanisms of their own: a rhythm that changes shows so.
+#[must_use]
+pub fn crowd(board: &Board, found: &[Found]) -> Vec<usize> {
     let turns = board.benches.iter().map(|b| b.seen.turns()).fold(1.0, f64::max);
     let turning = board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
     let place = |found: &Found| -> Option<(Family, f64, bool)> {
@@ -148,18 +142,30 @@ fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
         };
         Some((family(found), cycles, found.hypothesis.whole()))
     };
-    let rhythms: Vec<Option<(Family, f64, bool)>> = searched.found.iter().map(place).collect();
-    for (number, one) in rhythms.iter().enumerate() {
-        let Some(one) = one else { continue };
+    let rhythms: Vec<Option<(Family, f64, bool)>> = found.iter().map(place).collect();
+    let near = |one: &(Family, f64, bool)| {
         let near = rhythms.iter().flatten().filter(|other| {
             let close = (other.1 - one.1).abs() < (15.0 / turns).max(0.06 * one.1);
             other.0 == one.0 && close && !(other.2 && one.2)
         });
-        // It is near itself.
-        if near.count() >= 3 {
-            odd.push(number);
-        }
-    }
+        // A whole order is not near itself here.
+        near.count() + usize::from(one.2)
+    };
+    (0..found.len())
+        .filter(|number| rhythms[*number].as_ref().is_some_and(|one| near(one) >= 3))
+        .collect()
+}
+
+/// Findings that only resemble a mechanism: not the same from beginning to end, or one of a crowd.
+fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
+    let mut odd: Vec<usize> = searched
+        .found
+        .iter()
+        .enumerate()
+        .filter(|(_, found)| steadiness(board, &searched.model, &found.columns).changes(found.score))
+        .map(|(number, _)| number)
+        .collect();
+    odd.extend(crowd(board, &searched.found));
     let drifts = |found: &Found| {
         matches!(
             found.hypothesis.bases.first(),

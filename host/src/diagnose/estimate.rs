@@ -2,10 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
-use super::refine::{Change, steps};
+use super::refine::{slopes, steps};
 use super::search::Searched;
 
 /// One finding's numbers.
@@ -25,13 +24,13 @@ pub struct Estimate {
 #[must_use]
 pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
     let mut columns: Vec<Column> = searched.model.columns.clone();
-    let linear = columns.len();
     let mut ranges = Vec::new();
     let mut at = searched.nuisances;
     for found in &searched.found {
         let sizes = searched.model.sizes.as_slice()[at..at + found.columns.len()].to_vec();
         let first = columns.len();
-        columns.extend(slopes(board, &found.hypothesis, &sizes));
+        let steps = steps(board, &found.hypothesis);
+        columns.extend(slopes(board, &found.hypothesis, &sizes, &steps));
         ranges.push((at, sizes, first, columns.len()));
         at += found.columns.len();
     }
@@ -54,7 +53,6 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
             } else {
                 Vec::new()
             };
-            let _ = linear;
             Estimate {
                 hypothesis: found.hypothesis.clone(),
                 sizes,
@@ -74,45 +72,4 @@ pub fn spread(model: &Model) -> f64 {
         .flatten()
         .fold((0.0, 0.0), |(sum, count), w| (sum + w * w, count + 1.0));
     sum / f64::max(count, 1.0)
-}
-
-/// How the angles change with each searched number, white.
-fn slopes(board: &Board, hypothesis: &Hypothesis, sizes: &[f64]) -> Vec<Column> {
-    let steps: Vec<(Change, f64)> = steps(board, hypothesis);
-    let signal = |hypothesis: &Hypothesis| -> Option<Column> {
-        let columns = hypothesis.columns(board);
-        if columns.len() != sizes.len() {
-            return None;
-        }
-        let parts = (0..board.benches.len()).map(|bench| {
-            let mut sum = vec![0.0; board.benches[bench].seen.len()];
-            for (column, size) in columns.iter().zip(sizes) {
-                if let Some(part) = &column.0[bench] {
-                    for (sum, value) in sum.iter_mut().zip(part) {
-                        *sum += size * value;
-                    }
-                }
-            }
-            Some(sum)
-        });
-        Some(Column(parts.collect()))
-    };
-    let each = steps.iter().filter_map(|(change, step)| {
-        let small = 0.05 * step;
-        let moved = |by: f64| {
-            let mut moved = hypothesis.clone();
-            moved.bases.iter_mut().for_each(|basis: &mut Basis| change(basis, by));
-            signal(&moved)
-        };
-        let (below, mut above) = (moved(-small)?, moved(small)?);
-        for (above, below) in above.0.iter_mut().zip(&below.0) {
-            if let (Some(above), Some(below)) = (above, below) {
-                for (a, b) in above.iter_mut().zip(below) {
-                    *a = (*a - b) / (2.0 * small);
-                }
-            }
-        }
-        Some(above)
-    });
-    each.collect()
 }

@@ -141,6 +141,13 @@ pub fn of_rhythm(order: f64, f_hz: f64, within: f64) -> Vec<Hypothesis> {
             Basis::TorqueOrder { order: whole },
         ));
     }
+    if whole > 0.0 && (order - whole).abs() < 0.3 * within {
+        all.push(Hypothesis::of(
+            Mechanism::TorqueTone,
+            Basis::TorqueTone { f_hz },
+        ));
+        return all;
+    }
     // A hair off a whole number, so that it is known as searched for.
     let order = if order.fract() == 0.0 { order + 1e-9 } else { order };
     all.push(Hypothesis::of(Mechanism::Bearing, Basis::Round { order }));

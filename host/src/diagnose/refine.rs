@@ -1,11 +1,11 @@
 //! Frequencies, orders, times and places where a hypothesis explains most.
 
 use super::basis::Basis;
-use super::board::{Board, Model};
+use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
 use super::weigh::{Weighed, weigh};
 
-/// The same hypothesis with what is searched for where it explains most.
+/// The same hypothesis with what is searched for where it explains most: Gauss and Newton's steps, the slopes by differences.
 #[must_use]
 pub fn refined(board: &Board, model: &Model, first: Weighed) -> Weighed {
     let mut best = first;
@@ -13,35 +13,87 @@ pub fn refined(board: &Board, model: &Model, first: Weighed) -> Weighed {
     if steps.is_empty() {
         return best;
     }
-    let mut size = 1.0;
     for _ in 0..5 {
-        let before = best.score;
-        for (change, step) in &steps {
-            let at = |by: f64| {
-                let changed = with(&best.hypothesis, |basis| change(basis, by * step * size));
-                let columns = changed.columns(board);
-                weigh(board, model, changed, columns)
-            };
-            let (below, above) = (at(-1.0), at(1.0));
-            let score = |w: &Option<Weighed>| w.as_ref().map_or(f64::NEG_INFINITY, |w| w.score);
-            let bend = score(&below) - 2.0 * best.score + score(&above);
-            let there = if bend < 0.0 && bend.is_finite() {
-                at((0.5 * (score(&below) - score(&above)) / bend).clamp(-2.0, 2.0))
-            } else {
-                None
-            };
-            for other in [below, above, there].into_iter().flatten() {
-                if other.score > best.score {
-                    best = other;
-                }
+        let Some(moves) = moves(board, model, &best, &steps) else {
+            break;
+        };
+        let mut better = None;
+        for share in [1.0, 0.3] {
+            let mut changed = best.hypothesis.clone();
+            for ((change, step), by) in steps.iter().zip(&moves) {
+                let by = (by * share).clamp(-2.5 * step, 2.5 * step);
+                changed.bases.iter_mut().for_each(|basis| change(basis, by));
+            }
+            let columns = changed.columns(board);
+            better = weigh(board, model, changed, columns).filter(|w| w.score > best.score);
+            if better.is_some() {
+                break;
             }
         }
-        size *= if best.score - before > 1.0 { 0.6 } else { 0.3 };
-        if size < 0.01 {
+        let Some(better) = better else {
+            break;
+        };
+        let gained = better.score - best.score;
+        best = better;
+        if gained < 0.3 {
             break;
         }
     }
     best
+}
+
+/// How far each searched number should move, by the linear fit of sizes and slopes.
+fn moves(board: &Board, model: &Model, at: &Weighed, steps: &[(Change, f64)]) -> Option<Vec<f64>> {
+    let sizes = board.gain(model, &at.columns)?.sizes;
+    let slopes = slopes(board, &at.hypothesis, sizes.as_slice(), steps);
+    if slopes.len() != steps.len() {
+        return None;
+    }
+    let count = at.columns.len();
+    let all: Vec<Column> = at.columns.iter().cloned().chain(slopes).collect();
+    let gain = board.gain(model, &all)?;
+    Some(gain.sizes.as_slice()[count..].to_vec())
+}
+
+/// How the angles change with each searched number, white.
+#[must_use]
+pub fn slopes(board: &Board, hypothesis: &Hypothesis, sizes: &[f64], steps: &[(Change, f64)]) -> Vec<Column> {
+    let signal = |hypothesis: &Hypothesis| -> Option<Column> {
+        let columns = hypothesis.columns(board);
+        if columns.len() != sizes.len() {
+            return None;
+        }
+        let parts = (0..board.benches.len()).map(|bench| {
+            let mut sum = vec![0.0; board.benches[bench].seen.len()];
+            for (column, size) in columns.iter().zip(sizes) {
+                if let Some(part) = &column.0[bench] {
+                    for (sum, value) in sum.iter_mut().zip(part) {
+                        *sum += size * value;
+                    }
+                }
+            }
+            Some(sum)
+        });
+        Some(Column(parts.collect()))
+    };
+    let each = steps.iter().filter_map(|(change, step)| {
+        let small = 0.05 * step;
+        let moved = |by: f64| {
+            let mut moved = hypothesis.clone();
+            moved.bases.iter_mut().for_each(|basis| change(basis, by));
+            signal(&moved)
+        };
+        let (below, mut above) = (moved(-small)?, moved(small)?);
+        for (above, below) in above.0.iter_mut().zip(&below.0) {
+            if let (Some(above), Some(below)) = (above, below) {
+                for (a, b) in above.iter_mut().zip(below) {
+                    *a = (*a - b) / (2.0 * small);
+                }
+            }
+        }
+        Some(above)
+    });
+    each.collect()
 }
 
 /// Changes a pattern's searched number.
@@ -96,11 +148,4 @@ fn length(basis: &mut Basis, by: f64) {
         } => *scale *= by.exp(),
         _ => {}
     }
-}
-
-/// A hypothesis with its patterns changed.
-fn with(hypothesis: &Hypothesis, change: impl Fn(&mut Basis)) -> Hypothesis {
-    let mut changed = hypothesis.clone();
-    changed.bases.iter_mut().for_each(change);
-    changed
 }

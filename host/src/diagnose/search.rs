@@ -1,6 +1,7 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
 use super::board::{Board, Column, Model};
+use super::conclude::crowd;
 use super::disc::{self, Pattern};
 use super::hypothesis::{Hypothesis, with_disc};
 use super::propose::propose;
@@ -108,6 +109,10 @@ fn once(board: &mut Board) -> Option<Searched> {
             break;
         };
         model = fitted;
+        // What can only be told by many rhythms side by side is none of them.
+        if crowd(board, &found).len() >= 3 {
+            break;
+        }
     }
     Some(Searched {
         found,
@@ -140,7 +145,7 @@ fn best(board: &Board, model: &Model, shelf: &mut Shelf, proposed: Vec<Hypothesi
     for one in tried {
         let kind = (one.hypothesis.mechanism, one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64));
         let again = kinds.iter().filter(|k| **k == kind).count();
-        if one.score < 0.3 * top || again >= 2 {
+        if one.score < 0.3 * top || again >= 1 || closer.len() >= 6 {
             continue;
         }
         kinds.push(kind);

@@ -66,15 +66,11 @@ pub fn settle(
             for (bench, found) in next.benches.iter_mut().zip(&again.benches) {
                 bench.set_noise(found.noise);
             }
-            let rests = Searched {
-                model: match next.fit(chosen.model.columns.clone()) {
-                    Some(model) => model,
-                    None => break,
-                },
-                ..chosen.clone()
+            let Some(rests) = rests(&next, &chosen) else {
+                break;
             };
             let moved = far(&numbers, &rests);
-            for (number, rest) in numbers.iter_mut().zip(sizes_of(&rests)) {
+            for (number, rest) in numbers.iter_mut().zip(rests) {
                 for (size, rest) in number.sizes.iter_mut().zip(rest) {
                     *size += rest;
                 }
@@ -148,24 +144,28 @@ fn chosen(board: &Board, searched: &Searched, concluded: &Conclusion) -> Searche
     }
 }
 
-/// Sizes of each finding.
-fn sizes_of(searched: &Searched) -> Vec<Vec<f64>> {
-    let mut at = searched.nuisances;
-    searched
-        .found
-        .iter()
-        .map(|found| {
-            let sizes = searched.model.sizes.as_slice()[at..at + found.columns.len()].to_vec();
-            at += found.columns.len();
-            sizes
-        })
-        .collect()
+/// What is left of each finding's sizes against mended twins.
+fn rests(board: &Board, chosen: &Searched) -> Option<Vec<Vec<f64>>> {
+    let mut columns = board.nuisances();
+    let mut at = columns.len();
+    let mut ranges = Vec::new();
+    for found in &chosen.found {
+        let own = found.hypothesis.columns(board);
+        // One that does not show was left out of the fit.
+        let own = if own.len() == found.columns.len() { own } else { found.columns.clone() };
+        ranges.push(at..at + own.len());
+        at += own.len();
+        columns.extend(own);
+    }
+    let model = board.fit(columns)?;
+    let sizes = model.sizes.as_slice();
+    Some(ranges.into_iter().map(|range| sizes[range].to_vec()).collect())
 }
 
 /// Largest rest in standard errors.
-fn far(numbers: &[Estimate], rests: &Searched) -> f64 {
-    let each = numbers.iter().zip(sizes_of(rests)).flat_map(|(number, rest)| {
-        let rest = rest.into_iter().enumerate();
+fn far(numbers: &[Estimate], rests: &[Vec<f64>]) -> f64 {
+    let each = numbers.iter().zip(rests).flat_map(|(number, rest)| {
+        let rest = rest.iter().enumerate();
         rest.map(|(i, rest)| rest.abs() / number.covariance[(i, i)].sqrt())
             .collect::<Vec<_>>()
     });
