@@ -7,13 +7,18 @@
 
 pub mod basis;
 pub mod board;
+pub mod code;
 pub mod diagnosis;
+pub mod events;
 pub mod hypothesis;
+pub mod index;
 pub mod kalman;
 pub mod locate;
+pub mod mend;
 pub mod noise_fit;
 pub mod prepare;
 pub mod propose;
+mod repair;
 pub mod run;
 pub mod search;
 pub mod seen;
@@ -23,3 +28,4 @@ pub mod spectrum;
 pub mod still;
 pub mod track;
 mod turning;
+mod walk;

@@ -1,0 +1,344 @@
+//! Rows as they would be had no edge been lost and none come in between.
+//!
+//! A shaft has inertia: in the middle of steady motion it neither jumps two edges at once nor turns back for a moment. Where rows say
+//! so, the rows around are read again with a short pulse taken out or with edges put in, and what fits the pace of the motion
+//! best is taken. At a standstill or a reversal a shaft may do all of that, and rows are left as they are, unless the levels
+//! themselves can't be.
+
+use quadcal::edge::{Levels, Sample};
+
+use super::code::Code;
+use super::repair::{Kept, Repair, Surroundings};
+use crate::recording::Row;
+
+/// What a capture did wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// Edges are missing.
+    Lost,
+    /// A pulse came that no edge made.
+    Extra,
+}
+
+/// Something wrong with the rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// What.
+    pub kind: FaultKind,
+    /// When, ticks: of the first edge lost, about, or of the pulse.
+    pub ticks: u64,
+    /// Edges missing from the recording, or rows too many.
+    pub edges: u32,
+    /// Channel of it.
+    pub channel: usize,
+    /// Whether the count may be wrong after it.
+    pub doubtful: bool,
+}
+
+/// A row of a mended recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// The row.
+    pub row: Row,
+    /// Whether its edge was captured, and at its own time.
+    pub captured: bool,
+}
+
+/// Mended rows and what was wrong.
+#[derive(Clone, Debug, Default)]
+pub struct Mended {
+    /// The rows.
+    pub pieces: Vec<Piece>,
+    /// By time.
+    pub faults: Vec<Fault>,
+}
+
+impl Mended {
+    /// Rows that are as good as can be known.
+    #[must_use]
+    pub fn untouched(rows: &[Row]) -> Self {
+        let whole = |row: &Row| Piece {
+            row: *row,
+            captured: true,
+        };
+        Self {
+            pieces: rows.iter().map(whole).collect(),
+            faults: Vec::new(),
+        }
+    }
+}
+
+/// A row at which a channel that counts changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub row: usize,
+    pub ticks: u64,
+    pub levels: u8,
+}
+
+/// An interval so much longer than the one before, or shorter, is looked at.
+const LONG: f64 = 1.9;
+const SHORT: f64 = 0.45;
+/// Rows of a window that is read again.
+pub(super) const WINDOW: usize = 5;
+
+/// Mends rows of a sensor.
+#[must_use]
+pub fn mend(code: Code, rows: &[Row]) -> Mended {
+    let mut mender = Mender::new(code, rows);
+    let mut at = 0;
+    while at < mender.edges.len() {
+        at = mender.take(at);
+    }
+    mender.finish(rows)
+}
+
+pub(super) struct Mender {
+    pub code: Code,
+    pub edges: Vec<Edge>,
+    /// Share of each state in a round, relative to the mean.
+    pub widths: Vec<f64>,
+    pub kept: Vec<Kept>,
+    faults: Vec<Fault>,
+    /// Levels to be taken out again: from row, to row, bit.
+    flips: Vec<(usize, usize, u8)>,
+    /// Rows to be left out.
+    dropped: Vec<usize>,
+    /// Rows whose time is not that of their edge.
+    untimed: Vec<usize>,
+    /// Edges to be put in: before which row at the latest, when, and their levels.
+    put_in: Vec<(usize, u64, u8)>,
+}
+
+impl Mender {
+    fn new(code: Code, rows: &[Row]) -> Self {
+        let mut edges: Vec<Edge> = Vec::with_capacity(rows.len());
+        for (row, sample) in rows.iter().enumerate() {
+            let levels = sample.levels.0 & code.mask();
+            if edges.last().is_none_or(|last| last.levels != levels) {
+                edges.push(Edge {
+                    row,
+                    ticks: sample.ticks,
+                    levels,
+                });
+            }
+        }
+        let widths = super::repair::widths(code, &edges);
+        Self {
+            code,
+            kept: Vec::with_capacity(edges.len()),
+            edges,
+            widths,
+            faults: Vec::new(),
+            flips: Vec::new(),
+            dropped: Vec::new(),
+            untimed: Vec::new(),
+            put_in: Vec::new(),
+        }
+    }
+
+    /// Takes an edge, or as many as are read again with it; returns the next.
+    fn take(&mut self, at: usize) -> usize {
+        let edge = self.edges[at];
+        let state = self.code.state(edge.levels);
+        let Some(&last) = self.kept.last() else {
+            if let Some(state) = state {
+                self.kept.push(Kept::first(at, edge.ticks, state));
+            } else {
+                self.dropped.push(edge.row);
+            }
+            return at + 1;
+        };
+        if let Some(state) = state
+            && let Some(way) = self.way(last.state, state)
+        {
+            let next = Kept {
+                edge: Some(at),
+                ticks: edge.ticks,
+                state,
+                way,
+                pace: self.pace(&last, edge.ticks, way, 1),
+            };
+            let usual = last.way == 0
+                || way == last.way && next.pace < LONG * last.pace && next.pace > SHORT * last.pace;
+            if usual {
+                self.kept.push(next);
+                return at + 1;
+            }
+            if let Some(repair) = self.repair(at) {
+                return self.mended(&repair);
+            }
+            self.kept.push(next);
+            return at + 1;
+        }
+        if let Some(repair) = self.repair(at) {
+            return self.mended(&repair);
+        }
+        self.give_up(at, state);
+        at + 1
+    }
+
+    /// Direction of a step from state to state; none where it is no single step.
+    pub fn way(&self, from: i64, to: i64) -> Option<i64> {
+        let states = self.code.states();
+        match (to - from).rem_euclid(states) {
+            1 => Some(1),
+            back if back == states - 1 => Some(-1),
+            _ => None,
+        }
+    }
+
+    /// Ticks an edge over some edges after a kept one, as if all states were equally wide.
+    pub fn pace(&self, from: &Kept, ticks: u64, way: i64, edges: i64) -> f64 {
+        let states = self.code.states();
+        let width = |n: i64| {
+            let state = (from.state + way * n).rem_euclid(states);
+            self.widths[usize::try_from(state).unwrap_or(0)]
+        };
+        let width: f64 = (0..edges).map(width).sum();
+        ticks.saturating_sub(from.ticks) as f64 / width
+    }
+
+    /// How the rows around an edge are best read, where the motion around is steady.
+    fn repair(&self, at: usize) -> Option<Repair> {
+        let first = match self.kept.last()?.edge {
+            Some(last) if last + 1 == at && self.kept.len() > 1 => last,
+            _ => at,
+        };
+        let before = self.kept.len() - usize::from(first < at);
+        let around = Surroundings::of(self, before, first)?;
+        around.best(self, first)
+    }
+
+    fn mended(&mut self, repair: &Repair) -> usize {
+        self.kept.truncate(repair.from_kept);
+        if let Some([from, to]) = repair.pulse {
+            let bit = self.edges[from].levels ^ self.edges[from - 1].levels;
+            let rows = [self.edges[from].row, self.edges[to].row];
+            self.flips.push((rows[0], rows[1], bit));
+            self.faults.push(Fault {
+                kind: FaultKind::Extra,
+                ticks: self.edges[from].ticks,
+                edges: 2,
+                channel: bit.trailing_zeros() as usize,
+                doubtful: false,
+            });
+            self.untimed.extend(repair.untimed.iter().map(|edge| self.edges[*edge].row));
+        }
+        for (next, edges) in &repair.kept {
+            if let Some(last) = self.kept.last().copied()
+                && *edges > 1
+            {
+                self.lose(&last, next, *edges, false);
+            }
+            self.kept.push(*next);
+        }
+        repair.next
+    }
+
+    /// Books edges lost between two kept ones and puts them in.
+    fn lose(&mut self, last: &Kept, next: &Kept, edges: i64, doubtful: bool) {
+        let each = next.ticks.saturating_sub(last.ticks) as f64 / edges as f64;
+        for n in 1..edges {
+            let ticks = last.ticks + (n as f64 * each) as u64;
+            let levels = self.code.levels(last.state + n * next.way);
+            let row = next.edge.map_or(usize::MAX, |edge| self.edges[edge].row);
+            self.put_in.push((row, ticks, levels));
+        }
+        self.faults.push(Fault {
+            kind: FaultKind::Lost,
+            ticks: last.ticks + each as u64,
+            edges: u32::try_from(edges - 1).unwrap_or(0),
+            channel: self.code.channel(last.state, next.way),
+            doubtful,
+        });
+    }
+
+    /// Levels that can't be, where nothing tells how they came about: the shorter way, else on as before.
+    fn give_up(&mut self, at: usize, state: Option<i64>) {
+        let edge = self.edges[at];
+        let (Some(state), Some(&last)) = (state, self.kept.last()) else {
+            self.dropped.push(edge.row);
+            self.faults.push(Fault {
+                kind: FaultKind::Extra,
+                ticks: edge.ticks,
+                edges: 1,
+                channel: 0,
+                doubtful: true,
+            });
+            return;
+        };
+        let states = self.code.states();
+        let ahead = (state - last.state).rem_euclid(states);
+        let way = match (2 * ahead).cmp(&states) {
+            std::cmp::Ordering::Less => 1,
+            std::cmp::Ordering::Greater => -1,
+            std::cmp::Ordering::Equal if last.way != 0 => last.way,
+            std::cmp::Ordering::Equal => 1,
+        };
+        let edges = ahead.min(states - ahead);
+        if edges == 0 {
+            return;
+        }
+        let next = Kept {
+            edge: Some(at),
+            ticks: edge.ticks,
+            state,
+            way,
+            pace: self.pace(&last, edge.ticks, way, edges),
+        };
+        self.lose(&last, &next, edges, true);
+        self.kept.push(next);
+    }
+
+    fn finish(mut self, rows: &[Row]) -> Mended {
+        let mut pieces: Vec<Piece> = Vec::with_capacity(rows.len() + self.put_in.len());
+        self.dropped.sort_unstable();
+        self.untimed.sort_unstable();
+        let (mut flips, mut put_in) = (self.flips.iter().peekable(), self.put_in.iter().peekable());
+        let mask = self.code.mask();
+        let mut inside: Option<(usize, u8)> = None;
+        for (number, row) in rows.iter().enumerate() {
+            let due = |put: &&(usize, u64, u8)| put.1 < row.ticks || put.0 <= number;
+            while let Some((_, ticks, levels)) = put_in.next_if(due) {
+                let others = pieces.last().map_or(0, |piece| piece.row.levels.0 & !mask);
+                pieces.push(Piece {
+                    row: Sample {
+                        ticks: *ticks,
+                        levels: Levels(levels | others),
+                    },
+                    captured: false,
+                });
+            }
+            if let Some((_, to, bit)) = flips.next_if(|(from, ..)| *from == number) {
+                inside = Some((*to, *bit));
+            }
+            let mut levels = row.levels.0;
+            if let Some((to, bit)) = inside {
+                if number < to {
+                    levels ^= bit;
+                } else {
+                    inside = None;
+                }
+            }
+            if self.dropped.binary_search(&number).is_ok() {
+                levels = levels & !mask | pieces.last().map_or(levels, |p| p.row.levels.0) & mask;
+            }
+            if pieces.last().is_some_and(|last| last.row.levels.0 == levels) {
+                continue;
+            }
+            pieces.push(Piece {
+                row: Sample {
+                    ticks: row.ticks,
+                    levels: Levels(levels),
+                },
+                captured: self.untimed.binary_search(&number).is_err(),
+            });
+        }
+        self.faults.sort_by_key(|fault| fault.ticks);
+        Mended {
+            pieces,
+            faults: self.faults,
+        }
+    }
+}
