@@ -74,6 +74,8 @@ pub(super) struct Edge {
     pub row: usize,
     pub ticks: u64,
     pub levels: u8,
+    /// Whether another channel, the index, changes with it.
+    pub shared: bool,
 }
 
 /// An interval so much longer than the one before, or shorter, is looked at.
@@ -113,13 +115,17 @@ pub(super) struct Mender {
 impl Mender {
     fn new(code: Code, rows: &[Row]) -> Self {
         let mut edges: Vec<Edge> = Vec::with_capacity(rows.len());
+        let mut others = None;
         for (row, sample) in rows.iter().enumerate() {
             let levels = sample.levels.0 & code.mask();
+            let now = sample.levels.0 & !code.mask();
+            let shared = others.replace(now).is_some_and(|before| before != now);
             if edges.last().is_none_or(|last| last.levels != levels) {
                 edges.push(Edge {
                     row,
                     ticks: sample.ticks,
                     levels,
+                    shared,
                 });
             }
         }
@@ -161,6 +167,9 @@ impl Mender {
             };
             let usual = last.way == 0
                 || way == last.way && next.pace < LONG * last.pace && next.pace > SHORT * last.pace;
+            if edge.shared && usual {
+                return self.take_shared(at, next);
+            }
             if usual {
                 self.kept.push(next);
                 return at + 1;
@@ -175,6 +184,44 @@ impl Mender {
             return self.mended(&repair);
         }
         self.give_up(at, state);
+        at + 1
+    }
+
+    /// Takes an edge that came in one row with a change of the index. Two rows would have come had its own not been lost.
+    fn take_shared(&mut self, at: usize, next: Kept) -> usize {
+        let before = self.kept.len();
+        let late = Surroundings::of(self, before, at).is_some_and(|around| around.late(self, at));
+        if let Some(last) = self.kept.last()
+            && late
+        {
+            let after = self.edges.get(at + 1).map_or(next.ticks, |edge| edge.ticks);
+            self.faults.push(Fault {
+                kind: FaultKind::Lost,
+                ticks: last.ticks + (after - last.ticks) / 2,
+                edges: 1,
+                channel: self.code.channel(last.state, next.way),
+                doubtful: false,
+            });
+            self.untimed.push(self.edges[at].row);
+            let pace = last.pace;
+            self.kept.push(Kept { pace, ..next });
+            // The interval after it is as much too short.
+            if let Some(edge) = self.edges.get(at + 1)
+                && let Some(state) = self.code.state(edge.levels)
+                && self.way(next.state, state) == Some(next.way)
+            {
+                self.kept.push(Kept {
+                    edge: Some(at + 1),
+                    ticks: edge.ticks,
+                    state,
+                    way: next.way,
+                    pace,
+                });
+                return at + 2;
+            }
+            return at + 1;
+        }
+        self.kept.push(next);
         at + 1
     }
 

@@ -13,6 +13,8 @@ const OFF_MOST: f64 = 0.7;
 const OFF_MOST_TIMED: f64 = 0.3;
 /// Longest pace over shortest in motion so steady that a length alone tells something.
 const SPREAD_MOST: f64 = 1.6;
+/// The same for the paces next to the interval, over the usual one.
+const NEXT_TO_MOST: f64 = 1.25;
 /// Longest pulse that no edge made, in edges.
 const PULSE_MOST: f64 = 0.6;
 /// Most edges lost at once that are counted on.
@@ -68,6 +70,8 @@ pub(super) struct Surroundings {
     pace: f64,
     slowest: f64,
     fastest: f64,
+    /// Slower pace of those just before and after.
+    next_to: f64,
 }
 
 impl Surroundings {
@@ -102,7 +106,10 @@ impl Surroundings {
         if along < 2 || against > 1 {
             return None;
         }
+        let next_to = [paces[0], paces[paces.len() - along]];
         paces.sort_by(f64::total_cmp);
+        // Another pulse close by cuts two intervals short.
+        paces.drain(..2 * against);
         let pace = paces[paces.len() / 2];
         (paces[0] > 0.0).then_some(Self {
             from_kept,
@@ -110,11 +117,17 @@ impl Surroundings {
             pace,
             fastest: paces[0],
             slowest: paces[paces.len() - 1],
+            next_to: next_to[0].max(next_to[1]),
         })
     }
 
     fn spread(&self) -> f64 {
         self.slowest / self.fastest
+    }
+
+    /// Whether motion is so steady that a length alone tells something: a shaft that stops is slow just before, or just after.
+    fn is_steady(&self) -> bool {
+        self.spread() < SPREAD_MOST && self.next_to < NEXT_TO_MOST * self.pace
     }
 
     /// The reading that fits the motion best; none where it is as it stands or none fits.
@@ -136,6 +149,17 @@ impl Surroundings {
         let (_, repair) = best?;
         let plain = repair.pulse.is_none() && repair.kept.iter().all(|(_, edges)| *edges == 1);
         (!plain).then_some(repair)
+    }
+
+    /// Whether an edge came with a row that another channel made, after its own row was lost: late, as the edge after it shows.
+    pub fn late(&self, mender: &Mender, at: usize) -> bool {
+        const LATE_LEAST: f64 = 1.2;
+        let Some((last, next)) = mender.kept[..self.from_kept].last().zip(mender.edges.get(at + 1)) else {
+            return false;
+        };
+        let whole = mender.pace(last, next.ticks, self.way, 2) / self.pace;
+        let own = mender.pace(last, mender.edges[at].ticks, self.way, 1) / self.pace;
+        self.is_steady() && own > LATE_LEAST && whole.ln().abs() < 0.5 * OFF_MOST_TIMED
     }
 
     /// A reading and how badly it fits.
@@ -178,10 +202,10 @@ impl Surroundings {
             };
             let (few, many) = (weigh(least), weigh(least + rounds * states));
             let (steps, off, own) = if many.2 < few.2 { many } else { few };
-            // A length says more where levels say it too.
-            let timed = steps > 1 && (least == 1 || ahead == 0);
+            // Levels that jump say it themselves; a step on or back may be the shaft's own, and only its time tells.
+            let timed = steps > 1 && (least == 1 || least + 1 >= states);
             let limit = if timed { OFF_MOST_TIMED } else { OFF_MOST };
-            let doubtful = timed && self.spread() > SPREAD_MOST || steps > LOST_MOST;
+            let doubtful = timed && !self.is_steady() || steps > LOST_MOST;
             if (steps > 1 || pulse.is_some()) && off.abs() > limit || doubtful {
                 return None;
             }

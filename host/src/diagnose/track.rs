@@ -71,9 +71,13 @@ impl Track {
         rows: impl Iterator<Item = Result<Row, E>>,
     ) -> Result<Self, E> {
         let shape = plan.shape()?;
-        let decoder = plan.decoder()?;
         let rows: Vec<Row> = rows.collect::<Result<_, E>>()?;
-        let mended = match Code::of(plan) {
+        let code = Code::of(plan);
+        let decoder = match code {
+            Some(Code::OneChannel) => None,
+            _ => Some(plan.decoder()?),
+        };
+        let mended = match code {
             Some(code) => mend(code, &rows),
             None => Mended::untouched(&rows),
         };

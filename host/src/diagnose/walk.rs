@@ -1,6 +1,6 @@
 //! The count along a recording's mended rows.
 
-use quadcal::edge::{Levels, Sample};
+use quadcal::edge::{Direction, Levels, Sample};
 use quadcal::step::{Flags, Glitch, Outcome, Step};
 
 use super::index::{Moved, Pass, moves};
@@ -11,7 +11,8 @@ use crate::sensor::Decoder;
 /// Follows the count.
 pub(super) struct Walker {
     track: Track,
-    decoder: Decoder,
+    /// None where every row is one edge on.
+    decoder: Option<Decoder>,
     has_z: bool,
     turns: i64,
     last_edge: Option<i64>,
@@ -29,7 +30,7 @@ pub(super) struct Walker {
 }
 
 impl Walker {
-    pub fn new(track: Track, decoder: Decoder, has_z: bool) -> Self {
+    pub fn new(track: Track, decoder: Option<Decoder>, has_z: bool) -> Self {
         Self {
             track,
             decoder,
@@ -55,7 +56,11 @@ impl Walker {
             if self.has_z && self.referenced {
                 sample.levels = Levels(sample.levels.0 & !Levels::Z);
             }
-            match self.decoder.push(sample) {
+            let outcome = match &mut self.decoder {
+                Some(decoder) => decoder.push(sample),
+                None => self.one_on(sample),
+            };
+            match outcome {
                 Outcome::Step(step) => self.step(&step, piece.captured),
                 Outcome::Glitch(glitch) => self.take_back(glitch),
                 Outcome::Index(index) => self.referenced |= index.flags.contains(Flags::REFERENCED),
@@ -69,6 +74,26 @@ impl Walker {
         let moved = moves(&self.passes, self.track.edges);
         self.sort_out(moved);
         self.track
+    }
+
+    /// One edge on, from the first rise: a wheel whose rows are mended.
+    fn one_on(&self, sample: Sample) -> Outcome {
+        let edge = match self.last_edge {
+            Some(last) => (last + 1) % self.track.edges,
+            None if sample.levels.a() => 0,
+            None => return Outcome::Idle,
+        };
+        let edge = u32::try_from(edge).unwrap_or(0);
+        Outcome::Step(Step {
+            ticks: sample.ticks,
+            edge,
+            position: edge,
+            interval: 0,
+            resync: 0,
+            advance: 1,
+            flags: Flags::NONE,
+            direction: Direction::Forward,
+        })
     }
 
     fn seconds(&self, sample: Sample) -> f64 {
