@@ -270,7 +270,8 @@ impl Mender {
                 channel: bit.trailing_zeros() as usize,
                 doubtful: false,
             });
-            self.untimed.extend(repair.untimed.iter().map(|edge| self.edges[*edge].row));
+            self.untimed
+                .extend(repair.untimed.iter().map(|edge| self.edges[*edge].row));
         }
         for (next, edges) in &repair.kept {
             if let Some(last) = self.kept.last().copied()
@@ -360,6 +361,10 @@ impl Mender {
             if let Some((_, to, bit)) = flips.next_if(|(from, ..)| *from == number) {
                 inside = Some((*to, *bit));
             }
+            // No change, as after an edge that was lost, is no edge.
+            if number > 0 && rows[number - 1].levels == row.levels {
+                continue;
+            }
             let mut levels = row.levels.0;
             if let Some((to, bit)) = inside {
                 if number < to {
@@ -371,7 +376,10 @@ impl Mender {
             if self.dropped.binary_search(&number).is_ok() {
                 levels = levels & !mask | pieces.last().map_or(levels, |p| p.row.levels.0) & mask;
             }
-            if pieces.last().is_some_and(|last| last.row.levels.0 == levels) {
+            if pieces
+                .last()
+                .is_some_and(|last| last.row.levels.0 == levels)
+            {
                 continue;
             }
             pieces.push(Piece {

@@ -81,20 +81,31 @@ impl Surroundings {
         let before = &kept[kept.len().saturating_sub(AROUND)..];
         let way = before.last()?.way;
         let mut paces: Vec<f64> = Vec::with_capacity(2 * AROUND);
-        paces.extend(before.iter().rev().take_while(|k| k.way == way && way != 0).map(|k| k.pace));
+        paces.extend(
+            before
+                .iter()
+                .rev()
+                .take_while(|k| k.way == way && way != 0)
+                .map(|k| k.pace),
+        );
         if paces.len() < 3 {
             return None;
         }
         let after = first + WINDOW;
         let (mut along, mut against) = (0, 0);
         for pair in mender.edges.get(after..)?.windows(2).take(AROUND) {
-            let states = [mender.code.state(pair[0].levels), mender.code.state(pair[1].levels)];
+            let states = [
+                mender.code.state(pair[0].levels),
+                mender.code.state(pair[1].levels),
+            ];
             let [Some(from), Some(to)] = states else {
                 against += 1;
                 continue;
             };
             // One channel does not tell its direction.
-            let same = mender.way(from, to).is_some_and(|step| step == way || mender.code.states() == 2);
+            let same = mender
+                .way(from, to)
+                .is_some_and(|step| step == way || mender.code.states() == 2);
             if same {
                 along += 1;
                 let from = Kept::first(0, pair[0].ticks, from);
@@ -154,7 +165,10 @@ impl Surroundings {
     /// Whether an edge came with a row that another channel made, after its own row was lost: late, as the edge after it shows.
     pub fn late(&self, mender: &Mender, at: usize) -> bool {
         const LATE_LEAST: f64 = 1.2;
-        let Some((last, next)) = mender.kept[..self.from_kept].last().zip(mender.edges.get(at + 1)) else {
+        let Some((last, next)) = mender.kept[..self.from_kept]
+            .last()
+            .zip(mender.edges.get(at + 1))
+        else {
             return false;
         };
         let whole = mender.pace(last, next.ticks, self.way, 2) / self.pace;
@@ -163,7 +177,12 @@ impl Surroundings {
     }
 
     /// A reading and how badly it fits.
-    fn read(&self, mender: &Mender, first: usize, pulse: Option<[usize; 2]>) -> Option<(f64, Repair)> {
+    fn read(
+        &self,
+        mender: &Mender,
+        first: usize,
+        pulse: Option<[usize; 2]>,
+    ) -> Option<(f64, Repair)> {
         let edges = &mender.edges;
         let states = mender.code.states();
         let mut cost = 0.0;
@@ -193,7 +212,10 @@ impl Surroundings {
             let state = mender.code.state(levels)?;
             let ahead = (self.way * (state - last.state)).rem_euclid(states);
             let least = if ahead == 0 { states } else { ahead };
-            let ratio = mender.pace(&last, edge.ticks, self.way, 1).max(1e-3 * self.pace) / self.pace;
+            let ratio = mender
+                .pace(&last, edge.ticks, self.way, 1)
+                .max(1e-3 * self.pace)
+                / self.pace;
             let rounds = ((ratio - least as f64) / states as f64).round().max(0.0) as i64;
             let weigh = |steps: i64| {
                 let pace = mender.pace(&last, edge.ticks, self.way, steps);
@@ -250,7 +272,9 @@ pub(super) fn widths(code: Code, edges: &[Edge]) -> Vec<f64> {
     for from in (0..edges.len().saturating_sub(states)).step_by(apart) {
         let round = &edges[from..=from + states];
         let whole = round[states].ticks - round[0].ticks;
-        let state = round.get(states / 2).and_then(|edge| code.state(edge.levels));
+        let state = round
+            .get(states / 2)
+            .and_then(|edge| code.state(edge.levels));
         if let Some(state) = state
             && whole > 0
         {
@@ -261,7 +285,11 @@ pub(super) fn widths(code: Code, edges: &[Edge]) -> Vec<f64> {
     }
     let middle = |mut shares: Vec<f64>| {
         shares.sort_by(f64::total_cmp);
-        shares.get(shares.len() / 2).copied().unwrap_or(1.0).clamp(0.2, 3.0)
+        shares
+            .get(shares.len() / 2)
+            .copied()
+            .unwrap_or(1.0)
+            .clamp(0.2, 3.0)
     };
     seen.into_iter().map(middle).collect()
 }

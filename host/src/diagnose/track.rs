@@ -92,7 +92,12 @@ impl Track {
             faults: mended.faults,
             moved: Vec::new(),
         };
-        let has_z = matches!(plan.kind, SensorKind::Quadrature { index_state: Some(_) });
+        let has_z = matches!(
+            plan.kind,
+            SensorKind::Quadrature {
+                index_state: Some(_)
+            }
+        );
         let mut track = Walker::new(track, decoder, has_z).walk(&mended.pieces);
         track.origin = track.usual_origin();
         track.note_slips();

@@ -156,7 +156,11 @@ impl Walker {
         if step.resync != 0 {
             let lost = (step.resync > 0) == (step.direction.sign() > 0);
             self.track.faults.push(Fault {
-                kind: if lost { FaultKind::Lost } else { FaultKind::Extra },
+                kind: if lost {
+                    FaultKind::Lost
+                } else {
+                    FaultKind::Extra
+                },
                 ticks: step.ticks,
                 edges: step.resync.unsigned_abs(),
                 channel: 0,
@@ -171,7 +175,10 @@ impl Walker {
             self.count -= direction * advance;
             let last = self.track.stretches.last_mut();
             if let Some(stretch) = last
-                && stretch.marks.last().is_some_and(|mark| mark.time_s == time_s)
+                && stretch
+                    .marks
+                    .last()
+                    .is_some_and(|mark| mark.time_s == time_s)
             {
                 stretch.marks.pop();
                 if stretch.marks.is_empty() {
@@ -230,7 +237,9 @@ impl Walker {
             let since_s = doubt.ticks as f64 * tick_s;
             self.shift(since_s, to_s, -i64::from(moved.edges));
         }
-        self.track.stretches.retain(|stretch| !stretch.marks.is_empty());
+        self.track
+            .stretches
+            .retain(|stretch| !stretch.marks.is_empty());
     }
 
     /// Moves places from a time on, and leaves out the edges before the count is known again.
@@ -248,6 +257,8 @@ impl Walker {
             });
         }
         self.track.stretches.extend(after);
-        self.track.stretches.retain(|stretch| !stretch.marks.is_empty());
+        self.track
+            .stretches
+            .retain(|stretch| !stretch.marks.is_empty());
     }
 }
