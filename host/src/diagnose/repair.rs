@@ -194,6 +194,7 @@ impl Surroundings {
         let mut last = *mender.kept.get(self.from_kept.checked_sub(1)?)?;
         let mut kept = Vec::with_capacity(WINDOW);
         let mut untimed = Vec::new();
+        let (mut only_timed, mut worst) = (false, 0.0_f64);
         let next = (first + WINDOW).min(edges.len());
         for (at, edge) in edges.iter().enumerate().take(next).skip(first) {
             let mut levels = edge.levels;
@@ -231,6 +232,8 @@ impl Surroundings {
             if (steps > 1 || pulse.is_some()) && off.abs() > limit || doubtful {
                 return None;
             }
+            only_timed |= timed;
+            worst = worst.max(off.abs());
             cost += own;
             last = Kept {
                 edge: Some(at),
@@ -240,6 +243,10 @@ impl Surroundings {
                 pace: mender.pace(&last, edge.ticks, self.way, steps),
             };
             kept.push((last, steps));
+        }
+        // Edges beside the gap must keep the pace: a shaft that stops does not.
+        if only_timed && worst > OFF_MOST_TIMED {
+            return None;
         }
         let repair = Repair {
             from_kept: self.from_kept,
