@@ -1,7 +1,6 @@
 //! Rows in the middle of steady motion, read again: with a pulse taken out, with edges put in, or as they are.
 
-use super::code::Code;
-use super::mend::{Edge, Mender, WINDOW};
+use super::mender::{Mender, WINDOW};
 
 /// Edges to either side that say how steady the motion is.
 const AROUND: usize = 6;
@@ -13,6 +12,8 @@ const OFF_MOST: f64 = 0.7;
 const OFF_MOST_TIMED: f64 = 0.3;
 /// Longest pace over shortest in motion so steady that a length alone tells something.
 const SPREAD_MOST: f64 = 1.6;
+/// How much slower, as a logarithm, edges beside a gap may be on the mean.
+const BESIDE_MOST: f64 = 0.15;
 /// The same for the paces next to the interval, over the usual one.
 const NEXT_TO_MOST: f64 = 1.25;
 /// Longest pulse that no edge made, in edges.
@@ -192,9 +193,12 @@ impl Surroundings {
             cost += FAULT;
         }
         let mut last = *mender.kept.get(self.from_kept.checked_sub(1)?)?;
+        let mut off_before = (last.pace / self.pace).max(1e-3).ln();
         let mut kept = Vec::with_capacity(WINDOW);
         let mut untimed = Vec::new();
         let (mut only_timed, mut worst) = (false, 0.0_f64);
+        // How slow the edges to both sides of a gap are.
+        let (mut beside, mut before_gap, mut after_gap) = (0.0_f64, 0.0, false);
         let next = (first + WINDOW).min(edges.len());
         for (at, edge) in edges.iter().enumerate().take(next).skip(first) {
             let mut levels = edge.levels;
@@ -234,6 +238,13 @@ impl Surroundings {
             }
             only_timed |= timed;
             worst = worst.max(off.abs());
+            if after_gap {
+                beside = beside.max(0.5 * (before_gap + off));
+            }
+            if timed {
+                before_gap = off_before;
+            }
+            (after_gap, off_before) = (timed, off);
             cost += own;
             last = Kept {
                 edge: Some(at),
@@ -245,7 +256,7 @@ impl Surroundings {
             kept.push((last, steps));
         }
         // Edges beside the gap must keep the pace: a shaft that stops does not.
-        if only_timed && worst > OFF_MOST_TIMED {
+        if only_timed && (worst > OFF_MOST_TIMED || beside > BESIDE_MOST) {
             return None;
         }
         let repair = Repair {
@@ -268,35 +279,4 @@ impl Surroundings {
         let alike = bit.count_ones() == 1 && toggled(to)? == bit;
         (alike && short && self.spread() < 2.5).then_some(bit)
     }
-}
-
-/// How wide each state of a code is, relative to their mean: the middle of what the rows show.
-pub(super) fn widths(code: Code, edges: &[Edge]) -> Vec<f64> {
-    const EACH_MOST: usize = 5000;
-    let states = usize::try_from(code.states()).unwrap_or(1);
-    let mut seen: Vec<Vec<f64>> = vec![Vec::new(); states];
-    let apart = (edges.len() / EACH_MOST / states).max(1) * states + 1;
-    for from in (0..edges.len().saturating_sub(states)).step_by(apart) {
-        let round = &edges[from..=from + states];
-        let whole = round[states].ticks - round[0].ticks;
-        let state = round
-            .get(states / 2)
-            .and_then(|edge| code.state(edge.levels));
-        if let Some(state) = state
-            && whole > 0
-        {
-            let own = round[states / 2 + 1].ticks - round[states / 2].ticks;
-            let share = own as f64 * states as f64 / whole as f64;
-            seen[usize::try_from(state).unwrap_or(0)].push(share);
-        }
-    }
-    let middle = |mut shares: Vec<f64>| {
-        shares.sort_by(f64::total_cmp);
-        shares
-            .get(shares.len() / 2)
-            .copied()
-            .unwrap_or(1.0)
-            .clamp(0.2, 3.0)
-    };
-    seen.into_iter().map(middle).collect()
 }
