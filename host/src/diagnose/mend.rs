@@ -1,190 +1,141 @@
-//! A twin with a finding in it: it can be simulated, and should then explain the recording.
+//! Rows as they would be had no edge been lost and none come in between.
+//!
+//! A shaft has inertia: in the middle of steady motion it neither jumps two edges at once nor turns back for a moment. Where rows say
+//! so, the rows around are read again with a short pulse taken out or with edges put in, and what fits the pace of the motion
+//! best is taken. At a standstill or a reversal a shaft may do all of that, and rows are left as they are, unless the levels
+//! themselves can't be.
 
-use super::basis::{Basis, change_of};
-use super::estimate::Estimate;
-use crate::twin::{
-    Bearing, Channel, ChannelSkew, EdgeDelay, Flank, Harmonic, Hysteresis, LoadStep, LocalDefect,
-    Ripple, SpeedDrift, ThresholdDrift, ThresholdRipple, TorqueTone, Twin,
-};
+use quadcal::edge::{Levels, Sample};
 
-/// A twin being mended, and what its disc lacks: errors of each edge, rad.
-#[derive(Clone, Debug)]
-pub struct Mended {
-    /// The twin.
-    pub twin: Twin,
-    /// What is added to its disc's errors; empty where nothing is.
-    pub errors_rad: Vec<f64>,
+use super::code::Code;
+use super::mender::Mender;
+use crate::recording::Row;
+
+/// What a capture did wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// Edges are missing.
+    Lost,
+    /// A pulse came that no edge made.
+    Extra,
 }
 
-/// Channel of a number.
-fn channel(number: usize) -> Channel {
-    [Channel::A, Channel::B, Channel::C][number.min(2)]
+/// Something wrong with the rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// What.
+    pub kind: FaultKind,
+    /// When, ticks: of the first edge lost, about, or of the pulse.
+    pub ticks: u64,
+    /// Edges missing from the recording, or rows too many.
+    pub edges: u32,
+    /// Channel of it.
+    pub channel: usize,
+    /// Whether the count may be wrong after it.
+    pub doubtful: bool,
+}
+
+/// A row of a mended recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// The row.
+    pub row: Row,
+    /// Whether its edge was captured, and at its own time.
+    pub captured: bool,
+}
+
+/// Mended rows and what was wrong.
+#[derive(Clone, Debug, Default)]
+pub struct Mended {
+    /// The rows.
+    pub pieces: Vec<Piece>,
+    /// By time.
+    pub faults: Vec<Fault>,
 }
 
 impl Mended {
-    /// Puts an estimate in; `recording` is this twin's, of so many.
-    pub fn add(&mut self, estimate: &Estimate, recording: usize, recordings: usize) {
-        let mut at = 0;
-        for basis in &estimate.hypothesis.bases {
-            let count = basis.count();
-            let rest = estimate.sizes.len() - at;
-            // Sizes of each recording's own, or one for all.
-            let own = rest >= count * recordings && recordings > 1 && estimate.hypothesis.bases.len() == 1;
-            let from = if own { at + recording * count } else { at };
-            let Some(sizes) = estimate.sizes.get(from..from + count) else {
-                return;
-            };
-            self.add_basis(*basis, sizes);
-            at += if own { count * recordings } else { count };
-        }
-    }
-
-    fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {
-        let twin = &mut self.twin;
-        let amplitude = if sizes.len() == 2 { sizes[0].hypot(sizes[1]) } else { sizes[0] };
-        let phase_rad = if sizes.len() == 2 { sizes[0].atan2(sizes[1]) } else { 0.0 };
-        let torque = |order: f64| Ripple {
-            order,
-            phase_rad,
-            torque_n_m: Some(amplitude),
-            speed_fraction: None,
+    /// Rows that are as good as can be known.
+    #[must_use]
+    pub fn untouched(rows: &[Row]) -> Self {
+        let whole = |row: &Row| Piece {
+            row: *row,
+            captured: true,
         };
-        match basis {
-            Basis::Round { order } if order.fract() == 0.0 => {
-                let harmonic = |old: Option<Harmonic>| {
-                    // amplitude sin(order theta - phase)
-                    let (s, c) = old.map_or((0.0, 0.0), |h| {
-                        (h.amplitude_rad * h.phase_rad.cos(), -h.amplitude_rad * h.phase_rad.sin())
-                    });
-                    let (s, c) = (s + sizes[1], c + sizes[0]);
-                    Some(Harmonic {
-                        amplitude_rad: s.hypot(c),
-                        phase_rad: (-c).atan2(s),
-                    })
-                };
-                let listed = twin.errors.csv.is_some() || !twin.errors.list_rad.is_empty();
-                match order {
-                    1.0 if !listed => twin.errors.eccentricity = harmonic(twin.errors.eccentricity),
-                    2.0 if !listed => twin.errors.tilt = harmonic(twin.errors.tilt),
-                    _ => self.add_disc(|theta, _, _| {
-                        let (sin, cos) = (order * theta).sin_cos();
-                        sizes[0] * cos + sizes[1] * sin
-                    }),
-                }
-            }
-            Basis::Round { order } => twin.bearing.push(Bearing {
-                order,
-                phase_rad,
-                torque_n_m: None,
-                speed_fraction: None,
-                runout_rad: Some(amplitude),
-            }),
-            Basis::TorqueOrder { order } if order.fract() == 0.0 => twin.ripple.push(torque(order)),
-            Basis::TorqueOrder { order } => twin.gear_mesh.push(torque(order)),
-            Basis::TorqueTone { f_hz } => twin.torque_tone.push(TorqueTone {
-                f_hz,
-                phase_rad,
-                torque_n_m: Some(amplitude),
-                speed_fraction: None,
-            }),
-            Basis::LevelTone { f_hz, channel: c } => {
-                twin.threshold_ripple = Some(ThresholdRipple {
-                    f_hz,
-                    phase_rad,
-                    angle_rad: amplitude,
-                    channel: c.map(channel),
-                });
-            }
-            Basis::LevelDrift { from_s, tau_s } => {
-                twin.threshold_drift = Some(ThresholdDrift {
-                    angle_rad: amplitude,
-                    tau_s,
-                    from_s: from_s.max(0.0),
-                    channel: None,
-                });
-            }
-            Basis::Width { channel: c } => self.add_disc(|_, channel, rises| {
-                if !rises && c.is_none_or(|c| c == channel) { sizes[0] } else { 0.0 }
-            }),
-            Basis::Shift { channel: c } => {
-                self.add_disc(|_, channel, _| if c == channel { sizes[0] } else { 0.0 });
-            }
-            Basis::RiseLate { channel: c } => {
-                let mut delay: EdgeDelay = twin.edge_delay.unwrap_or_default();
-                for (number, one) in [&mut delay.a, &mut delay.b, &mut delay.c].into_iter().enumerate() {
-                    if c.is_some_and(|c| c != number) {
-                        continue;
-                    }
-                    // Only the difference shows: no delay is negative.
-                    let difference = one.rise_s - one.fall_s + sizes[0];
-                    one.rise_s = difference.max(0.0);
-                    one.fall_s = (-difference).max(0.0);
-                }
-                twin.edge_delay = Some(delay);
-            }
-            Basis::Late { channel: c } => {
-                let mut skew: ChannelSkew = twin.channel_skew.unwrap_or_default();
-                let mut all = [skew.a_s, skew.b_s, skew.c_s];
-                all[c.min(2)] += sizes[0];
-                let least = all.into_iter().fold(0.0, f64::min);
-                [skew.a_s, skew.b_s, skew.c_s] = all.map(|late| late - least);
-                twin.channel_skew = Some(skew);
-            }
-            Basis::Bump {
-                angle_rad,
-                width_rad,
-                channel: c,
-                rises,
-            } => twin.local_defect.push(LocalDefect {
-                angle_rad: angle_rad.rem_euclid(std::f64::consts::TAU),
-                width_rad,
-                error_rad: sizes[0],
-                channel: c.map(channel),
-                edge: rises.map(|rises| if rises { Flank::Rise } else { Flank::Fall }),
-            }),
-            Basis::Load { from_s, until_s } => twin.load_step.push(LoadStep {
-                torque_n_m: sizes[0],
-                from_s: from_s.max(0.0),
-                until_s: until_s.is_finite().then_some(until_s),
-            }),
-            Basis::Drift => {
-                twin.speed_drift = Some(SpeedDrift {
-                    fraction_per_s: Some(sizes[0]),
-                    fraction: None,
-                    tau_s: None,
-                });
-            }
-            Basis::Coulomb => twin.shaft.coulomb_n_m = (twin.shaft.coulomb_n_m + sizes[0]).max(0.0),
-            Basis::Viscous => {
-                twin.shaft.viscous_n_m_s = (twin.shaft.viscous_n_m_s + sizes[0]).max(0.0);
-            }
-            Basis::Drag => twin.shaft.drag_n_m_s2 = (twin.shaft.drag_n_m_s2 + sizes[0]).max(0.0),
-            Basis::Stribeck { rad_s } => {
-                twin.shaft.stribeck_n_m = (twin.shaft.stribeck_n_m + sizes[0]).max(0.0);
-                twin.shaft.stribeck_rad_s = rad_s;
-            }
-            Basis::Direction => {
-                let old = twin.hysteresis.map_or(0.0, |h| h.angle_rad);
-                twin.hysteresis = Some(Hysteresis {
-                    angle_rad: (old + sizes[0]).max(0.0),
-                    channel: None,
-                });
-            }
-            Basis::Task { .. } => {}
+        Self {
+            pieces: rows.iter().map(whole).collect(),
+            faults: Vec::new(),
         }
     }
+}
 
-    /// Adds errors of the disc by angle, channel and kind of edge.
-    fn add_disc(&mut self, error: impl Fn(f64, usize, bool) -> f64) {
-        let edges = self.twin.encoder.grid_edges() as usize;
-        let classes = self.twin.encoder.edges_per_line() as usize;
-        let mut all = std::mem::take(&mut self.errors_rad);
-        all.resize(edges, 0.0);
-        for (edge, sum) in all.iter_mut().enumerate() {
-            let change = change_of(edge % classes, classes as i64);
-            let theta = edge as f64 * std::f64::consts::TAU / edges as f64;
-            *sum += error(theta, change.channel, change.rises);
+/// Mends rows of a sensor.
+#[must_use]
+pub fn mend(code: Code, rows: &[Row]) -> Mended {
+    let mut mender = Mender::new(code, rows);
+    let mut at = 0;
+    while at < mender.edges.len() {
+        at = mender.take(at);
+    }
+    mender.finish(rows)
+}
+
+impl Mender {
+    /// The rows, mended.
+    fn finish(mut self, rows: &[Row]) -> Mended {
+        let mut pieces: Vec<Piece> = Vec::with_capacity(rows.len() + self.put_in.len());
+        self.dropped.sort_unstable();
+        self.untimed.sort_unstable();
+        let (mut flips, mut put_in) = (self.flips.iter().peekable(), self.put_in.iter().peekable());
+        let mask = self.code.mask();
+        let mut inside: Option<(usize, u8)> = None;
+        for (number, row) in rows.iter().enumerate() {
+            let due = |put: &&(usize, u64, u8)| put.1 < row.ticks || put.0 <= number;
+            while let Some((_, ticks, levels)) = put_in.next_if(due) {
+                let others = pieces.last().map_or(0, |piece| piece.row.levels.0 & !mask);
+                pieces.push(Piece {
+                    row: Sample {
+                        ticks: *ticks,
+                        levels: Levels(levels | others),
+                    },
+                    captured: false,
+                });
+            }
+            if let Some((_, to, bit)) = flips.next_if(|(from, ..)| *from == number) {
+                inside = Some((*to, *bit));
+            }
+            // No change, as after an edge that was lost, is no edge.
+            if number > 0 && rows[number - 1].levels == row.levels {
+                continue;
+            }
+            let mut levels = row.levels.0;
+            if let Some((to, bit)) = inside {
+                if number < to {
+                    levels ^= bit;
+                } else {
+                    inside = None;
+                }
+            }
+            if self.dropped.binary_search(&number).is_ok() {
+                levels = levels & !mask | pieces.last().map_or(levels, |p| p.row.levels.0) & mask;
+            }
+            if pieces
+                .last()
+                .is_some_and(|last| last.row.levels.0 == levels)
+            {
+                continue;
+            }
+            pieces.push(Piece {
+                row: Sample {
+                    ticks: row.ticks,
+                    levels: Levels(levels),
+                },
+                captured: self.untimed.binary_search(&number).is_err(),
+            });
         }
-        self.errors_rad = all;
+        self.faults.sort_by_key(|fault| fault.ticks);
+        Mended {
+            pieces,
+            faults: self.faults,
+        }
     }
 }

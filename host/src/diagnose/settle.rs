@@ -6,7 +6,7 @@ use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
 use super::judge;
 use super::leftover::leftovers;
-use super::mend::Mended;
+use super::mended::Mended;
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};

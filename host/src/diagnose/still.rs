@@ -252,7 +252,8 @@ fn mean_r_min(track: &Track, marks: &[Mark]) -> Option<f64> {
     if 2 * way.abs() < track.edges {
         return None;
     }
-    let end = marks.get(usize::try_from(way.abs()).ok()?).unwrap_or(last);
+    let there = marks.partition_point(|mark| (mark.place - first.place).abs() < way.abs());
+    let end = marks.get(there).unwrap_or(last);
     let turns = (end.place - first.place) as f64 / track.edges as f64;
     Some(60.0 * turns / (end.time_s - first.time_s))
 }

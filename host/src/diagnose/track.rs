@@ -1,10 +1,13 @@
 //! A recording as the edges of a disc: when each came, and where on the grid it stands.
 
 use quadcal::estimate::Anchor;
-use quadcal::step::{Flags, Outcome, Step};
 
+use super::code::Code;
+use super::index::Moved;
+use super::mend::{Fault, Mended, mend};
+use super::walk::Walker;
 use crate::recording::Row;
-use crate::sensor::{PlanError, SensorPlan};
+use crate::sensor::{PlanError, SensorKind, SensorPlan};
 
 /// An edge that was captured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +18,7 @@ pub struct Mark {
     pub place: i64,
 }
 
-/// Edges in a row, none missing, in one direction.
+/// Edges in a row in one direction; one that was not captured, or not at its own time, is left out and counted through.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stretch {
     /// The edges, by time.
@@ -29,7 +32,7 @@ pub struct Stretch {
 pub struct Slip {
     /// When it showed, s.
     pub time_s: f64,
-    /// Edges that the count was put right by at an index, forward positive; 0 where an edge came out of turn.
+    /// Edges that the index moved by, forward positive; 0 where edges were lost or came in between.
     pub edges: i32,
 }
 
@@ -50,10 +53,15 @@ pub struct Track {
     pub stretches: Vec<Stretch>,
     /// Where the count was disturbed.
     pub slips: Vec<Slip>,
+    /// What the capture did wrong, by time.
+    pub faults: Vec<Fault>,
+    /// Where the index moved against the disc, by time.
+    pub moved: Vec<Moved>,
 }
 
 impl Track {
-    /// Decodes a recording.
+    /// Decodes a recording. The first index says where the disc is; from then on edges are counted, past lost and spurious ones, and
+    /// whatever the index does.
     ///
     /// # Errors
     /// [`PlanError`] when the sensor is out of the core's range, else the first error of the rows.
@@ -63,33 +71,49 @@ impl Track {
         rows: impl Iterator<Item = Result<Row, E>>,
     ) -> Result<Self, E> {
         let shape = plan.shape()?;
-        let mut decoder = plan.decoder()?;
-        #[allow(clippy::cast_precision_loss)]
-        let mut walker = Walker {
-            track: Self {
-                edges: shape.edges().into(),
-                classes: shape.classes().into(),
-                tick_s: 1.0 / clock_hz as f64,
-                anchored: plan.anchor() == Anchor::Index,
-                origin: 0,
-                stretches: Vec::new(),
-                slips: Vec::new(),
-            },
-            turns: 0,
-            last_edge: None,
-            open: false,
+        let rows: Vec<Row> = rows.collect::<Result<_, E>>()?;
+        let code = Code::of(plan);
+        let decoder = match code {
+            Some(Code::OneChannel) => None,
+            _ => Some(plan.decoder()?),
         };
-        for row in rows {
-            match decoder.push(row?) {
-                Outcome::Step(step) => walker.step(&step),
-                Outcome::Glitch(glitch) => walker.slip(glitch.ticks, 0),
-                Outcome::Index(index) if index.resync != 0 => {
-                    walker.slip(index.ticks, index.resync);
-                }
-                Outcome::Index(_) | Outcome::Idle => {}
+        let mended = match code {
+            Some(code) => mend(code, &rows),
+            None => Mended::untouched(&rows),
+        };
+        let track = Self {
+            edges: shape.edges().into(),
+            classes: shape.classes().into(),
+            tick_s: 1.0 / clock_hz as f64,
+            anchored: plan.anchor() == Anchor::Index,
+            origin: 0,
+            stretches: Vec::new(),
+            slips: Vec::new(),
+            faults: mended.faults,
+            moved: Vec::new(),
+        };
+        let has_z = matches!(
+            plan.kind,
+            SensorKind::Quadrature {
+                index_state: Some(_)
             }
-        }
-        Ok(walker.track)
+        );
+        let mut track = Walker::new(track, decoder, has_z).walk(&mended.pieces);
+        track.note_slips();
+        Ok(track)
+    }
+
+    fn note_slips(&mut self) {
+        let faults = self.faults.iter().map(|fault| Slip {
+            time_s: fault.ticks as f64 * self.tick_s,
+            edges: 0,
+        });
+        let moved = self.moved.iter().map(|moved| Slip {
+            time_s: moved.between_s[1],
+            edges: moved.edges,
+        });
+        self.slips = faults.chain(moved).collect();
+        self.slips.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     }
 
     /// Without an index: places are those of a shaft that starts at an angle.
@@ -137,65 +161,5 @@ impl Track {
         self.stretches
             .iter()
             .max_by_key(|stretch| stretch.marks.len())
-    }
-}
-
-/// Follows the count.
-struct Walker {
-    track: Track,
-    turns: i64,
-    last_edge: Option<i64>,
-    /// Whether the last stretch goes on.
-    open: bool,
-}
-
-impl Walker {
-    fn step(&mut self, step: &Step) {
-        let direction = i64::from(step.direction.sign());
-        if step.resync != 0 {
-            self.slip(step.ticks, step.resync);
-        }
-        if step.flags.intersects(Flags::ILLEGAL.with(Flags::ABRUPT)) {
-            self.slip(step.ticks, 0);
-        }
-        let edge = i64::from(step.edge);
-        // Over the turn's end the number jumps back, or forth.
-        if let Some(last) = self.last_edge {
-            let jump = edge - last;
-            if 2 * jump.abs() > self.track.edges {
-                self.turns -= jump.signum();
-            }
-        }
-        self.last_edge = Some(edge);
-        if self.track.anchored && !step.flags.contains(Flags::REFERENCED) {
-            return;
-        }
-        #[allow(clippy::cast_precision_loss)]
-        let mark = Mark {
-            time_s: step.ticks as f64 * self.track.tick_s,
-            place: self.turns * self.track.edges + edge,
-        };
-        if let Some(stretch) = self.track.stretches.last_mut()
-            && self.open
-            && stretch.direction == direction
-            && (stretch.marks.last()).is_some_and(|last| mark.place == last.place + direction)
-        {
-            stretch.marks.push(mark);
-            return;
-        }
-        self.open = true;
-        self.track.stretches.push(Stretch {
-            marks: vec![mark],
-            direction,
-        });
-    }
-
-    fn slip(&mut self, ticks: u64, edges: i32) {
-        #[allow(clippy::cast_precision_loss)]
-        self.track.slips.push(Slip {
-            time_s: ticks as f64 * self.track.tick_s,
-            edges,
-        });
-        self.open = false;
     }
 }
