@@ -36,9 +36,10 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
     let mut worst: Option<(usize, Clustering)> = None;
     let mut scales = 0.0;
     for (at, white) in levels.white.iter().enumerate() {
-        // At a reversal the shaft hardly moves, and its law is not linear.
-        let [low, high] = board.benches[at].seen.speed_range();
-        if low * high <= 0.0 {
+        // Where the shaft hardly moves its law is not linear.
+        let speeds = board.benches[at].seen.speeds.iter().map(|speed| speed.abs());
+        let (low, high) = speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(w), high.max(w)));
+        if low < 0.1 * high {
             continue;
         }
         for clustering in scales_of(white) {

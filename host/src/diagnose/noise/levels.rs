@@ -5,7 +5,7 @@
 //! at one speed tell them apart by their correlation and two speeds by their size. The likelihood is that of the innovations,
 //! -1/2 sum(ln S + v^2 / S) (Schweppe, IEEE Trans. Information Theory 11, 1965), climbed by Fisher's scoring.
 
-use super::super::board::{Board, Model};
+use super::super::board::Board;
 use super::super::kalman::{Reading, ShaftNoise, Whitener};
 
 /// Edges that the first steps of the climb look at.
@@ -14,18 +14,12 @@ const EDGES_FIRST: usize = 20_000;
 /// What fits best.
 #[derive(Clone, Debug)]
 pub struct Levels {
-    /// Factor on the density of torque noise.
-    pub torque: f64,
     /// Variance of the stamps on top of the declared, s^2; may be negative.
     pub added_s2: f64,
     /// Its standard error, whatever the distribution of the stamps, s^2.
     pub added_error_s2: f64,
     /// Twice the logarithm of the likelihood, less that with the declared stamps.
     pub likelihood: f64,
-    /// Angles that are left of each recording, rad.
-    pub angles: Vec<Vec<f64>>,
-    /// The noise of each recording with these levels.
-    pub noises: Vec<ShaftNoise>,
     /// The filter of each recording with these levels.
     pub whiteners: Vec<Whitener>,
     /// What is left, white with these levels.
@@ -53,14 +47,14 @@ struct Row<'a> {
 /// Where the climb is: logarithm of the torque's factor, added variance in units of the first recording's declared.
 type Place = [f64; 2];
 
-/// Fits the levels.
+/// Fits the levels to what is left, white with the recordings' noise.
 #[must_use]
-pub fn fit(board: &Board, left: &Model) -> Levels {
+pub fn fit(board: &Board, left: &[Vec<f64>]) -> Levels {
     let declared = board.benches.iter().all(|bench| bench.declared.is_some());
     let angles: Vec<Vec<f64>> = board
         .benches
         .iter()
-        .zip(&left.left)
+        .zip(left)
         .map(|(bench, left)| {
             let mut angles = left.clone();
             bench.whitener().restore(&mut angles);
@@ -99,12 +93,9 @@ pub fn fit(board: &Board, left: &Model) -> Levels {
     });
     let white = white.collect();
     Levels {
-        torque: top.place[0].exp(),
         added_s2: top.place[1] * unit,
         added_error_s2: top.error * unit,
         likelihood: 2.0 * (top.log - none.log),
-        angles,
-        noises,
         whiteners,
         white,
         declared,

@@ -13,12 +13,16 @@ mod mode_scan;
 mod odds;
 mod resonance;
 mod spectral;
+mod task;
+#[cfg(test)]
+mod tests;
 mod two_mass;
 
 use super::board::{Board, Model};
 use crate::mechanism::Mechanism;
 
 pub use resonance::Mode;
+pub use task::{Task, find as find_task};
 
 /// Something that the noise lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,17 +65,23 @@ pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
     if board.benches.iter().any(|bench| bench.law.gains.is_some()) {
         return Vec::new();
     }
-    let mode = resonance::find(board, left);
-    let levels = levels::fit(board, left);
+    // A task is a pattern, but moves edges as no other does.
+    let task = task::find(board, &left.left);
+    let mut rest = left.left.clone();
+    for (rest, column) in rest.iter_mut().zip(task.iter().flat_map(|task| &task.column.0)) {
+        let each = rest.iter_mut().zip(column.iter().flatten());
+        each.for_each(|(rest, late)| *rest -= late);
+    }
+    let mode = if task.is_some() { None } else { resonance::find(board, left) };
+    let levels = levels::fit(board, &rest);
     // A mode makes torque noise uneven and so moves the levels; stamps do not make a mode.
-    let resonant = mode.is_some_and(|mode| mode.gain > levels.gain() - 20.0);
-    if let (true, Some(mode)) = (resonant, &mode) {
+    let resonant = mode.filter(|mode| mode.gain > levels.gain() - 20.0);
+    if let Some(mode) = resonant {
         return vec![mode.finding(board)];
     }
-    let mut found = Vec::new();
-    let bursts = bursts::find(board, &levels);
-    let plain = bursts.is_none() && flat::is_flat(board, &levels);
-    if plain {
+    let mut found: Vec<NoiseFinding> = task.into_iter().map(|task| task.finding).collect();
+    let bursts = if found.is_empty() { bursts::find(board, &levels) } else { None };
+    if bursts.is_none() && flat::is_flat(board, &levels) {
         found.extend(jitter::find(board, &levels));
     }
     found.extend(bursts);
