@@ -37,8 +37,14 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
     let mut scales = 0.0;
     for (at, white) in levels.white.iter().enumerate() {
         // Where the shaft hardly moves its law is not linear.
-        let speeds = board.benches[at].seen.speeds.iter().map(|speed| speed.abs());
-        let (low, high) = speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(w), high.max(w)));
+        let speeds = board.benches[at]
+            .seen
+            .speeds
+            .iter()
+            .map(|speed| speed.abs());
+        let (low, high) = speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), w| {
+            (low.min(w), high.max(w))
+        });
         if low < 0.1 * high {
             continue;
         }
@@ -55,7 +61,12 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
     }
     let seen = &board.benches[at].seen;
     let loud = loud(&levels.white[at], clustering.block);
-    let times: Vec<f64> = loud.blocks.iter().take(20).map(|block| seen.times_s[block * clustering.block]).collect();
+    let times: Vec<f64> = loud
+        .blocks
+        .iter()
+        .take(20)
+        .map(|block| seen.times_s[block * clustering.block])
+        .collect();
     let p_value = anywhere(normal_above(clustering.deviations), scales);
     Some(NoiseFinding {
         mechanism: Mechanism::Unknown,
@@ -106,7 +117,10 @@ fn scales_of(white: &[f64]) -> Vec<Clustering> {
 
 /// Half the mean squared difference of neighbouring blocks' sums, for each edge.
 fn allan(squares: &[f64], block: usize) -> f64 {
-    let sums: Vec<f64> = squares.chunks_exact(block).map(|b| b.iter().sum()).collect();
+    let sums: Vec<f64> = squares
+        .chunks_exact(block)
+        .map(|b| b.iter().sum())
+        .collect();
     let pairs = sums.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
     0.5 * pairs.sum::<f64>() / ((sums.len() - 1) * block) as f64
 }
@@ -119,8 +133,10 @@ struct Loud {
 
 /// Blocks well above the usual one.
 fn loud(white: &[f64], block: usize) -> Loud {
-    let means: Vec<f64> =
-        white.chunks_exact(block).map(|b| b.iter().map(|w| w * w).sum::<f64>() / block as f64).collect();
+    let means: Vec<f64> = white
+        .chunks_exact(block)
+        .map(|b| b.iter().map(|w| w * w).sum::<f64>() / block as f64)
+        .collect();
     let mut sorted = means.clone();
     sorted.sort_by(f64::total_cmp);
     let usual = sorted[sorted.len() / 2];

@@ -19,17 +19,29 @@ const SHARE: f64 = 0.2;
 #[must_use]
 pub fn is_flat(board: &Board, levels: &Levels) -> bool {
     let gain = levels.gain();
-    board.benches.iter().zip(&levels.white).all(|(bench, white)| {
-        let seen = &bench.seen;
-        let squares = (2.0 * white.len() as f64 * gain).sqrt();
-        let rises: Vec<f64> = white
-            .iter()
-            .enumerate()
-            .map(|(at, w)| if change_of(seen.class(at), seen.classes).rises { *w } else { -w })
-            .collect();
-        let level = seen.classes < 2 || even(&rises, squares);
-        level && even(white, squares) && !repeats(white, usize::try_from(seen.edges).unwrap_or(0), squares)
-    })
+    board
+        .benches
+        .iter()
+        .zip(&levels.white)
+        .all(|(bench, white)| {
+            let seen = &bench.seen;
+            let squares = (2.0 * white.len() as f64 * gain).sqrt();
+            let rises: Vec<f64> = white
+                .iter()
+                .enumerate()
+                .map(|(at, w)| {
+                    if change_of(seen.class(at), seen.classes).rises {
+                        *w
+                    } else {
+                        -w
+                    }
+                })
+                .collect();
+            let level = seen.classes < 2 || even(&rises, squares);
+            level
+                && even(white, squares)
+                && !repeats(white, usize::try_from(seen.edges).unwrap_or(0), squares)
+        })
 }
 
 /// Whether the spectrum of a row has no band and no line that stands out.
@@ -45,7 +57,10 @@ fn even(white: &[f64], squares: f64) -> bool {
         return true;
     }
     let sum: f64 = white[..count].iter().map(|w| w * w).sum();
-    let powers: Vec<f64> = output[1..count / 2].iter().map(|x| x.norm_sqr() / sum).collect();
+    let powers: Vec<f64> = output[1..count / 2]
+        .iter()
+        .map(|x| x.norm_sqr() / sum)
+        .collect();
     let lines: f64 = powers.iter().filter(|p| **p > LINE).map(|p| 2.0 * p).sum();
     let off = powers.chunks(powers.len() / BANDS + 1).any(|band| {
         // A line is no band.

@@ -29,15 +29,32 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
     let apart = apart(&skew, variance);
     let late = apart > 0.0;
     let (mechanism, other, name) = if late {
-        (Mechanism::CaptureLatency, Mechanism::TimestampJitter, "mean_s")
+        (
+            Mechanism::CaptureLatency,
+            Mechanism::TimestampJitter,
+            "mean_s",
+        )
     } else {
-        (Mechanism::TimestampJitter, Mechanism::CaptureLatency, "jitter_s")
+        (
+            Mechanism::TimestampJitter,
+            Mechanism::CaptureLatency,
+            "jitter_s",
+        )
     };
-    let declared = board.benches.first().map_or(0.0, |bench| bench.declared.unwrap_or(bench.noise).stamp_s);
+    let declared = board
+        .benches
+        .first()
+        .map_or(0.0, |bench| bench.declared.unwrap_or(bench.noise).stamp_s);
     let text = if late {
-        format!("every capture late by an exponential latency of mean {:.3e} s: skewed, not only spread", size)
+        format!(
+            "every capture late by an exponential latency of mean {:.3e} s: skewed, not only spread",
+            size
+        )
     } else {
-        format!("stamps spread by {:.3e} s RMS on top of the declared {declared:.3e} s", size)
+        format!(
+            "stamps spread by {:.3e} s RMS on top of the declared {declared:.3e} s",
+            size
+        )
     };
     Some(NoiseFinding {
         mechanism,
@@ -61,7 +78,10 @@ fn apart(skew: &Skew, variance: f64) -> f64 {
     let expected = 2.0 * variance.powf(1.5);
     let normal = skew.third_s3 / skew.normal_error_s3;
     // Were it late, the third cumulant would scatter as it does, and be somewhere near what the variance says.
-    let error = skew.error_s3.hypot(0.1 * expected).max(skew.normal_error_s3);
+    let error = skew
+        .error_s3
+        .hypot(0.1 * expected)
+        .max(skew.normal_error_s3);
     let late = (skew.third_s3 - expected) / error;
     normal * normal - late * late
 }

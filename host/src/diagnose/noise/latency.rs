@@ -35,8 +35,14 @@ pub fn skew(board: &Board, levels: &Levels) -> Skew {
         let mut weighed = levels.white[at].clone();
         whitener.transposed(&mut weighed);
         let each = weighed.iter().zip(&precisions);
-        let unit: Vec<f64> = each.map(|(u, d)| u / d.max(f64::MIN_POSITIVE).sqrt()).collect();
-        let shared = 1.0 + 2.0 * (1..=REACH).map(|lag| correlation(&unit, lag).powi(3)).sum::<f64>();
+        let unit: Vec<f64> = each
+            .map(|(u, d)| u / d.max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        let shared = 1.0
+            + 2.0
+                * (1..=REACH)
+                    .map(|lag| correlation(&unit, lag).powi(3))
+                    .sum::<f64>();
         let count = unit.len();
         for block in 0..BLOCKS {
             let mut sums = [0.0; 2];
@@ -49,7 +55,9 @@ pub fn skew(board: &Board, levels: &Levels) -> Skew {
             blocks.push(sums);
         }
     }
-    let [above, below] = blocks.iter().fold([0.0; 2], |[a, b], block| [a + block[0], b + block[1]]);
+    let [above, below] = blocks
+        .iter()
+        .fold([0.0; 2], |[a, b], block| [a + block[0], b + block[1]]);
     let third = above / below;
     let scatter: f64 = blocks.iter().map(|[a, b]| (a - third * b).powi(2)).sum();
     let more = blocks.len() as f64 / (blocks.len() as f64 - 1.0).max(1.0);

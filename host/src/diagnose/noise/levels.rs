@@ -32,7 +32,11 @@ impl Levels {
     /// By how much noisier stamps beat the declared ones; 0 where stamps are better than declared or nothing is.
     #[must_use]
     pub fn gain(&self) -> f64 {
-        if self.declared && self.added_s2 > 0.0 { self.likelihood } else { 0.0 }
+        if self.declared && self.added_s2 > 0.0 {
+            self.likelihood
+        } else {
+            0.0
+        }
     }
 }
 
@@ -61,8 +65,14 @@ pub fn fit(board: &Board, left: &[Vec<f64>]) -> Levels {
             angles
         })
         .collect();
-    let bases: Vec<ShaftNoise> = board.benches.iter().map(|b| b.declared.unwrap_or(b.noise)).collect();
-    let unit = bases.first().map_or(1.0, |base| base.stamp_s * base.stamp_s);
+    let bases: Vec<ShaftNoise> = board
+        .benches
+        .iter()
+        .map(|b| b.declared.unwrap_or(b.noise))
+        .collect();
+    let unit = bases
+        .first()
+        .map_or(1.0, |base| base.stamp_s * base.stamp_s);
     let rows = |most: usize| -> Vec<Row<'_>> {
         let whole: usize = angles.iter().map(Vec::len).sum();
         let mut rows = Vec::new();
@@ -85,7 +95,9 @@ pub fn fit(board: &Board, left: &[Vec<f64>]) -> Levels {
     let none = climb(&all, unit, none.place, false, 2);
     let noises: Vec<ShaftNoise> = all.iter().map(|row| row.noise(unit, top.place)).collect();
     let each = board.benches.iter().zip(&noises);
-    let whiteners: Vec<Whitener> = each.map(|(b, noise)| Whitener::new(&b.seen.readings, *noise)).collect();
+    let whiteners: Vec<Whitener> = each
+        .map(|(b, noise)| Whitener::new(&b.seen.readings, *noise))
+        .collect();
     let white = whiteners.iter().zip(&angles).map(|(whitener, angles)| {
         let mut white = angles.clone();
         whitener.whiten(&mut white);
@@ -129,7 +141,8 @@ impl Row<'_> {
         let mut white = self.angles.to_vec();
         whitener.whiten(&mut white);
         let each = whitener.deviations().zip(white);
-        each.map(|(deviation, white)| deviation.map(|d| [d.ln(), white])).collect()
+        each.map(|(deviation, white)| deviation.map(|d| [d.ln(), white]))
+            .collect()
     }
 }
 
@@ -155,7 +168,11 @@ fn climb(rows: &[Row<'_>], unit: f64, from: Place, stamps: bool, most: usize) ->
     for _ in 0..most {
         let torque = look([place[0] + STEP, place[1]]);
         let wide = STEP * (1.0 + place[1]).max(0.1);
-        let stamp = if stamps { look([place[0], place[1] + wide]) } else { here.clone() };
+        let stamp = if stamps {
+            look([place[0], place[1] + wide])
+        } else {
+            here.clone()
+        };
         let sums = Slopes::of(&here, &torque, &stamp, [STEP, wide]);
         let (step, over) = sums.step(stamps);
         error = over;
@@ -198,7 +215,11 @@ impl Slopes {
         steps: [f64; 2],
     ) -> Self {
         let mut sums = Self::default();
-        let each = here.iter().flatten().zip(torque.iter().flatten()).zip(stamp.iter().flatten());
+        let each = here
+            .iter()
+            .flatten()
+            .zip(torque.iter().flatten())
+            .zip(stamp.iter().flatten());
         for ((here, torque), stamp) in each {
             let (Some(here), Some(torque), Some(stamp)) = (here, torque, stamp) else {
                 continue;
@@ -231,10 +252,15 @@ impl Slopes {
         }
         let inverse = [c / whole, -b / whole, a / whole];
         let [u, v] = self.slope;
-        let step = [inverse[0] * u + inverse[1] * v, inverse[1] * u + inverse[2] * v];
+        let step = [
+            inverse[0] * u + inverse[1] * v,
+            inverse[1] * u + inverse[2] * v,
+        ];
         // The slope's own scatter between inverses of the information: right for stamps of any distribution.
         let [p, q, r] = self.scatter;
-        let variance = inverse[1] * inverse[1] * p + 2.0 * inverse[1] * inverse[2] * q + inverse[2] * inverse[2] * r;
+        let variance = inverse[1] * inverse[1] * p
+            + 2.0 * inverse[1] * inverse[2] * q
+            + inverse[2] * inverse[2] * r;
         (step, variance.sqrt())
     }
 }

@@ -15,7 +15,12 @@ pub(super) fn scan(all: &[Vec<Band>], torque: f64, stamps: f64) -> Option<(TwoMa
     });
     let without: Vec<Vec<f64>> = all
         .iter()
-        .map(|bands| bands.iter().map(|band| cost(&[*band], torque, stamps, None)).collect())
+        .map(|bands| {
+            bands
+                .iter()
+                .map(|band| cost(&[*band], torque, stamps, None))
+                .collect()
+        })
         .collect();
     let mut best: Option<(TwoMass, f64)> = None;
     let mut places = 0.0;
@@ -33,7 +38,8 @@ pub(super) fn scan(all: &[Vec<Band>], torque: f64, stamps: f64) -> Option<(TwoMa
                             break;
                         };
                         let expected = stamps * (1.0 - band.torque) + torque * band.torque * ratio;
-                        gain += without - 2.0 * band.lines * (expected.ln() + band.power / expected);
+                        gain +=
+                            without - 2.0 * band.lines * (expected.ln() + band.power / expected);
                     }
                 }
                 places += 1.0;
@@ -78,6 +84,8 @@ impl Shape {
     }
 
     fn at(&self, ratio: f64) -> Option<f64> {
-        self.gains.get(((ratio - self.low) / self.step + 0.5) as usize).copied()
+        self.gains
+            .get(((ratio - self.low) / self.step + 0.5) as usize)
+            .copied()
     }
 }

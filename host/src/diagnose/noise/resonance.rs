@@ -42,7 +42,11 @@ impl Mode {
     #[must_use]
     pub fn finding(&self, board: &Board) -> NoiseFinding {
         let masses = self.masses;
-        let names = [("f_hz", "Hz"), ("damping_ratio", "1"), ("inertia_share", "1")];
+        let names = [
+            ("f_hz", "Hz"),
+            ("damping_ratio", "1"),
+            ("inertia_share", "1"),
+        ];
         let values = [masses.f_hz, masses.damping_ratio, masses.inertia_share];
         let parameters = names.into_iter().zip(values).zip(self.errors);
         NoiseFinding {
@@ -82,7 +86,11 @@ pub fn find(board: &Board, left: &Model) -> Option<Mode> {
     if left.columns.is_empty() {
         return after;
     }
-    let before = of(board.benches.iter().map(|bench| bench.white.as_slice()).collect());
+    let before = of(board
+        .benches
+        .iter()
+        .map(|bench| bench.white.as_slice())
+        .collect());
     match (before, after) {
         (Some(before), Some(after)) if after.gain > before.gain => Some(after),
         (before, after) => before.or(after),
@@ -118,7 +126,11 @@ fn usual(all: &[Vec<Band>], torque: f64, stamps: f64) -> f64 {
     let each = all.iter().flatten().map(|band| {
         let expected = expected(band, torque, stamps, None);
         let ratio = band.power / expected;
-        let size = if ratio < LOUD { ratio } else { LOUD * (1.0 + (ratio / LOUD).ln()) };
+        let size = if ratio < LOUD {
+            ratio
+        } else {
+            LOUD * (1.0 + (ratio / LOUD).ln())
+        };
         2.0 * band.lines * (expected.ln() + size)
     });
     each.sum()
@@ -140,7 +152,9 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
         return None;
     }
     let sum = |torque: f64, stamps: f64, mode: Option<&TwoMass>| -> f64 {
-        all.iter().map(|bands| cost(bands, torque, stamps, mode)).sum()
+        all.iter()
+            .map(|bands| cost(bands, torque, stamps, mode))
+            .sum()
     };
     let none = simplex(&|x| sum(x[0].exp(), x[1].exp(), None), &[0.0, 0.0], 0.1);
     let (torque, stamps) = (none[0].exp(), none[1].exp());
@@ -152,7 +166,13 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
     }
     let logit = (first.inertia_share / (1.0 - first.inertia_share)).ln();
     // Scaled so that a step of one is a small one in each.
-    let start = [first.f_hz.ln(), first.damping_ratio.ln(), logit, most[0], most[1]];
+    let start = [
+        first.f_hz.ln(),
+        first.damping_ratio.ln(),
+        logit,
+        most[0],
+        most[1],
+    ];
     let scales = [first.damping_ratio, 0.4, 0.4, 0.1, 0.1];
     let place = |x: &[f64]| -> Vec<f64> { (0..5).map(|i| start[i] + scales[i] * x[i]).collect() };
     let of = |x: &[f64]| {
@@ -162,23 +182,38 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
     let near = simplex(&of, &[0.0; 5], 1.0);
     // From the other side too: a broad mode of the grid covers a narrow one.
     let narrow = simplex(&of, &[0.0, -3.0, 0.0, 0.0, 0.0], 0.7);
-    let near = if of(&near) < of(&narrow) { near } else { narrow };
+    let near = if of(&near) < of(&narrow) {
+        near
+    } else {
+        narrow
+    };
     let best = place(&simplex(&of, &near, 0.3));
     let (mode, with_torque, with_stamps) = of_numbers(&best);
     let gains: Vec<(f64, f64)> = all
         .iter()
         .map(|bands| {
-            let gain = cost(bands, torque, stamps, None) - cost(bands, with_torque, with_stamps, Some(&mode));
+            let gain = cost(bands, torque, stamps, None)
+                - cost(bands, with_torque, with_stamps, Some(&mode));
             let shows = nearest(bands, mode.f_hz).map_or(0.0, |band| band.torque);
             (gain, shows)
         })
         .collect();
     let gain: f64 = gains.iter().map(|(gain, _)| gain).sum();
-    let everywhere = gains.iter().all(|(gain, shows)| *shows < SHOWS || *gain > LEAST_EACH);
-    let lowest = all.iter().flatten().map(|band| band.f_hz).fold(f64::INFINITY, f64::min);
+    let everywhere = gains
+        .iter()
+        .all(|(gain, shows)| *shows < SHOWS || *gain > LEAST_EACH);
+    let lowest = all
+        .iter()
+        .flatten()
+        .map(|band| band.f_hz)
+        .fold(f64::INFINITY, f64::min);
     let plausible = mode.damping_ratio < 0.3 && mode.f_hz > 1.2 * lowest;
     // One recording may show anything in a band; the same mode in two may miss what rhythms put on top.
-    let several = gains.iter().filter(|(gain, shows)| *shows > SHOWS && *gain > LEAST_GAIN).count() > 1;
+    let several = gains
+        .iter()
+        .filter(|(gain, shows)| *shows > SHOWS && *gain > LEAST_GAIN)
+        .count()
+        > 1;
     let most = MISFIT + if several { LOOSER * gain } else { 0.0 };
     let fits = misfit(all, &mode, with_torque, with_stamps) < most;
     if gain < LEAST_GAIN || !everywhere || !plausible || !fits {
@@ -242,5 +277,8 @@ fn errors(all: &[Vec<Band>], best: &[f64]) -> Option<[f64; 3]> {
     let share = mode.inertia_share;
     let scales = [mode.f_hz, mode.damping_ratio, share * (1.0 - share)];
     let errors: [f64; 3] = std::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt() * scales[i]);
-    errors.iter().all(|error| error.is_finite()).then_some(errors)
+    errors
+        .iter()
+        .all(|error| error.is_finite())
+        .then_some(errors)
 }

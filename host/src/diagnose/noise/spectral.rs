@@ -53,12 +53,19 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
     let cell = 1.0 / (6.0 * most);
     // Faded in and out, so that a sharp peak does not leak into the dip beside it; of the same mean square.
     let faded = |time: f64| (2.0_f64 / 3.0).sqrt() * (1.0 - (TAU * time / length).cos());
-    let numbers = seen.times_s.iter().zip(white).map(|(time, white)| (time - first, faded(time - first) * white));
+    let numbers = seen
+        .times_s
+        .iter()
+        .zip(white)
+        .map(|(time, white)| (time - first, faded(time - first) * white));
     let variance = numbers.clone().map(|(_, w)| w * w).sum::<f64>() / count;
     let spectrum = Spectrum::of(numbers, length, cell, most);
     let speed2 = seen.speeds.iter().map(|w| w * w).sum::<f64>() / count;
     let floor = bench.noise.stamp_s * bench.noise.stamp_s * speed2 / rate;
-    let damping = bench.law.damping(first + seen.twin_ahead_s, seen.mean_speed()) + bench.noise.forgets_per_s;
+    let damping = bench
+        .law
+        .damping(first + seen.twin_ahead_s, seen.mean_speed())
+        + bench.noise.forgets_per_s;
     // Every other entry: the spectrum is twice as fine as the recording is long.
     let lines: Vec<(f64, f64)> = (2..spectrum.powers.len())
         .step_by(2)
@@ -80,7 +87,9 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
         let reach = (6.0 * spectrum.step).max(smeared * middle);
         let from = lines.partition_point(|line| line.0 < middle - reach);
         let until = lines.partition_point(|line| line.0 <= middle + reach);
-        lines[from..until.max(from)].iter_mut().for_each(|line| line.1 = None);
+        lines[from..until.max(from)]
+            .iter_mut()
+            .for_each(|line| line.1 = None);
     }
     let lowest = 4.0 / length;
     let mut bands: Vec<Band> = Vec::new();
@@ -93,7 +102,8 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
         }
         let part = &lines[at..end];
         let there = part.iter().filter_map(|line| line.1);
-        let (sum, lines): (f64, f64) = there.fold((0.0, 0.0), |(sum, lines), power| (sum + power, lines + 1.0));
+        let (sum, lines): (f64, f64) =
+            there.fold((0.0, 0.0), |(sum, lines), power| (sum + power, lines + 1.0));
         at = end;
         if lines == 0.0 || from < lowest {
             continue;
@@ -127,10 +137,15 @@ fn rhythms(bench: &Bench, white: &[f64]) -> Vec<f64> {
                 return false;
             }
             let sides = [(order - 0.45, order - 0.12), (order + 0.12, order + 0.45)];
-            let mut around: Vec<f64> =
-                sides.iter().flat_map(|(from, until)| &spectrum.powers[at(*from)..at(*until)]).copied().collect();
+            let mut around: Vec<f64> = sides
+                .iter()
+                .flat_map(|(from, until)| &spectrum.powers[at(*from)..at(*until)])
+                .copied()
+                .collect();
             around.sort_by(f64::total_cmp);
-            around.get(around.len() / 2).is_some_and(|usual| power > LINE * usual)
+            around
+                .get(around.len() / 2)
+                .is_some_and(|usual| power > LINE * usual)
         })
         .collect()
 }
@@ -144,8 +159,11 @@ fn without_tones(lines: &[(f64, f64)]) -> Vec<(f64, Option<f64>)> {
         if lines[at].1 < LINE {
             continue;
         }
-        let sides = (at.saturating_sub(FAR)..at.saturating_sub(NEAR)).chain(at + NEAR + 1..at + FAR + 1);
-        let mut around: Vec<f64> = sides.filter_map(|i| lines.get(i).map(|line| line.1)).collect();
+        let sides =
+            (at.saturating_sub(FAR)..at.saturating_sub(NEAR)).chain(at + NEAR + 1..at + FAR + 1);
+        let mut around: Vec<f64> = sides
+            .filter_map(|i| lines.get(i).map(|line| line.1))
+            .collect();
         around.sort_by(f64::total_cmp);
         // Upper quartile: a narrow mode has strong neighbours on one side at least.
         let usual = around.get(around.len() * 3 / 4).copied().unwrap_or(0.0);

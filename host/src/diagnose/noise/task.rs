@@ -24,6 +24,8 @@ const BY_CHANCE: f64 = -24.0;
 /// Fall of the sum of squares that a finding needs beyond its cost, and over that of a smooth rhythm.
 const LEAST_GAIN: f64 = 40.0;
 const LEAST_OVER_TONE: f64 = 15.0;
+/// Mean square that is left, at the most; 1 is noise.
+const NOISE: f64 = 2.0;
 /// Cells of a period.
 const PHASES: usize = 64;
 
@@ -50,13 +52,35 @@ struct Row<'a> {
 /// Looks for a task in what is left, white.
 #[must_use]
 pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
-    let spectra: Vec<Spectrum> = board.benches.iter().zip(left).map(|(b, left)| spectrum(b, left)).collect();
+    let slow = |bench: &Bench| {
+        let speeds = bench.seen.speeds.iter().map(|speed| speed.abs());
+        let (low, high) = speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), w| {
+            (low.min(w), high.max(w))
+        });
+        low < 0.1 * high
+    };
+    if board.benches.iter().any(slow) {
+        return None;
+    }
+    let spectra: Vec<Spectrum> = board
+        .benches
+        .iter()
+        .zip(left)
+        .map(|(b, left)| spectrum(b, left))
+        .collect();
     let (f_hz, places) = candidate(&spectra)?;
-    let mut rows: Vec<Row<'_>> = board.benches.iter().zip(left).map(|(b, l)| Row::new(b, l)).collect();
+    let mut rows: Vec<Row<'_>> = board
+        .benches
+        .iter()
+        .zip(left)
+        .map(|(b, l)| Row::new(b, l))
+        .collect();
     let mut numbers = rough(&rows, f_hz)?;
     for _ in 0..2 {
         numbers = refined(&rows, &numbers);
-        rows.iter_mut().enumerate().for_each(|(at, row)| row.cross_again(&numbers, at));
+        rows.iter_mut()
+            .enumerate()
+            .for_each(|(at, row)| row.cross_again(&numbers, at));
     }
     let before: f64 = left.iter().flatten().map(|x| x * x).sum();
     let squares = before - cost(&rows, &numbers);
@@ -64,20 +88,30 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
     let count = 2 + rows.len();
     let delta_bic = squares - (count as f64) * edges.ln();
     let tone: f64 = spectra.iter().map(|s| 2.0 * near(s, f_hz)).sum();
-    if delta_bic < LEAST_GAIN || squares < tone + LEAST_OVER_TONE {
+    // With the task taken off there is noise, else it stands in for something larger.
+    let noise = before - squares < NOISE * edges;
+    if !noise || delta_bic < LEAST_GAIN || squares < tone + LEAST_OVER_TONE {
         return None;
     }
     let errors = errors(&rows, &numbers);
     let first = &rows[0];
     let phase = (numbers[2] - first.bench.seen.times_s[0]).rem_euclid(1.0 / numbers[0]);
-    let phase = (phase + first.bench.seen.times_s[0] + first.bench.seen.twin_ahead_s).rem_euclid(1.0 / numbers[0]);
-    let values = [("task_hz", numbers[0], "Hz"), ("busy_s", numbers[1], "s"), ("phase_s", phase, "s")];
-    let parameters = values.into_iter().zip(&errors).map(|((name, value, unit), error)| NoiseParameter {
-        name,
-        value,
-        standard_error: *error,
-        unit,
-    });
+    let phase = (phase + first.bench.seen.times_s[0] + first.bench.seen.twin_ahead_s)
+        .rem_euclid(1.0 / numbers[0]);
+    let values = [
+        ("task_hz", numbers[0], "Hz"),
+        ("busy_s", numbers[1], "s"),
+        ("phase_s", phase, "s"),
+    ];
+    let parameters = values
+        .into_iter()
+        .zip(&errors)
+        .map(|((name, value, unit), error)| NoiseParameter {
+            name,
+            value,
+            standard_error: *error,
+            unit,
+        });
     let finding = NoiseFinding {
         mechanism: Mechanism::CaptureLatency,
         parameters: parameters.collect(),
@@ -91,7 +125,10 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
         times_s: Vec::new(),
         runner_up: Some((Mechanism::TorqueTone, squares - tone)),
     };
-    let column = rows.iter().enumerate().map(|(at, row)| Some(row.pattern(&numbers, at)));
+    let column = rows
+        .iter()
+        .enumerate()
+        .map(|(at, row)| Some(row.pattern(&numbers, at)));
     Some(Task {
         finding,
         column: Column(column.collect()),
@@ -104,14 +141,21 @@ fn spectrum(bench: &Bench, left: &[f64]) -> Spectrum {
     let length = seen.seconds().max(f64::MIN_POSITIVE);
     let first = seen.times_s.first().copied().unwrap_or(0.0);
     let cell = (1.0 / (3.0 * FASTEST_HZ)).max(2.0 * length / CELLS);
-    let numbers = (0..seen.len()).map(|at| (seen.times_s[at] - first, left[at] * seen.speeds[at].signum()));
+    let numbers = (0..seen.len()).map(|at| {
+        (
+            seen.times_s[at] - first,
+            left[at] * seen.speeds[at].signum(),
+        )
+    });
     Spectrum::of(numbers, length, cell, FASTEST_HZ.min(1.0 / (3.0 * cell)))
 }
 
 /// The greatest power of the entries about a frequency.
 fn near(spectrum: &Spectrum, f_hz: f64) -> f64 {
     let at = (f_hz / spectrum.step + 0.5) as usize;
-    let around = spectrum.powers.get(at.saturating_sub(1)..(at + 2).min(spectrum.powers.len()));
+    let around = spectrum
+        .powers
+        .get(at.saturating_sub(1)..(at + 2).min(spectrum.powers.len()));
     around.map_or(0.0, |powers| powers.iter().copied().fold(0.0, f64::max))
 }
 
@@ -131,7 +175,9 @@ fn candidate(spectra: &[Spectrum]) -> Option<(f64, f64)> {
             }
             let (mut sum, mut each) = (0.0, true);
             for spectrum in spectra {
-                let own: f64 = (1..=multiples).map(|multiple| near(spectrum, f_hz * multiple as f64)).sum();
+                let own: f64 = (1..=multiples)
+                    .map(|multiple| near(spectrum, f_hz * multiple as f64))
+                    .sum();
                 each &= own > 4.0 + 2.0 * multiples as f64;
                 sum += own;
             }
@@ -159,7 +205,11 @@ impl<'a> Row<'a> {
     fn new(bench: &'a Bench, left: &'a [f64]) -> Self {
         let precisions = bench.whitener().precisions();
         let speeds = &bench.seen.speeds;
-        let weights = precisions.iter().zip(speeds).map(|(d, w)| d * w * w).collect();
+        let weights = precisions
+            .iter()
+            .zip(speeds)
+            .map(|(d, w)| d * w * w)
+            .collect();
         let mut row = Self {
             bench,
             left,
@@ -168,7 +218,10 @@ impl<'a> Row<'a> {
             late_s: vec![0.0; left.len()],
         };
         row.late_s = row.later(left);
-        row.crossed_s.iter_mut().zip(&row.late_s).for_each(|(time, late)| *time -= late);
+        row.crossed_s
+            .iter_mut()
+            .zip(&row.late_s)
+            .for_each(|(time, late)| *time -= late);
         row
     }
 
@@ -177,7 +230,8 @@ impl<'a> Row<'a> {
         let mut rows = white.to_vec();
         self.bench.transposed(&mut rows);
         let each = rows.iter().zip(&self.weights).zip(&self.bench.seen.speeds);
-        each.map(|((u, weight), w)| if *weight > 0.0 { -u * w / weight } else { 0.0 }).collect()
+        each.map(|((u, weight), w)| if *weight > 0.0 { -u * w / weight } else { 0.0 })
+            .collect()
     }
 
     fn late(numbers: &[f64], at: usize, crossed_s: f64) -> f64 {
@@ -188,14 +242,27 @@ impl<'a> Row<'a> {
     /// The task's pattern, white.
     fn pattern(&self, numbers: &[f64], at: usize) -> Vec<f64> {
         let each = self.crossed_s.iter().zip(&self.bench.seen.speeds);
-        self.bench.whitened(each.map(|(time, w)| -w * Self::late(numbers, at, *time)).collect())
+        self.bench.whitened(
+            each.map(|(time, w)| -w * Self::late(numbers, at, *time))
+                .collect(),
+        )
     }
 
     /// Where edges crossed with the task's own part in their neighbours taken off.
     fn cross_again(&mut self, numbers: &[f64], at: usize) {
-        let rest: Vec<f64> = self.left.iter().zip(self.pattern(numbers, at)).map(|(l, p)| l - p).collect();
+        let rest: Vec<f64> = self
+            .left
+            .iter()
+            .zip(self.pattern(numbers, at))
+            .map(|(l, p)| l - p)
+            .collect();
         let more = self.later(&rest);
-        for ((crossed, time), more) in self.crossed_s.iter_mut().zip(&self.bench.seen.times_s).zip(more) {
+        for ((crossed, time), more) in self
+            .crossed_s
+            .iter_mut()
+            .zip(&self.bench.seen.times_s)
+            .zip(more)
+        {
             *crossed = time - Self::late(numbers, at, *crossed) - more;
         }
     }
@@ -215,7 +282,11 @@ impl<'a> Row<'a> {
 fn cost(rows: &[Row<'_>], numbers: &[f64]) -> f64 {
     let each = rows.iter().enumerate().map(|(at, row)| {
         let pattern = row.pattern(numbers, at);
-        row.left.iter().zip(pattern).map(|(l, p)| (l - p) * (l - p)).sum::<f64>()
+        row.left
+            .iter()
+            .zip(pattern)
+            .map(|(l, p)| (l - p) * (l - p))
+            .sum::<f64>()
     });
     each.sum()
 }
@@ -231,7 +302,8 @@ fn rough(rows: &[Row<'_>], f_hz: f64) -> Option<Vec<f64>> {
         let mut sum = 0.0;
         for cells in &folded {
             let gain = |start: usize| {
-                let (mut weight, mut mean, mut both, mut square, mut late) = (0.0, 0.0, 0.0, 0.0, 0.0);
+                let (mut weight, mut mean, mut both, mut square, mut late) =
+                    (0.0, 0.0, 0.0, 0.0, 0.0);
                 for (at, cell) in cells.iter().enumerate() {
                     let since = ((at + PHASES - start) % PHASES) as f64 + 0.5;
                     let size = (busy_s - since * cell_s).max(0.0);
@@ -253,13 +325,20 @@ fn rough(rows: &[Row<'_>], f_hz: f64) -> Option<Vec<f64>> {
             best = Some((sum, numbers));
         }
     }
-    best.filter(|(gain, _)| *gain > 0.0).map(|(_, numbers)| numbers)
+    best.filter(|(gain, _)| *gain > 0.0)
+        .map(|(_, numbers)| numbers)
 }
 
 /// Steps that matter: of the rate, the busy time and each phase.
 fn steps(rows: &[Row<'_>], numbers: &[f64]) -> Vec<f64> {
-    let long = rows.iter().map(|row| row.bench.seen.times_s.last().copied().unwrap_or(1.0)).fold(0.0, f64::max);
-    let mut steps = vec![0.3 * numbers[1] * numbers[0] / long.max(f64::MIN_POSITIVE), 0.2 * numbers[1]];
+    let long = rows
+        .iter()
+        .map(|row| row.bench.seen.times_s.last().copied().unwrap_or(1.0))
+        .fold(0.0, f64::max);
+    let mut steps = vec![
+        0.3 * numbers[1] * numbers[0] / long.max(f64::MIN_POSITIVE),
+        0.2 * numbers[1],
+    ];
     steps.resize(numbers.len(), 0.2 * numbers[1]);
     steps
 }
@@ -267,7 +346,9 @@ fn steps(rows: &[Row<'_>], numbers: &[f64]) -> Vec<f64> {
 fn refined(rows: &[Row<'_>], numbers: &[f64]) -> Vec<f64> {
     let steps = steps(rows, numbers);
     let place = |x: &[f64]| -> Vec<f64> {
-        let mut there: Vec<f64> = (0..numbers.len()).map(|i| numbers[i] + steps[i] * x[i]).collect();
+        let mut there: Vec<f64> = (0..numbers.len())
+            .map(|i| numbers[i] + steps[i] * x[i])
+            .collect();
         there[0] = there[0].max(0.5 * numbers[0]);
         there[1] = there[1].clamp(0.02 * numbers[1], 0.9 / there[0]);
         there
@@ -298,7 +379,9 @@ fn errors(rows: &[Row<'_>], numbers: &[f64]) -> Vec<f64> {
     });
     let covariance = information.try_inverse();
     let each = (0..count).map(|i| {
-        covariance.as_ref().map_or(f64::INFINITY, |c| c[(i, i)].max(0.0).sqrt() * steps[i])
+        covariance
+            .as_ref()
+            .map_or(f64::INFINITY, |c| c[(i, i)].max(0.0).sqrt() * steps[i])
     });
     each.take(3).collect()
 }

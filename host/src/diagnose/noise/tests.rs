@@ -12,7 +12,10 @@ const SEEDS: [u64; 3] = [11, 12, 13];
 
 /// Recordings at two speeds of a twin with `more`, against the twin without.
 fn found(seed: u64, more: &str, jitter_s: f64) -> Vec<NoiseFinding> {
-    let rig: Vec<Recorded> = [200.0, 480.0].iter().map(|r_min| recorded(seed, *r_min, more, jitter_s)).collect();
+    let rig: Vec<Recorded> = [200.0, 480.0]
+        .iter()
+        .map(|r_min| recorded(seed, *r_min, more, jitter_s))
+        .collect();
     let board: Board = prepare::board(&rig).expect("a board");
     noise_findings(&board, &Model::none(&board))
 }
@@ -32,7 +35,9 @@ fn recorded(seed: u64, r_min: f64, more: &str, jitter_s: f64) -> Recorded {
         lines: 100,
     };
     let real = twin(text(2e-7_f64.hypot(jitter_s), more));
-    let rows = Simulation::new(&real).expect("it runs").map(|event| Ok::<_, PlanError>(event.row));
+    let rows = Simulation::new(&real)
+        .expect("it runs")
+        .map(|event| Ok::<_, PlanError>(event.row));
     let track = Track::of(plan, real.timer.clock_hz, rows).expect("it decodes");
     Recorded {
         file: "rec.csv".into(),
@@ -48,7 +53,10 @@ fn near(finding: &NoiseFinding, truth: &[(&str, f64, f64)]) {
         let parameter = finding.parameters.iter().find(|p| p.name == *name);
         let parameter = parameter.unwrap_or_else(|| panic!("{name} in {finding:?}"));
         let off = (parameter.value - value).abs();
-        assert!(off < 4.5 * parameter.standard_error && off < share * value, "{name} {value}: {parameter:?}");
+        assert!(
+            off < 4.5 * parameter.standard_error && off < share * value,
+            "{name} {value}: {parameter:?}"
+        );
     }
 }
 
@@ -82,7 +90,11 @@ fn late_stamps_are_told_from_jitter_by_their_skewness() {
 #[test]
 fn a_task_is_found_at_its_rate_above_that_of_the_edges() {
     for seed in SEEDS {
-        let found = found(seed, "[capture_latency]\ntask_hz = 4000.12\nbusy_s = 2e-5\nphase_s = 1e-4", 0.0);
+        let found = found(
+            seed,
+            "[capture_latency]\ntask_hz = 4000.12\nbusy_s = 2e-5\nphase_s = 1e-4",
+            0.0,
+        );
         assert!(!found.is_empty(), "seed {seed}");
         assert_eq!(found[0].mechanism, Mechanism::CaptureLatency, "{found:?}");
         let value = |at: usize| found[0].parameters[at].value;
@@ -98,6 +110,13 @@ fn a_mode_that_torque_noise_excites_is_found_with_its_numbers() {
         let found = found(seed, mode, 0.0);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].mechanism, Mechanism::TorsionalResonance);
-        near(&found[0], &[("f_hz", 52.0, 0.05), ("damping_ratio", 0.03, 0.8), ("inertia_share", 0.3, 0.3)]);
+        near(
+            &found[0],
+            &[
+                ("f_hz", 52.0, 0.05),
+                ("damping_ratio", 0.03, 0.8),
+                ("inertia_share", 0.3, 0.3),
+            ],
+        );
     }
 }

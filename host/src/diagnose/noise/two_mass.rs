@@ -28,7 +28,10 @@ impl TwoMass {
         let (w, mode) = (TAU * f_hz, TAU * self.f_hz);
         let far = self.inertia_share;
         let reduced = far * (1.0 - far);
-        let spring = Complex::new(mode * mode * reduced, 2.0 * self.damping_ratio * mode * reduced * w);
+        let spring = Complex::new(
+            mode * mode * reduced,
+            2.0 * self.damping_ratio * mode * reduced * w,
+        );
         let coupled = spring * (far * w * w) / (spring - far * w * w);
         let stiffness = Complex::new(-(1.0 - far) * w * w, w * damping) - coupled;
         let stiff = w * w * (w * w + damping * damping);
