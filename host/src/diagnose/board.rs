@@ -88,6 +88,12 @@ impl Bench {
         self.whitener.transposed(white);
     }
 
+    /// Its filter.
+    #[must_use]
+    pub const fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
     /// Standard deviation of the expected angle of every edge, rad.
     pub fn deviations(&self) -> impl Iterator<Item = Option<f64>> + '_ {
         self.whitener.deviations()

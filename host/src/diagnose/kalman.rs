@@ -154,6 +154,34 @@ impl Whitener {
         }
     }
 
+    /// Undoes [`Self::whiten`], in place: angles that give these numbers, less where the shaft began and how fast, which are lost.
+    pub fn restore(&self, white: &mut [f64]) {
+        let [mut y, mut v, mut m] = [0.0; 3];
+        for (value, step) in white.iter_mut().zip(&self.steps) {
+            let [a, b, c, d] = step.turn;
+            (y, v) = (a * y + b * v + step.after_s * m, c * y + d * v);
+            if step.fresh {
+                y = 0.0;
+            }
+            let innovation = if step.scale > 0.0 { *value / step.scale } else { 0.0 };
+            *value = y + innovation;
+            y += step.gain[0] * innovation;
+            v += step.gain[1] * innovation;
+            m += step.gain[2] * innovation;
+        }
+    }
+
+    /// Diagonal of the inverse of the angles' covariance, 1/rad^2: how well each angle is known from all others and itself. An
+    /// angle less what the others let expect is its entry of the filter, transposed and plain, applied to all, over this.
+    #[must_use]
+    pub fn precisions(&self) -> Vec<f64> {
+        // Upper triangle of the covariance of the transposed filter's state: yy, yv, ym, vv, vm, mm.
+        let mut n = [0.0; 6];
+        let mut precisions: Vec<f64> = self.steps.iter().rev().map(|step| narrower(&mut n, step)).collect();
+        precisions.reverse();
+        precisions
+    }
+
     /// Standard deviation of the innovation of every edge, rad; none where it only sets the filter.
     pub fn deviations(&self) -> impl Iterator<Item = Option<f64>> + '_ {
         let each = self.steps.iter();
@@ -166,6 +194,35 @@ impl Whitener {
         let there = self.steps.iter().filter(|step| step.scale > 0.0);
         -2.0 * there.map(|step| step.scale.ln()).sum::<f64>()
     }
+}
+
+/// Precision of an angle, and the transposed filter's covariance one edge before: de Jong's recursion (Biometrika 76, 1989).
+fn narrower(n: &mut [f64; 6], step: &Gain) -> f64 {
+    let [yy, yv, ym, vv, vm, mm] = *n;
+    let [g, h, k] = step.gain;
+    let s2 = step.scale * step.scale;
+    let (ny, nv, nm) = (
+        yy * g + yv * h + ym * k,
+        yv * g + vv * h + vm * k,
+        ym * g + vm * h + mm * k,
+    );
+    let precision = s2 + g * ny + h * nv + k * nm;
+    // What the angle says itself is taken off the angle's part.
+    let (mut yy, mut yv, mut ym) = (yy - 2.0 * ny + precision, yv - nv, ym - nm);
+    if step.fresh {
+        (yy, yv, ym) = (0.0, 0.0, 0.0);
+    }
+    let [a, b, c, d] = step.turn;
+    let t = step.after_s;
+    *n = [
+        a * a * yy + 2.0 * a * c * yv + c * c * vv,
+        a * b * yy + (a * d + b * c) * yv + c * d * vv,
+        a * (t * yy + ym) + c * (t * yv + vm),
+        b * b * yy + 2.0 * b * d * yv + d * d * vv,
+        b * (t * yy + ym) + d * (t * yv + vm),
+        t * t * yy + 2.0 * t * ym + mm,
+    ];
+    precision
 }
 
 /// Covariance at the next edge: upper triangle.

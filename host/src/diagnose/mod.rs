@@ -23,6 +23,7 @@ pub mod mend;
 pub mod mended;
 mod mender;
 pub mod named;
+pub mod noise;
 pub mod noise_fit;
 pub mod plots;
 pub mod prepare;

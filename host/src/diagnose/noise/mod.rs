@@ -1,0 +1,89 @@
+//! What is missing in the noise: stamps worse than declared, late captures, a torsional mode that torque noise excites, and noise
+//! of no catalogue.
+//!
+//! A pattern moves edges by so much; noise only spreads them. So each mechanism here is a model of the covariance, or the third
+//! moment, of what the patterns left.
+
+mod bursts;
+mod flat;
+mod jitter;
+mod latency;
+mod levels;
+mod mode_scan;
+mod odds;
+mod resonance;
+mod spectral;
+mod task;
+#[cfg(test)]
+mod tests;
+mod two_mass;
+
+use super::board::{Board, Model};
+use crate::mechanism::Mechanism;
+
+pub use resonance::Mode;
+pub use task::{Task, find as find_task};
+
+/// Something that the noise lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseFinding {
+    /// Its name; [`Mechanism::Unknown`] for noise of no catalogue.
+    pub mechanism: Mechanism,
+    /// Its parameters by the twin's names.
+    pub parameters: Vec<NoiseParameter>,
+    /// Schwarz's criterion without it less that with it.
+    pub delta_bic: f64,
+    /// Probability that declared noise shows as much anywhere in what was searched.
+    pub p_value: f64,
+    /// What it is, in a sentence.
+    pub text: String,
+    /// Where it shows, Hz; empty where it shows at all.
+    pub frequencies_hz: Vec<f64>,
+    /// When it shows, s; empty where it always does.
+    pub times_s: Vec<f64>,
+    /// The next best mechanism, and by how much it is worse by Schwarz's criterion.
+    pub runner_up: Option<(Mechanism, f64)>,
+}
+
+/// A parameter of a mechanism of noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseParameter {
+    /// The twin's name of it.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// `s`, `Hz`, `1`.
+    pub unit: &'static str,
+}
+
+/// Everything that the noise lacks, going by what the patterns of a model leave.
+#[must_use]
+pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
+    // A sampled loop answers noise otherwise than the linear law that the filter has.
+    if board.benches.iter().any(|bench| bench.law.gains.is_some()) {
+        return Vec::new();
+    }
+    // A task is a pattern, but moves edges as no other does.
+    let task = task::find(board, &left.left);
+    let mut rest = left.left.clone();
+    for (rest, column) in rest.iter_mut().zip(task.iter().flat_map(|task| &task.column.0)) {
+        let each = rest.iter_mut().zip(column.iter().flatten());
+        each.for_each(|(rest, late)| *rest -= late);
+    }
+    let mode = if task.is_some() { None } else { resonance::find(board, left) };
+    let levels = levels::fit(board, &rest);
+    // A mode makes torque noise uneven and so moves the levels; stamps do not make a mode.
+    let resonant = mode.filter(|mode| mode.gain > levels.gain() - 20.0);
+    if let Some(mode) = resonant {
+        return vec![mode.finding(board)];
+    }
+    let mut found: Vec<NoiseFinding> = task.into_iter().map(|task| task.finding).collect();
+    let bursts = if found.is_empty() { bursts::find(board, &levels) } else { None };
+    if bursts.is_none() && flat::is_flat(board, &levels) {
+        found.extend(jitter::find(board, &levels));
+    }
+    found.extend(bursts);
+    found
+}

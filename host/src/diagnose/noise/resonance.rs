@@ -1,0 +1,284 @@
+//! `torsional_resonance`: a lightly damped mode that torque noise excites.
+//!
+//! The spectrum of the innovations along time is a (1 - t) + g t |Z0 / Z|^2, with t the share that torque noise has in what the
+//! filter expects, a and g the levels of stamps and torque, and |Z0 / Z|^2 of [`super::two_mass`]. Its lines are exponential, so
+//! their likelihood is Whittle's, -sum(ln S + P / S) (Whittle, Arkiv foer Matematik 2, 1953). The mode stands at the same Hz in
+//! every recording; tones, which stand alone, are left out before.
+
+use super::super::board::{Board, Model};
+use super::super::noise_fit::simplex;
+use super::mode_scan::scan;
+use super::odds::{anywhere, normal_above};
+use super::spectral::{Band, SEEN, bands};
+use super::two_mass::TwoMass;
+use super::{NoiseFinding, NoiseParameter};
+use crate::mechanism::Mechanism;
+
+/// Twice the log likelihood ratio that a mode needs, in all recordings and in each that can show it.
+const LEAST_GAIN: f64 = 40.0;
+const LEAST_EACH: f64 = 4.0;
+/// Torque noise's share below which a recording shows no mode.
+const SHOWS: f64 = 0.2;
+/// Largest misfit of the bands around a mode, as a chi squared over its count.
+const MISFIT: f64 = 1.8;
+/// How much larger for each unit of gain, where several recordings show the mode.
+const LOOSER: f64 = 2e-3;
+
+/// A mode that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// It.
+    pub masses: TwoMass,
+    /// Standard errors of frequency, damping ratio and share.
+    pub errors: [f64; 3],
+    /// Twice the log likelihood ratio against no mode.
+    pub gain: f64,
+    /// Places that were searched.
+    pub places: f64,
+}
+
+impl Mode {
+    /// As a finding.
+    #[must_use]
+    pub fn finding(&self, board: &Board) -> NoiseFinding {
+        let masses = self.masses;
+        let names = [
+            ("f_hz", "Hz"),
+            ("damping_ratio", "1"),
+            ("inertia_share", "1"),
+        ];
+        let values = [masses.f_hz, masses.damping_ratio, masses.inertia_share];
+        let parameters = names.into_iter().zip(values).zip(self.errors);
+        NoiseFinding {
+            mechanism: Mechanism::TorsionalResonance,
+            parameters: parameters
+                .map(|(((name, unit), value), standard_error)| NoiseParameter {
+                    name,
+                    value,
+                    standard_error,
+                    unit,
+                })
+                .collect(),
+            delta_bic: self.gain - 3.0 * (board.edges() as f64).ln(),
+            p_value: anywhere(normal_above(self.gain.sqrt()), self.places),
+            text: format!(
+                "torque noise excites a mode at {:.4} Hz, damping ratio {:.3}, with {:.0} % of the inertia behind the spring",
+                masses.f_hz,
+                masses.damping_ratio,
+                100.0 * masses.inertia_share
+            ),
+            frequencies_hz: vec![masses.f_hz],
+            times_s: Vec::new(),
+            runner_up: None,
+        }
+    }
+}
+
+/// Looks for a mode in what a model leaves, and in what was there before it: a search for tones may have eaten a mode.
+#[must_use]
+pub fn find(board: &Board, left: &Model) -> Option<Mode> {
+    let of = |whites: Vec<&[f64]>| {
+        let each = board.benches.iter().zip(whites);
+        let all: Vec<Vec<Band>> = each.map(|(bench, white)| bands(bench, white)).collect();
+        search(&all)
+    };
+    let after = of(left.left.iter().map(Vec::as_slice).collect());
+    if left.columns.is_empty() {
+        return after;
+    }
+    let before = of(board
+        .benches
+        .iter()
+        .map(|bench| bench.white.as_slice())
+        .collect());
+    match (before, after) {
+        (Some(before), Some(after)) if after.gain > before.gain => Some(after),
+        (before, after) => before.or(after),
+    }
+}
+
+/// The spectrum in a band: levels of torque and stamps, with or without a mode.
+fn expected(band: &Band, torque: f64, stamps: f64, mode: Option<&TwoMass>) -> f64 {
+    let gain = mode.map_or(1.0, |mode| {
+        let at = |f_hz: f64| mode.gain(f_hz, band.damping);
+        match band.line_hz {
+            Some(line_hz) => {
+                let [side, middle] = SEEN;
+                middle * at(band.f_hz) + side * (at(band.f_hz - line_hz) + at(band.f_hz + line_hz))
+            }
+            None => at(band.f_hz),
+        }
+    });
+    stamps * (1.0 - band.torque) + torque * band.torque * gain
+}
+
+pub(super) fn cost(bands: &[Band], torque: f64, stamps: f64, mode: Option<&TwoMass>) -> f64 {
+    let each = bands.iter().map(|band| {
+        let expected = expected(band, torque, stamps, mode);
+        2.0 * band.lines * (expected.ln() + band.power / expected)
+    });
+    each.sum()
+}
+
+/// The same for levels that few loud bands do not lift.
+fn usual(all: &[Vec<Band>], torque: f64, stamps: f64) -> f64 {
+    const LOUD: f64 = 2.0;
+    let each = all.iter().flatten().map(|band| {
+        let expected = expected(band, torque, stamps, None);
+        let ratio = band.power / expected;
+        let size = if ratio < LOUD {
+            ratio
+        } else {
+            LOUD * (1.0 + (ratio / LOUD).ln())
+        };
+        2.0 * band.lines * (expected.ln() + size)
+    });
+    each.sum()
+}
+
+/// Mode and levels from numbers without bounds.
+fn of_numbers(x: &[f64]) -> (TwoMass, f64, f64) {
+    let share = 1.0 / (1.0 + (-x[2]).exp());
+    let mode = TwoMass {
+        f_hz: x[0].exp(),
+        damping_ratio: x[1].exp().min(0.7),
+        inertia_share: share.clamp(1e-4, 0.97),
+    };
+    (mode, x[3].exp(), x[4].exp())
+}
+
+fn search(all: &[Vec<Band>]) -> Option<Mode> {
+    if all.iter().all(Vec::is_empty) {
+        return None;
+    }
+    let sum = |torque: f64, stamps: f64, mode: Option<&TwoMass>| -> f64 {
+        all.iter()
+            .map(|bands| cost(bands, torque, stamps, mode))
+            .sum()
+    };
+    let none = simplex(&|x| sum(x[0].exp(), x[1].exp(), None), &[0.0, 0.0], 0.1);
+    let (torque, stamps) = (none[0].exp(), none[1].exp());
+    // A mode lifts the levels fitted without it, so it is looked for on top of those of most bands.
+    let most = simplex(&|x| usual(all, x[0].exp(), x[1].exp()), &[0.0, 0.0], 0.2);
+    let (first, rough, places) = scan(all, most[0].exp(), most[1].exp())?;
+    if rough < 0.5 * LEAST_GAIN {
+        return None;
+    }
+    let logit = (first.inertia_share / (1.0 - first.inertia_share)).ln();
+    // Scaled so that a step of one is a small one in each.
+    let start = [
+        first.f_hz.ln(),
+        first.damping_ratio.ln(),
+        logit,
+        most[0],
+        most[1],
+    ];
+    let scales = [first.damping_ratio, 0.4, 0.4, 0.1, 0.1];
+    let place = |x: &[f64]| -> Vec<f64> { (0..5).map(|i| start[i] + scales[i] * x[i]).collect() };
+    let of = |x: &[f64]| {
+        let (mode, torque, stamps) = of_numbers(&place(x));
+        sum(torque, stamps, Some(&mode))
+    };
+    let near = simplex(&of, &[0.0; 5], 1.0);
+    // From the other side too: a broad mode of the grid covers a narrow one.
+    let narrow = simplex(&of, &[0.0, -3.0, 0.0, 0.0, 0.0], 0.7);
+    let near = if of(&near) < of(&narrow) {
+        near
+    } else {
+        narrow
+    };
+    let best = place(&simplex(&of, &near, 0.3));
+    let (mode, with_torque, with_stamps) = of_numbers(&best);
+    let gains: Vec<(f64, f64)> = all
+        .iter()
+        .map(|bands| {
+            let gain = cost(bands, torque, stamps, None)
+                - cost(bands, with_torque, with_stamps, Some(&mode));
+            let shows = nearest(bands, mode.f_hz).map_or(0.0, |band| band.torque);
+            (gain, shows)
+        })
+        .collect();
+    let gain: f64 = gains.iter().map(|(gain, _)| gain).sum();
+    let everywhere = gains
+        .iter()
+        .all(|(gain, shows)| *shows < SHOWS || *gain > LEAST_EACH);
+    let lowest = all
+        .iter()
+        .flatten()
+        .map(|band| band.f_hz)
+        .fold(f64::INFINITY, f64::min);
+    let plausible = mode.damping_ratio < 0.3 && mode.f_hz > 1.2 * lowest;
+    // One recording may show anything in a band; the same mode in two may miss what rhythms put on top.
+    let several = gains
+        .iter()
+        .filter(|(gain, shows)| *shows > SHOWS && *gain > LEAST_GAIN)
+        .count()
+        > 1;
+    let most = MISFIT + if several { LOOSER * gain } else { 0.0 };
+    let fits = misfit(all, &mode, with_torque, with_stamps) < most;
+    if gain < LEAST_GAIN || !everywhere || !plausible || !fits {
+        return None;
+    }
+    Some(Mode {
+        masses: mode,
+        errors: errors(all, &best)?,
+        gain,
+        places,
+    })
+}
+
+fn nearest(bands: &[Band], f_hz: f64) -> Option<&Band> {
+    let at = bands.partition_point(|band| band.f_hz < f_hz);
+    bands.get(at)
+}
+
+/// Chi squared of what a mode leaves in wider bands around it, over their count.
+fn misfit(all: &[Vec<Band>], mode: &TwoMass, torque: f64, stamps: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for bands in all {
+        let from = bands.partition_point(|band| band.f_hz < 0.6 * mode.f_hz);
+        let until = bands.partition_point(|band| band.f_hz < 1.6 * mode.f_hz);
+        for wide in bands[from..until.max(from)].chunks(12) {
+            let (mut ratio, mut lines) = (0.0, 0.0);
+            for band in wide {
+                ratio += band.lines * band.power / expected(band, torque, stamps, Some(mode));
+                lines += band.lines;
+            }
+            // Exponential lines: the mean of so many, its cube root close to normal (Wilson and Hilferty, PNAS 17, 1931).
+            let ninth = 1.0 / (9.0 * lines);
+            let normal = ((ratio / lines).cbrt() - 1.0 + ninth) / ninth.sqrt();
+            sum += normal * normal;
+            count += 1.0;
+        }
+    }
+    // Few bands scatter more.
+    sum / (count + 6.0 * count.sqrt()).max(1.0)
+}
+
+/// Standard errors of frequency, damping ratio and share, from Fisher's information of the lines.
+fn errors(all: &[Vec<Band>], best: &[f64]) -> Option<[f64; 3]> {
+    const STEP: f64 = 1e-4;
+    let at = |x: &[f64], band: &Band| {
+        let (mode, torque, stamps) = of_numbers(x);
+        expected(band, torque, stamps, Some(&mode)).ln()
+    };
+    let mut information = nalgebra::Matrix5::<f64>::zeros();
+    for band in all.iter().flatten() {
+        let here = at(best, band);
+        let slopes: nalgebra::Vector5<f64> = nalgebra::Vector5::from_fn(|i, _| {
+            let mut there = best.to_vec();
+            there[i] += STEP;
+            (at(&there, band) - here) / STEP
+        });
+        information += band.lines * slopes * slopes.transpose();
+    }
+    let covariance = information.try_inverse()?;
+    let (mode, ..) = of_numbers(best);
+    let share = mode.inertia_share;
+    let scales = [mode.f_hz, mode.damping_ratio, share * (1.0 - share)];
+    let errors: [f64; 3] = std::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt() * scales[i]);
+    errors
+        .iter()
+        .all(|error| error.is_finite())
+        .then_some(errors)
+}
