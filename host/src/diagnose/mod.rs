@@ -11,6 +11,7 @@ pub mod diagnosis;
 pub mod hypothesis;
 pub mod kalman;
 pub mod locate;
+pub mod motion;
 pub mod noise_fit;
 pub mod prepare;
 pub mod propose;
