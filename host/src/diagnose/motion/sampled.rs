@@ -93,7 +93,7 @@ impl Sampled {
         self.times_s.last().map_or(1.0, |last| last * self.rate_hz)
     }
 
-    /// Every so manieth edge from where a loop's last sample before is known.
+    /// Every n-th edge, n = `each`, from where a loop's last sample before is known.
     #[must_use]
     pub fn edges_for(&self, f_hz: f64, each: usize) -> Vec<usize> {
         let known = self.edge_at(self.times_s[1] + 1.0 / f_hz, 1) + 1;
