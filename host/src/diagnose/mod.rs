@@ -22,6 +22,7 @@ pub mod locate;
 pub mod mend;
 pub mod mended;
 mod mender;
+pub mod motion;
 pub mod named;
 pub mod noise;
 pub mod noise_fit;

@@ -1,0 +1,39 @@
+//! Mechanisms that make another motion altogether: they are recognised before anything small is looked for.
+
+pub mod closed_loop;
+pub mod sampled;
+pub mod scan;
+pub mod slip;
+pub mod slip_fit;
+pub mod stick_slip;
+#[cfg(test)]
+mod tests;
+
+use crate::diagnose::board::Board;
+use crate::diagnose::run::Recorded;
+use crate::mechanism::Mechanism;
+use crate::twin::Twin;
+
+/// A parameter of a finding: its name, value, standard error and unit. The error is infinite where the recording says nothing of it.
+pub type Parameter = (&'static str, f64, f64, &'static str);
+
+/// A motion that the twins do not have.
+#[derive(Clone, Debug)]
+pub struct MotionFinding {
+    /// What makes it.
+    pub mechanism: Mechanism,
+    /// How strong it is.
+    pub parameters: Vec<Parameter>,
+    /// Evidence over the twins as they are.
+    pub delta_bic: f64,
+    /// The finding in a sentence or two.
+    pub text: String,
+    /// The rig's twins with the mechanism in.
+    pub twins: Vec<Twin>,
+}
+
+/// The motion that the twins of a rig lack, if there is one.
+#[must_use]
+pub fn other_motion(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
+    stick_slip::recognised(rig).or_else(|| closed_loop::recognised(rig, board))
+}

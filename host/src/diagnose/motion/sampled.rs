@@ -1,0 +1,251 @@
+//! What a sampled speed loop pushes, from the very intervals that it saw.
+//!
+//! A loop that samples the speed of the last interval at times n/f pushes the shaft by kp (w* - seen) + ki / f sum (w* - seen), held
+//! to the next sample. What it saw is in the recording, the errors of the disc and the stamps with it, so the push is known but for the
+//! gains and f, and its response is linear in the gains: the direct method of closed-loop identification (L. Ljung, System Identification,
+//! 2nd ed., section 13.4), which needs no noise-free copy of the loop.
+
+use std::f64::consts::TAU;
+
+use super::slip::Wave;
+use crate::diagnose::kalman::{Reading, ShaftNoise, Whitener};
+use crate::diagnose::seen::Seen;
+use crate::diagnose::shaft::{Leap, ShaftLaw};
+
+/// A recording as a speed loop sees it.
+#[derive(Clone, Debug)]
+pub struct Sampled {
+    times_s: Vec<f64>,
+    /// What the speed of the interval before each edge lacks, rad/s along the motion.
+    misses: Vec<f64>,
+    /// Angle ahead of the twin along the motion, less what the twin's drive makes of its own swing.
+    pub angles: Vec<f64>,
+    /// Mean speed over that with the twin's swing.
+    shows: Vec<f64>,
+    speeds: Vec<f64>,
+    fresh: Vec<bool>,
+    /// Damping without the drive's, 1/s.
+    damping: f64,
+    /// Edges a second.
+    pub rate_hz: f64,
+}
+
+impl Sampled {
+    /// A recording with its residual; `law` is that of the shaft without its drive, `stiffness` the drive's, 1/s, and `waves` are the
+    /// twin's torques.
+    #[must_use]
+    pub fn new(seen: &Seen, law: &ShaftLaw, stiffness: f64, waves: &[Wave]) -> Self {
+        let step_rad = TAU / seen.edges as f64;
+        let way = seen.speeds.first().map_or(1.0, |speed| speed.signum());
+        let asked = seen.mean_speed();
+        let mut misses = vec![0.0];
+        for (times, places) in seen.times_s.windows(2).zip(seen.places.windows(2)) {
+            let speed = (places[1] - places[0]).abs() as f64 * step_rad / (times[1] - times[0]);
+            misses.push(asked - speed);
+        }
+        let damping = law.damping(0.0, asked);
+        let mut angles: Vec<f64> = seen.angles.iter().map(|angle| angle * way).collect();
+        // The twin's drive pulls its own shaft back, which this one lacks. An angle here is the twin's speed without its swing s times
+        // how early an edge is, z, which obeys z'' = -b z' + (push - s' z' (2 + z' / w)) / (1 + s).
+        let mut swung = [0.0; 2];
+        for at in 1..seen.len() {
+            let speed = seen.speeds[at].abs();
+            let shows = 0.5 * (seen.shows[at - 1] + seen.shows[at]);
+            let after_s = seen.readings[at].leap.after_s;
+            let swing = speed / shows - speed;
+            let theta = seen.theta(at) - 0.5 * way * step_rad;
+            let torque = waves
+                .iter()
+                .map(|wave| wave.push * (wave.order * theta + wave.phase_rad).sin());
+            let hastens = (way * torque.sum::<f64>() - (damping + stiffness) * swing) / speed;
+            let gains = (seen.angles[at] - seen.angles[at - 1]) * way / after_s;
+            let push = shows * (stiffness * swing - hastens * gains * (2.0 + gains / speed));
+            swung = went(swung, push, after_s, damping);
+            angles[at] -= swung[0];
+        }
+        Self {
+            rate_hz: (seen.len() as f64 - 1.0) / seen.seconds(),
+            times_s: seen.times_s.clone(),
+            misses,
+            angles,
+            shows: seen.shows.clone(),
+            speeds: seen.readings.iter().map(|reading| reading.speed).collect(),
+            fresh: seen.readings.iter().map(|reading| reading.fresh).collect(),
+            damping,
+        }
+    }
+
+    /// Edges.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.times_s.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.times_s.is_empty()
+    }
+
+    /// Edges that would have come by the last one since time 0.
+    #[must_use]
+    pub fn edges_since_zero(&self) -> f64 {
+        self.times_s.last().map_or(1.0, |last| last * self.rate_hz)
+    }
+
+    /// Every n-th edge, n = `each`, from where a loop's last sample before is known.
+    #[must_use]
+    pub fn edges_for(&self, f_hz: f64, each: usize) -> Vec<usize> {
+        let known = self.edge_at(self.times_s[1] + 1.0 / f_hz, 1) + 1;
+        (known..self.len()).step_by(each.max(1)).collect()
+    }
+
+    /// Time of an edge, s.
+    #[must_use]
+    pub fn time_s(&self, edge: usize) -> f64 {
+        self.times_s[edge]
+    }
+
+    /// What the noise model needs of some edges.
+    #[must_use]
+    pub fn readings(&self, edges: &[usize]) -> Vec<Reading> {
+        let mut before = edges.first().copied().unwrap_or(0);
+        let each = edges.iter().map(|&edge| {
+            let fresh = (before + 1..=edge).any(|i| self.fresh[i]);
+            let reading = Reading {
+                leap: Leap {
+                    after_s: self.times_s[edge] - self.times_s[before],
+                    damping: self.damping,
+                    spring: 0.0,
+                },
+                speed: self.speeds[edge],
+                fresh,
+            };
+            before = edge;
+            reading
+        });
+        each.collect()
+    }
+
+    /// A filter for some edges.
+    #[must_use]
+    pub fn whitener(&self, edges: &[usize], noise: ShaftNoise) -> Whitener {
+        Whitener::new(&self.readings(edges), noise)
+    }
+
+    /// Angles of some edges.
+    #[must_use]
+    pub fn angles_at(&self, edges: &[usize]) -> Vec<f64> {
+        edges.iter().map(|&edge| self.angles[edge]).collect()
+    }
+
+    /// Last edge at a time, looked for from one near it.
+    fn edge_at(&self, time_s: f64, near: usize) -> usize {
+        let last = self.len() - 1;
+        let guess = near as f64 + (time_s - self.times_s[near]) * self.rate_hz;
+        let mut at = (guess.max(0.0) as usize).min(last);
+        while at < last && self.times_s[at + 1] <= time_s {
+            at += 1;
+        }
+        while at > 0 && self.times_s[at] > time_s {
+            at -= 1;
+        }
+        at
+    }
+
+    /// Takes the speed asked for to be the mean of what a loop saw, as its integrator makes it.
+    pub fn centre(&mut self, f_hz: f64) {
+        let (first, last) = (self.times_s[1] * f_hz, self.times_s[self.len() - 1] * f_hz);
+        let (mut near, mut sum, mut count) = (1, 0.0, 0.0);
+        for sample in first.ceil() as i64..=last.floor() as i64 {
+            near = self.edge_at(sample as f64 / f_hz, near);
+            sum += self.misses[near];
+            count += 1.0;
+        }
+        if count > 0.0 {
+            self.misses.iter_mut().for_each(|miss| *miss -= sum / count);
+        }
+    }
+
+    /// Responses at some edges to both gains, sampled at `f_hz`.
+    #[must_use]
+    pub fn gains(&self, edges: &[usize], f_hz: f64) -> [Vec<f64>; 2] {
+        let mut out = [
+            Vec::with_capacity(edges.len()),
+            Vec::with_capacity(edges.len()),
+        ];
+        let (mut states, mut pushes) = ([[0.0; 2]; 2], [0.0; 2]);
+        let mut now = self.times_s[edges[0]];
+        let mut near = edges[0];
+        let mut sample = (now * f_hz).floor() - 1.0;
+        for &edge in edges {
+            let end = self.times_s[edge];
+            let mut shows = self.shows[edge];
+            loop {
+                let next = (sample + 1.0) / f_hz;
+                if next > end {
+                    break;
+                }
+                if next > now {
+                    for (state, push) in states.iter_mut().zip(pushes) {
+                        *state = went(*state, push * shows, next - now, self.damping);
+                    }
+                    now = next;
+                }
+                near = self.edge_at(next, near);
+                pushes[1] += pushes[0] / f_hz;
+                pushes[0] = self.misses[near];
+                shows = self.shows[near];
+                sample += 1.0;
+            }
+            for (state, push) in states.iter_mut().zip(pushes) {
+                *state = went(*state, push * shows, end - now, self.damping);
+            }
+            now = end;
+            out[0].push(states[0][0]);
+            out[1].push(states[1][0]);
+        }
+        out
+    }
+
+    /// Responses at some edges to a constant push and to one that grows by the second.
+    #[must_use]
+    pub fn steady(&self, edges: &[usize]) -> [Vec<f64>; 2] {
+        let (mut level, mut slope) = ([0.0; 2], [0.0; 2]);
+        let start = self.times_s[edges[0]];
+        let mut now = start;
+        let mut out = [
+            Vec::with_capacity(edges.len()),
+            Vec::with_capacity(edges.len()),
+        ];
+        for &edge in edges {
+            let end = self.times_s[edge];
+            level = went(level, 1.0, end - now, self.damping);
+            slope = went(slope, 0.5 * (now + end) - start, end - now, self.damping);
+            now = end;
+            out[0].push(level[0]);
+            out[1].push(slope[0]);
+        }
+        out
+    }
+}
+
+/// Angle and speed after a constant push.
+fn went([angle, speed]: [f64; 2], push: f64, after_s: f64, damping: f64) -> [f64; 2] {
+    let leap = Leap {
+        after_s,
+        damping,
+        spring: 0.0,
+    };
+    let (reach, stays) = leap.reach(after_s);
+    let x = damping * after_s;
+    let far = if x < 0.01 {
+        0.5 * after_s * after_s * (1.0 - x / 3.0 + x * x / 12.0)
+    } else {
+        (after_s - reach) / damping
+    };
+    [
+        angle + reach * speed + far * push,
+        stays * speed + reach * push,
+    ]
+}

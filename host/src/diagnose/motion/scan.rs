@@ -1,0 +1,195 @@
+//! The search for the rate at which a speed loop samples.
+//!
+//! Errors of the disc make the speed of single intervals jump, and which intervals a loop takes depends on its rate to about one part in
+//! the number of edges: so a rate that explains the motion is a fingerprint of a loop. Short pieces of some samples are searched
+//! for rates with few of their edges; what is best there is followed through ever longer pieces.
+
+use super::sampled::Sampled;
+use crate::diagnose::kalman::ShaftNoise;
+
+/// Samples of the first pieces.
+const SAMPLES: f64 = 16.0;
+/// Edges looked at for each sample.
+const NODES: f64 = 4.0;
+/// Rates kept after the first pieces.
+const KEPT: usize = 24;
+/// Slowest loop, Hz.
+const SLOWEST_HZ: f64 = 20.0;
+/// Most edges between samples.
+const APART_MOST: f64 = 2_000.0;
+/// Least evidence of a first piece.
+const EVIDENCE_LEAST: f64 = 32.0;
+
+/// Least evidence of longer pieces an edge.
+const EVIDENCE_AN_EDGE: f64 = 0.015;
+
+/// A rate and what speaks for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Rate {
+    /// Samples a second.
+    pub f_hz: f64,
+    /// Fall of -2 log likelihood.
+    pub evidence: f64,
+}
+
+/// A piece ready to be held against rates.
+struct Piece<'a> {
+    sampled: &'a Sampled,
+    edges: Vec<usize>,
+    whitener: crate::diagnose::kalman::Whitener,
+    left: Vec<f64>,
+    /// Constant and growing push, white, orthonormal.
+    steady: Vec<Vec<f64>>,
+    squares: f64,
+}
+
+impl<'a> Piece<'a> {
+    fn new(sampled: &'a Sampled, edges: Vec<usize>, noise: ShaftNoise) -> Self {
+        let whitener = sampled.whitener(&edges, noise);
+        let mut steady: Vec<Vec<f64>> = Vec::new();
+        for mut column in sampled.steady(&edges) {
+            whitener.whiten(&mut column);
+            for before in &steady {
+                without(&mut column, before);
+            }
+            let size = dot(&column, &column).sqrt();
+            if size > 0.0 {
+                column.iter_mut().for_each(|value| *value /= size);
+                steady.push(column);
+            }
+        }
+        let mut left = sampled.angles_at(&edges);
+        whitener.whiten(&mut left);
+        for column in &steady {
+            without(&mut left, column);
+        }
+        let squares = dot(&left, &left);
+        Self {
+            sampled,
+            edges,
+            whitener,
+            left,
+            steady,
+            squares,
+        }
+    }
+
+    /// What speaks for a rate.
+    fn evidence(&self, f_hz: f64, both: bool) -> f64 {
+        let [mut kp, mut ki] = self.sampled.gains(&self.edges, f_hz);
+        self.whitener.whiten(&mut kp);
+        for column in &self.steady {
+            without(&mut kp, column);
+        }
+        let (own, with) = (dot(&kp, &kp), dot(&kp, &self.left));
+        if own <= 0.0 || with <= 0.0 {
+            return 0.0;
+        }
+        let mut explained = with * with / own;
+        if both {
+            self.whitener.whiten(&mut ki);
+            for column in &self.steady {
+                without(&mut ki, column);
+            }
+            let share = dot(&kp, &ki) / own;
+            ki.iter_mut()
+                .zip(&kp)
+                .for_each(|(ki, kp)| *ki -= share * kp);
+            let (own, with) = (dot(&ki, &ki), dot(&ki, &self.left));
+            if own > 0.0 {
+                explained += with * with / own;
+            }
+        }
+        let share = (explained / self.squares).clamp(0.0, 1.0 - 1e-12);
+        -(self.edges.len() as f64) * (1.0 - share).ln()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn without(row: &mut [f64], unit: &[f64]) {
+    let share = dot(row, unit);
+    row.iter_mut()
+        .zip(unit)
+        .for_each(|(value, unit)| *value -= share * unit);
+}
+
+/// The rate at which a loop samples, if there seems to be one.
+#[must_use]
+pub fn rate(sampled: &Sampled, noise: ShaftNoise) -> Option<Rate> {
+    let mut kept: Vec<(Rate, usize)> = Vec::new();
+    let mut apart = 2.0;
+    while apart < APART_MOST && sampled.rate_hz / apart > SLOWEST_HZ {
+        let top = sampled.rate_hz / apart;
+        let count = ((SAMPLES * 1.4 * apart) as usize + 64).min(sampled.len());
+        let mut edges = sampled.edges_for(0.5 * top, (1.4 * apart / NODES) as usize);
+        edges.retain(|edge| *edge < count);
+        let piece = Piece::new(sampled, edges, noise);
+        // Half an edge at the end of the piece.
+        let finer = 1.0 - 0.5 / (sampled.time_s(count - 1) * sampled.rate_hz);
+        let mut f_hz = top;
+        while f_hz > 0.5 * top {
+            let evidence = piece.evidence(f_hz, false);
+            if evidence > EVIDENCE_LEAST {
+                kept.push((Rate { f_hz, evidence }, count));
+            }
+            f_hz *= finer;
+        }
+        apart *= 2.0;
+    }
+    kept.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
+    let mut rates: Vec<Rate> = Vec::new();
+    let mut count = kept.first()?.1.max(256);
+    for (rate, _) in kept {
+        if rates.len() < KEPT
+            && rates
+                .iter()
+                .all(|old| (old.f_hz / rate.f_hz - 1.0).abs() > 1e-9)
+        {
+            rates.push(rate);
+        }
+    }
+    while count < sampled.len() {
+        count = (2 * count).min(sampled.len());
+        rates = longer(sampled, &rates, count, noise);
+        // What only chance has found does not grow with the piece.
+        if rates.first()?.evidence < EVIDENCE_AN_EDGE * count as f64 {
+            return None;
+        }
+    }
+    rates.first().copied()
+}
+
+/// Rates near those before, best first, over a longer piece.
+fn longer(sampled: &Sampled, rates: &[Rate], count: usize, noise: ShaftNoise) -> Vec<Rate> {
+    let slowest = rates
+        .iter()
+        .map(|rate| rate.f_hz)
+        .fold(f64::INFINITY, f64::min);
+    let least_apart = rates
+        .iter()
+        .map(|rate| sampled.rate_hz / rate.f_hz)
+        .fold(f64::INFINITY, f64::min);
+    let mut edges = sampled.edges_for(slowest, (least_apart / NODES) as usize);
+    edges.retain(|edge| *edge < count);
+    let piece = Piece::new(sampled, edges, noise);
+    let step = 0.35 / (sampled.time_s(count - 1) * sampled.rate_hz);
+    let mut found: Vec<Rate> = rates
+        .iter()
+        .map(|rate| {
+            (-5..=5)
+                .map(|i| {
+                    let f_hz = rate.f_hz * (1.0 + f64::from(i) * step);
+                    let evidence = piece.evidence(f_hz, true);
+                    Rate { f_hz, evidence }
+                })
+                .max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+                .unwrap_or(*rate)
+        })
+        .collect();
+    found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    found.truncate((rates.len() / 2).max(3));
+    found
+}

@@ -1,0 +1,320 @@
+//! Stick-slip: the shaft stands until a spring is wound up, slips, and stands again (equation in [`super::slip`]).
+//!
+//! It is recognised by the motion alone: intervals that are far too long come again and again after about the same way, where the
+//! twin's speed is steady. Each slip is then fitted for itself, in angle, with its instant of breaking away and its place of rest free,
+//! so that the phase of the cycle, which torque noise moves, does not matter; the scatter between slips is the uncertainty.
+
+use std::f64::consts::TAU;
+
+use super::MotionFinding;
+use super::slip::{SlipLaw, Wave};
+use super::slip_fit::{Cycle, Fitted, fitted, refitted};
+use crate::diagnose::run::Recorded;
+use crate::mechanism::Mechanism;
+use crate::sim::Simulation;
+use crate::twin::{Drive, Noise, StickSlip, Twin};
+
+/// An interval so many mean ones long is a standstill.
+const STANDS: f64 = 15.0;
+/// Slips needed.
+const SLIPS_LEAST: usize = 4;
+/// Slips fitted at the most.
+const SLIPS_MOST: usize = 48;
+/// Edges that a slip needs.
+const EDGES_LEAST: usize = 12;
+/// Stick-slip in one recording.
+#[derive(Clone, Debug)]
+struct Seen {
+    law: SlipLaw,
+    /// Standard errors of the logarithms of spring, drop and speed.
+    errors: [f64; 3],
+    delta_bic: f64,
+    /// Way and time of a cycle.
+    cycle: (f64, f64),
+    slips: usize,
+    /// Stretch beyond the balance at the stop, s^-2: twice of it friction must hold.
+    overshoot: f64,
+    /// Whether the drive pulls towards the speed beside the spring.
+    beside: bool,
+}
+
+/// Stick-slip that the twins of a rig lack.
+#[must_use]
+pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
+    let seen: Vec<(usize, Seen)> = rig
+        .iter()
+        .enumerate()
+        .filter_map(|(at, one)| Some((at, looked_at(one)?)))
+        .collect();
+    // What says most, where there are several.
+    let (best, found) = seen
+        .iter()
+        .max_by(|a, b| a.1.delta_bic.total_cmp(&b.1.delta_bic))?;
+    let inertia = rig[*best].twin.shaft.inertia_kg_m2;
+    let law = &found.law;
+    let coulomb = (0.5 * found.overshoot).max(0.0) + 0.5 * law.drop;
+    let twins = rig
+        .iter()
+        .map(|one| with(&one.twin, found, coulomb))
+        .collect();
+    let [spring, drop, over] = found.errors;
+    let (stiffness, stribeck) = (law.spring * inertia, law.drop * inertia);
+    Some(MotionFinding {
+        mechanism: Mechanism::StickSlip,
+        parameters: vec![
+            (
+                "stiffness_n_m_rad",
+                stiffness,
+                stiffness * spring,
+                "N m/rad",
+            ),
+            ("stribeck_n_m", stribeck, stribeck * drop, "N m"),
+            (
+                "stribeck_rad_s",
+                law.over_rad_s,
+                law.over_rad_s * over,
+                "rad/s",
+            ),
+            ("coulomb_n_m", coulomb * inertia, f64::INFINITY, "N m"),
+        ],
+        delta_bic: seen.iter().map(|(_, seen)| seen.delta_bic).sum(),
+        text: format!(
+            "The shaft stands and slips: {} slips of {:.2} degrees, one every {:.3} s. Coulomb friction only winds the spring up \
+             and can't be told from this recording.",
+            found.slips,
+            found.cycle.0.to_degrees(),
+            found.cycle.1
+        ),
+        twins,
+    })
+}
+
+/// A twin with stick-slip in.
+fn with(twin: &Twin, found: &Seen, coulomb: f64) -> Twin {
+    let mut twin = twin.clone();
+    let inertia = twin.shaft.inertia_kg_m2;
+    let law = &found.law;
+    twin.stick_slip = Some(StickSlip {
+        stiffness_n_m_rad: law.spring * inertia,
+    });
+    twin.shaft.stribeck_n_m = law.drop * inertia;
+    twin.shaft.stribeck_rad_s = law.over_rad_s;
+    twin.shaft.coulomb_n_m = twin.shaft.coulomb_n_m.max(coulomb * inertia);
+    if !found.beside {
+        twin.shaft.stiffness_n_m_s = 0.0;
+    }
+    twin
+}
+
+fn looked_at(one: &Recorded) -> Option<Seen> {
+    let twin = &one.twin;
+    let wanders = matches!(twin.noise, Some(Noise::SpeedWander { .. }));
+    if !matches!(twin.drive, Drive::Constant { .. }) || twin.stick_slip.is_some() || wanders {
+        return None;
+    }
+    let slips = slips(one)?;
+    let cycles = cycles(one, &slips)?;
+    let shaft = &twin.shaft;
+    let viscous = shaft.viscous_n_m_s / shaft.inertia_kg_m2;
+    let stiff = shaft.stiffness_n_m_s / shaft.inertia_kg_m2;
+    let (beside, damping, first) = fitted(
+        &cycles,
+        slips.pull_rad_s,
+        [(false, viscous), (true, viscous + stiff)],
+    )?;
+    let (pull_rad_s, pull_error) = pull(&first)?;
+    let all = refitted(&first, pull_rad_s, damping);
+    let mut squares: Vec<f64> = all
+        .iter()
+        .map(|one| one.1.squares / one.0.ways.len() as f64)
+        .collect();
+    squares.sort_by(f64::total_cmp);
+    let usual = *squares.get(squares.len() / 2)?;
+    // A slip that a defect or a lost edge spoils says nothing.
+    let good: Vec<&(&Cycle, Fitted)> = all
+        .iter()
+        .filter(|(cycle, fit)| fit.squares < 8.0 * usual * cycle.ways.len() as f64)
+        .collect();
+    if good.len() < SLIPS_LEAST {
+        return None;
+    }
+    let (mut means, mut errors) = ([0.0; 3], [0.0; 3]);
+    for (i, (mean, error)) in means.iter_mut().zip(&mut errors).enumerate() {
+        let count = good.len() as f64;
+        *mean = good.iter().map(|(_, fit)| fit.at[i]).sum::<f64>() / count;
+        let scatter: f64 = good
+            .iter()
+            .map(|(_, fit)| (fit.at[i] - *mean).powi(2))
+            .sum();
+        // Few slips know their own scatter badly.
+        let own = (scatter / (count - 1.0) / count).sqrt() * (1.0 + 1.5 / (count - 1.0));
+        *error = own.hypot(pull_error / pull_rad_s);
+    }
+    let law = SlipLaw {
+        spring: means[0].exp(),
+        drop: means[1].exp(),
+        over_rad_s: means[2].exp(),
+        damping,
+        pull_rad_s,
+        waves: Vec::new(),
+    };
+    let slip = law.slip()?;
+    // Against a shaft that goes at the mean speed all the time.
+    let (mut before, mut after, mut edges) = (0.0, 0.0, 0.0);
+    for (cycle, fit) in &good {
+        let level = mean(
+            cycle
+                .ways
+                .iter()
+                .zip(&cycle.times_s)
+                .map(|(way, t)| way - pull_rad_s * t),
+        );
+        let off = cycle.ways.iter().zip(&cycle.times_s);
+        before += off
+            .map(|(way, t)| (way - pull_rad_s * t - level).powi(2))
+            .sum::<f64>();
+        after += fit.squares;
+        edges += cycle.ways.len() as f64;
+    }
+    let delta_bic = edges * (before / after).ln() - (3.0 + 2.0 * good.len() as f64) * edges.ln();
+    // A steady shaft with a rhythm in it is no limit cycle.
+    (after < 0.02 * before && delta_bic > 50.0).then(|| Seen {
+        errors,
+        delta_bic,
+        cycle: (slip.whole(), slip.whole() / pull_rad_s),
+        slips: slips.ends.len(),
+        overshoot: law.spring * (slip.whole() - pull_rad_s * slip.seconds()) - 2.0 * law.drop,
+        law,
+        beside,
+    })
+}
+
+/// Edges of a recording and where it stands.
+struct Slips {
+    times_s: Vec<f64>,
+    places: Vec<i64>,
+    way: i64,
+    /// First and last edge of each slip.
+    ends: Vec<(usize, usize)>,
+    pull_rad_s: f64,
+}
+
+fn slips(one: &Recorded) -> Option<Slips> {
+    let longest = one.track.longest()?;
+    let way = longest.direction;
+    let along = one
+        .track
+        .stretches
+        .iter()
+        .filter(|stretch| stretch.direction == way);
+    let marks: Vec<_> = along.flat_map(|stretch| stretch.marks.iter()).collect();
+    let (first, last) = (marks.first()?, marks.last()?);
+    let edges = (last.place - first.place) * way;
+    let mean_s = (last.time_s - first.time_s) / edges as f64;
+    // Edges before and after each standstill; a shaft may creep over an edge before it breaks away.
+    let mut rests: Vec<(usize, usize)> = Vec::new();
+    for after in
+        (1..marks.len()).filter(|i| marks[*i].time_s - marks[i - 1].time_s > STANDS * mean_s)
+    {
+        match rests.last_mut() {
+            Some(rest) if after - rest.1 < EDGES_LEAST => rest.1 = after,
+            _ => rests.push((after - 1, after)),
+        }
+    }
+    if rests.len() <= SLIPS_LEAST {
+        return None;
+    }
+    let ends: Vec<(usize, usize)> = rests
+        .windows(2)
+        .map(|pair| (pair[0].1, pair[1].0))
+        .collect();
+    let mut lengths: Vec<usize> = ends.iter().map(|(from, to)| to - from + 1).collect();
+    lengths.sort_unstable();
+    let (low, usual, high) = (
+        lengths[lengths.len() / 8],
+        lengths[lengths.len() / 2],
+        lengths[lengths.len() * 7 / 8],
+    );
+    let stood: f64 = rests
+        .iter()
+        .map(|rest| marks[rest.1].time_s - marks[rest.0].time_s)
+        .sum();
+    if usual < EDGES_LEAST || 2 * (high - low) > usual || stood < 0.1 * (last.time_s - first.time_s)
+    {
+        return None;
+    }
+    // Over whole cycles, from rest to rest.
+    let (from, to) = (marks[rests[0].0], marks[rests[rests.len() - 1].0]);
+    let turned = ((to.place - from.place) * way) as f64 / one.track.edges as f64 * TAU;
+    Some(Slips {
+        times_s: marks.iter().map(|mark| mark.time_s).collect(),
+        places: marks.iter().map(|mark| mark.place).collect(),
+        way,
+        ends,
+        pull_rad_s: turned / (to.time_s - from.time_s),
+    })
+}
+
+fn cycles(one: &Recorded, slips: &Slips) -> Option<Vec<Cycle>> {
+    let mut track = one.track.clone();
+    if !track.anchored {
+        track.starts_at(one.twin.shaft.initial_angle_rad);
+    }
+    let errors = Simulation::new(&one.twin).ok()?.true_errors();
+    let past = |place: i64| {
+        let edge = (place + track.origin).rem_euclid(track.edges) as usize;
+        errors.get(edge).copied().unwrap_or(0.0)
+    };
+    let angle = |place: i64| (place + track.origin) as f64 * TAU / track.edges as f64 - past(place);
+    let waves = Wave::of(&one.twin, slips.pull_rad_s);
+    let first = |place: i64| {
+        let theta = angle(place);
+        let turned = waves.iter().map(|wave| {
+            let phase_rad = (wave.order * theta + wave.phase_rad) * slips.way as f64;
+            Wave { phase_rad, ..*wave }
+        });
+        turned.collect()
+    };
+    let each = (slips.ends.len() / SLIPS_MOST).max(1);
+    let mut cycles = Vec::new();
+    for &(from, to) in slips.ends.iter().step_by(each) {
+        let passed = (slips.places[to] - slips.places[from]) * slips.way;
+        if to - from + 1 < EDGES_LEAST || passed != (to - from) as i64 {
+            continue;
+        }
+        cycles.push(Cycle {
+            start_s: slips.times_s[from],
+            start_rad: angle(slips.places[from]) * slips.way as f64,
+            times_s: (from..=to)
+                .map(|i| slips.times_s[i] - slips.times_s[from])
+                .collect(),
+            ways: (from..=to)
+                .map(|i| (angle(slips.places[i]) - angle(slips.places[from])) * slips.way as f64)
+                .collect(),
+            waves: first(slips.places[from]),
+        });
+    }
+    (cycles.len() >= SLIPS_LEAST).then_some(cycles)
+}
+
+/// Speed of the spring's far end and its standard error: breaking away is always at the same stretch.
+fn pull(all: &[(&Cycle, Fitted)]) -> Option<(f64, f64)> {
+    let points = || {
+        all.iter()
+            .map(|(cycle, fit)| (cycle.start_s + fit.at[3], cycle.start_rad + fit.at[4]))
+    };
+    let (time, angle) = (mean(points().map(|p| p.0)), mean(points().map(|p| p.1)));
+    let long: f64 = points().map(|p| (p.0 - time).powi(2)).sum();
+    let along: f64 = points().map(|p| (p.0 - time) * (p.1 - angle)).sum();
+    let speed = along / long;
+    let off: f64 = points()
+        .map(|p| (p.1 - angle - speed * (p.0 - time)).powi(2))
+        .sum();
+    let error = (off / (all.len() as f64 - 2.0) / long).sqrt();
+    (speed.is_finite() && speed > 0.0 && error.is_finite()).then_some((speed, error))
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}
