@@ -176,14 +176,14 @@ impl Basis {
             let disc: Vec<f64> = (0..seen.len())
                 .map(|at| value(at, change_of(seen.class(at), seen.classes)))
                 .collect();
-            vec![in_loop(seen, law, shown(seen, disc))]
+            vec![shown(seen, disc)]
         };
         // What comes late is late by its time, whatever the speed swings.
         let late = |value: &dyn Fn(usize, Change) -> f64| -> Vec<Vec<f64>> {
             let late: Vec<f64> = (0..seen.len())
                 .map(|at| value(at, change_of(seen.class(at), seen.classes)))
                 .collect();
-            vec![in_loop(seen, law, late)]
+            vec![late]
         };
         let hit = |channel: Option<usize>, change: Change| channel.is_none_or(|c| c == change.channel);
         let reverse = |at: usize| seen.speeds[at] < 0.0;
@@ -193,7 +193,7 @@ impl Basis {
                 for at in 0..seen.len() {
                     (sin[at], cos[at]) = (order * seen.theta(at)).sin_cos();
                 }
-                [cos, sin].map(|disc| in_loop(seen, law, shown(seen, disc))).into()
+                [cos, sin].map(|disc| shown(seen, disc)).into()
             }
             Self::TorqueOrder { order } => {
                 let step = TAU / seen.edges as f64;
@@ -215,7 +215,7 @@ impl Basis {
                         (sin[at], cos[at]) = (size * s, size * c);
                     }
                 }
-                [cos, sin].map(|disc| in_loop(seen, law, shown(seen, disc))).into()
+                [cos, sin].map(|disc| shown(seen, disc)).into()
             }
             Self::Width { channel } => each(&|_, change| {
                 f64::from(u8::from(!change.rises && hit(channel, change)))
@@ -296,12 +296,7 @@ impl Basis {
 
 /// An error of the disc, edge by edge, as the residual has it.
 #[must_use]
-pub fn as_it_shows(seen: &Seen, law: &ShaftLaw, disc: Vec<f64>) -> Vec<f64> {
-    in_loop(seen, law, shown(seen, disc))
-}
-
-/// An error of the disc as the residual has it.
-fn shown(seen: &Seen, mut disc: Vec<f64>) -> Vec<f64> {
+pub fn shown(seen: &Seen, mut disc: Vec<f64>) -> Vec<f64> {
     for (value, shows) in disc.iter_mut().zip(&seen.shows) {
         *value *= shows;
     }
@@ -355,28 +350,4 @@ fn braked(seen: &Seen, law: &ShaftLaw, friction: &dyn Fn(f64) -> f64) -> Vec<Vec
             -friction(seen.speeds[at]) / law.inertia
         }
     })]
-}
-
-/// An error of the disc as it shows: a speed loop takes it for motion and pushes the shaft.
-fn in_loop(seen: &Seen, law: &ShaftLaw, mut disc: Vec<f64>) -> Vec<f64> {
-    let Some(gains) = law.gains else {
-        return disc;
-    };
-    // With s = v + kp e there is no derivative of e: ds/dt = -b s - k y + (b kp - ki) e and dy/dt = s - kp e.
-    let (mut y, mut s) = (0.0, 0.0);
-    let mut last = disc.first().copied().unwrap_or(0.0);
-    for (value, reading) in disc.iter_mut().zip(&seen.readings) {
-        let leap = reading.leap;
-        let h = leap.after_s;
-        let e = 0.5 * (last + *value);
-        let b = leap.damping;
-        let stays = (-b * h).exp();
-        let push = -leap.spring * y + (b * gains.kp - gains.ki) * e;
-        let next = stays * s + push * h * (-0.5 * b * h).exp();
-        y += (0.5 * (s + next) - gains.kp * e) * h;
-        s = next;
-        last = *value;
-        *value += y;
-    }
-    disc
 }

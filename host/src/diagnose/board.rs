@@ -248,7 +248,7 @@ impl Board {
     pub fn take_off(&mut self, errors_rad: &[f64]) {
         for bench in &mut self.benches {
             let disc = (0..bench.seen.len()).map(|at| errors_rad[bench.seen.edge(at)]).collect();
-            let shows = basis::as_it_shows(&bench.seen, &bench.law, disc);
+            let shows = basis::shown(&bench.seen, disc);
             for (angle, shows) in bench.seen.angles.iter_mut().zip(shows) {
                 *angle -= shows;
             }

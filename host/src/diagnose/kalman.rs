@@ -1,7 +1,7 @@
 //! The filter that makes the noise of a turning shaft white.
 //!
 //! Torque noise pushes the shaft (see [`super::shaft`]), its mean speed may drift, and every time stamp has an error of its own:
-//! dy = (v + m) dt, dv = (-b v - k y) dt + white(q), dm = white(d), and an edge shows y + w j with w the speed and j the stamp's
+//! dy = (v + m) dt, dv = -b v dt + white(q), dm = white(d), and an edge shows y + w j with w the speed and j the stamp's
 //! error. The innovations of the Kalman filter are white and of known variance, whatever the speed does and wherever edges are
 //! missing; a pattern that goes through the same filter can be held against them by plain least squares.
 
@@ -74,12 +74,7 @@ impl Whitener {
                 };
                 let h = leap.after_s;
                 let (reach, stays) = leap.reach(h);
-                let turn = [
-                    1.0 - 0.5 * leap.spring * h * h,
-                    reach,
-                    -leap.spring * reach,
-                    stays,
-                ];
+                let turn = [1.0, reach, 0.0, stays];
                 if at == 0 || reading.fresh {
                     p[0] = 1e2;
                     p[1] = 0.0;

@@ -6,6 +6,7 @@
 )]
 
 pub mod basis;
+pub mod beside;
 pub mod board;
 pub mod code;
 pub mod conclude;

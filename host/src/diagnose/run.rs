@@ -2,14 +2,19 @@
 
 use thiserror::Error;
 
-use super::conclude::conclude;
-use super::diagnosis::Diagnosis;
+use super::beside::{of_events, of_motion, of_noise};
+use super::board::{Board, Model};
+use super::conclude::{Conclusion, conclude};
+use super::diagnosis::{Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
+use super::motion::{closed_loop, stick_slip};
+use super::noise::{NoiseFinding, noise_findings};
 use super::prepare;
-use super::search::search;
+use super::search::{Searched, search};
 use super::settle::settle;
 use super::shown::Shown;
-use super::tell::tell;
+use super::tell::{self, tell};
 use super::track::Track;
+use crate::mechanism::Mechanism;
 use crate::sensor::SensorPlan;
 use crate::twin::{Twin, TwinError};
 
@@ -81,18 +86,109 @@ pub fn diagnose(
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Diagnosed, DiagnoseError> {
     progress(0.05, "Simulating");
-    let mut board = prepare::board(rig)?;
+    let mut found = of_events(rig);
+    // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
+    if let Some(motion) = stick_slip::recognised(rig) {
+        found.push(of_motion(&motion));
+        return Ok(alone(rig, motion.twins, found));
+    }
+    let mut rig: Vec<Recorded> = rig.to_vec();
+    let mut board = prepare::board(&rig)?;
+    if let Some(motion) = closed_loop::recognised(&rig, &board) {
+        found.push(of_motion(&motion));
+        for (one, twin) in rig.iter_mut().zip(motion.twins) {
+            one.twin = twin;
+        }
+        board = prepare::board(&rig)?;
+    }
     let given = board.clone();
     progress(0.2, "Searching");
-    let searched = search(&mut board).ok_or_else(|| nothing(rig))?;
+    let searched = search(&mut board).ok_or_else(|| nothing(&rig))?;
     progress(0.6, "Weighing");
-    let concluded = conclude(&board, &searched);
+    let mut concluded = conclude(&board, &searched);
+    found.extend(noise(&rig, &given, &board, &searched, &mut concluded));
     progress(0.8, "Simulating what was found");
-    let settled = settle(rig, &given, board, searched, concluded)?;
+    let settled = settle(&rig, &given, board, searched, concluded)?;
     progress(0.95, "Judging");
-    let diagnosed = tell(rig, &settled);
+    let diagnosed = tell(&rig, &settled, found);
     progress(1.0, "Done");
     Ok(diagnosed)
+}
+
+/// What the noise lacks; where that explains what the search only resembled, it takes its place.
+fn noise(
+    rig: &[Recorded],
+    given: &Board,
+    board: &Board,
+    searched: &Searched,
+    concluded: &mut Conclusion,
+) -> Vec<Finding> {
+    let before = given.fit(given.nuisances()).unwrap_or_else(|| Model::none(given));
+    let rhythms = searched.found.iter().filter(|f| f.hypothesis.rhythm().is_some());
+    let squares: f64 = rhythms.map(|f| f.score).sum();
+    let mut noise: Vec<NoiseFinding> = Vec::new();
+    if squares > 0.0 || concluded.nameless.is_some() {
+        noise = noise_findings(given, &before);
+        // A mode or a task is one thing where rhythms are many.
+        noise.retain(|one| match one.mechanism {
+            Mechanism::TorsionalResonance => one.delta_bic > 0.3 * squares,
+            Mechanism::CaptureLatency => one.delta_bic > 0.8 * squares && !one.frequencies_hz.is_empty(),
+            _ => false,
+        });
+        if !noise.is_empty() {
+            concluded.named.retain(|name| name.hypothesis.rhythm().is_none());
+            concluded.nameless = None;
+        }
+    }
+    if noise.is_empty() && concluded.nameless.is_none() {
+        noise = noise_findings(board, &searched.model);
+    }
+    noise.iter().map(|one| of_noise(one, &rig[0].twin)).collect()
+}
+
+/// A diagnosis of what stands for itself.
+fn alone(rig: &[Recorded], twins: Vec<Twin>, findings: Vec<Finding>) -> Diagnosed {
+    let facts = rig.iter().map(|one| {
+        let edges: usize = one.track.stretches.iter().map(|s| s.marks.len()).sum();
+        RecordingFacts {
+            file: one.file.clone(),
+            twin: one.twin.name.clone(),
+            edges: edges as u64,
+            turns: one.track.turns(),
+            seconds: one.track.end_s().unwrap_or(0.0),
+            speed_r_min: [0.0; 2],
+            anchored: one.track.anchored,
+            stamp_rms_s: 0.0,
+            disturbed_s: Vec::new(),
+        }
+    });
+    let fit = Fit {
+        rms_before_rad: 0.0,
+        rms_after_rad: 0.0,
+        floor_rad: 0.0,
+        whiteness_p_before: 0.0,
+        whiteness_p: 0.0,
+        held_out: HeldOut {
+            rms_before_rad: 0.0,
+            rms_after_rad: 0.0,
+            floor_rad: 0.0,
+            reducible_removed: None,
+        },
+    };
+    Diagnosed {
+        diagnosis: Diagnosis {
+            version: 1,
+            verdict: tell::verdict(&findings),
+            summary: tell::summary(tell::verdict(&findings), &findings),
+            recordings: facts.collect(),
+            fit,
+            next_recording: None,
+            findings,
+        },
+        shown: Shown::default(),
+        error_lists: vec![None; twins.len()],
+        twins,
+    }
 }
 
 /// A recording in which nothing moves can't be fitted.

@@ -54,7 +54,7 @@ impl Seen {
             errors: still.errors.clone(),
             ..Self::default()
         };
-        if track.reverses() {
+        if track.reverses() || twin.speed_loop().is_some() {
             seen.compare_by_time(track, twin, &still, &law);
             return Ok(seen);
         }
@@ -168,7 +168,6 @@ impl Seen {
                 leap: Leap {
                     after_s,
                     damping: law.damping(mark.time_s, speed),
-                    spring: law.spring(),
                 },
                 speed,
                 fresh,

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::basis::{Basis, Change, change_of};
+use super::beside::put_in;
 use super::board::Bench;
 use super::conclude::Name;
 use super::diagnosis::{
@@ -18,7 +19,7 @@ const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
 
 /// Everything that comes of what was settled.
 #[must_use]
-pub fn tell(rig: &[Recorded], settled: &Settled) -> Diagnosed {
+pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagnosed {
     let mut findings: Vec<Finding> = settled
         .concluded
         .named
@@ -28,6 +29,11 @@ pub fn tell(rig: &[Recorded], settled: &Settled) -> Diagnosed {
         .collect();
     findings.extend(disc(settled));
     findings.extend(unknown(settled));
+    let mut twins = settled.twins.clone();
+    for twin in &mut twins {
+        put_in(twin, &beside);
+    }
+    findings.extend(beside);
     findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
     let verdict = verdict(&findings);
     let next = findings.iter().find_map(|finding| finding.next_recording.clone());
@@ -42,12 +48,14 @@ pub fn tell(rig: &[Recorded], settled: &Settled) -> Diagnosed {
             findings,
             next_recording: next,
         },
-        twins: settled.twins.clone(),
+        twins,
         error_lists: settled.error_lists.clone(),
     }
 }
 
-fn verdict(findings: &[Finding]) -> Verdict {
+/// The verdict on findings, strongest first.
+#[must_use]
+pub fn verdict(findings: &[Finding]) -> Verdict {
     let unknown = findings.iter().any(|f| f.mechanism == Mechanism::Unknown);
     let known = findings.iter().filter(|f| f.mechanism != Mechanism::Unknown).count();
     match (unknown, known) {
@@ -60,7 +68,9 @@ fn verdict(findings: &[Finding]) -> Verdict {
     }
 }
 
-fn summary(verdict: Verdict, findings: &[Finding]) -> String {
+/// The verdict in a sentence.
+#[must_use]
+pub fn summary(verdict: Verdict, findings: &[Finding]) -> String {
     let names: Vec<String> = findings
         .iter()
         .filter(|f| f.mechanism != Mechanism::Unknown)

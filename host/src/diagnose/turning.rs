@@ -1,9 +1,14 @@
-//! The residual of a recording that reverses: where the shaft stops, an edge's place says no time, but its time says a place.
+//! The residual by time: what an edge's time says of its place, where its place does not say its time.
 //!
-//! The angle of each edge on the disc is compared with that of the twin's undisturbed shaft at the same time; the twin's torques,
-//! delays and play are taken off along the way that the shaft really went.
+//! Where a shaft reverses, it passes places twice; and under a speed loop it goes where the loop sends it, which hangs on every edge that
+//! came before. So the angle of each edge on the disc is compared with the one that the shaft's course gives for the same time: the
+//! twin's undisturbed course, or the one on which the loop's push sends it. That push is known: the loop saw the recorded edges
+//! (the direct method of closed-loop identification, L. Ljung, System Identification, 2nd ed., section 13.4). The twin's torques,
+//! delays, levels and play are taken off along the way that the shaft really went.
 
 use std::f64::consts::TAU;
+
+use quadcal::edge::Direction;
 
 use super::basis::Basis;
 use super::kalman::Reading;
@@ -11,46 +16,43 @@ use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
 use super::track::{Mark, Track};
-use crate::twin::Twin;
+use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
+
+/// The shaft's course: angle and speed at the time of each mark, rad and rad/s; none where it is not known.
+type Course = Vec<Option<(f64, f64)>>;
 
 impl Seen {
     /// Compares a recording with its twin time by time.
     pub(super) fn compare_by_time(&mut self, track: &Track, twin: &Twin, still: &Still, law: &ShaftLaw) {
-        let course: Vec<Mark> = still.pace.iter().flat_map(|s| s.marks.iter().copied()).collect();
-        if course.len() < 4 {
-            return;
-        }
+        let marks: Vec<(Mark, i64)> = track
+            .stretches
+            .iter()
+            .flat_map(|stretch| stretch.marks.iter().map(|mark| (*mark, stretch.direction)))
+            .collect();
         let step = TAU / track.edges as f64;
-        let mut near = 0;
-        for stretch in &track.stretches {
-            for mark in &stretch.marks {
-                while near + 4 < course.len() && course[near + 2].time_s < mark.time_s {
-                    near += 1;
-                }
-                if mark.time_s < course[0].time_s || mark.time_s > course[course.len() - 1].time_s {
-                    continue;
-                }
-                let (place, speed) = through(&course[near..near + 4], mark.time_s);
-                let edge = (mark.place + still.origin).rem_euclid(track.edges);
-                let edge = usize::try_from(edge).unwrap_or(0);
-                let error = still.errors.get(edge).copied().unwrap_or(0.0);
-                let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
-                let speed = speed * step;
-                self.places.push(mark.place + still.origin);
-                self.times_s.push(mark.time_s);
-                self.speeds.push(speed.abs() * stretch.direction as f64);
-                self.shows.push(1.0);
-                self.angles.push((mark.place as f64 - place) * step - error);
-                self.readings.push(Reading {
-                    leap: Leap {
-                        after_s,
-                        damping: law.damping(mark.time_s, speed.abs()),
-                        spring: law.spring(),
-                    },
-                    speed: speed.abs(),
-                    fresh: false,
-                });
-            }
+        let course = match twin.speed_loop() {
+            Some(model) => looped(&marks, track, twin, &model),
+            None => undisturbed(&marks, still, step),
+        };
+        for ((mark, direction), there) in marks.iter().zip(course) {
+            let Some((angle, speed)) = there else { continue };
+            let edge = (mark.place + still.origin).rem_euclid(track.edges);
+            let edge = usize::try_from(edge).unwrap_or(0);
+            let error = still.errors.get(edge).copied().unwrap_or(0.0);
+            let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
+            self.places.push(mark.place + still.origin);
+            self.times_s.push(mark.time_s);
+            self.speeds.push(speed.abs() * *direction as f64);
+            self.shows.push(1.0);
+            self.angles.push(mark.place as f64 * step - angle - error);
+            self.readings.push(Reading {
+                leap: Leap {
+                    after_s,
+                    damping: law.damping(mark.time_s, speed.abs()),
+                },
+                speed: speed.abs(),
+                fresh: false,
+            });
         }
         self.take_off(twin, law);
         // The counts of recording and twin may be whole turns apart.
@@ -58,26 +60,9 @@ impl Seen {
         self.angles.iter_mut().for_each(|angle| *angle -= turns);
     }
 
-    /// Takes off what the twin's torques, delays and play do.
+    /// Takes off what the twin's torques, delays, levels and play do.
     fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
-        let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
-        // torque sin(order theta + phase)
-        let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
-        for ripple in twin.ripple.iter().chain(&twin.gear_mesh) {
-            let basis = Basis::TorqueOrder { order: ripple.order };
-            known.push((basis, round(ripple.torque_n_m.unwrap_or(0.0), ripple.phase_rad)));
-        }
-        for tone in &twin.torque_tone {
-            let basis = Basis::TorqueTone { f_hz: tone.f_hz };
-            known.push((basis, round(tone.torque_n_m.unwrap_or(0.0), tone.phase_rad)));
-        }
-        if let Some(hysteresis) = twin.hysteresis {
-            known.push((Basis::Direction, vec![hysteresis.angle_rad]));
-        }
-        if let Some(backlash) = twin.backlash {
-            known.push((Basis::Direction, vec![backlash.gap_rad]));
-        }
-        for (basis, sizes) in known {
+        for (basis, sizes) in known(twin) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
                 for (angle, value) in self.angles.iter_mut().zip(column) {
                     *angle -= size * value;
@@ -85,6 +70,137 @@ impl Seen {
             }
         }
     }
+}
+
+/// What a twin has beside disc, shaft and drive, as patterns with sizes.
+fn known(twin: &Twin) -> Vec<(Basis, Vec<f64>)> {
+    let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
+    // size sin(x + phase)
+    let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
+    for ripple in twin.ripple.iter().chain(&twin.gear_mesh) {
+        let basis = Basis::TorqueOrder { order: ripple.order };
+        known.push((basis, round(ripple.torque_n_m.unwrap_or(0.0), ripple.phase_rad)));
+    }
+    for bearing in &twin.bearing {
+        let order = bearing.order;
+        known.push(match bearing.runout_rad {
+            Some(runout) => (Basis::Round { order }, round(runout, bearing.phase_rad)),
+            None => (
+                Basis::TorqueOrder { order },
+                round(bearing.torque_n_m.unwrap_or(0.0), bearing.phase_rad),
+            ),
+        });
+    }
+    for tone in &twin.torque_tone {
+        let basis = Basis::TorqueTone { f_hz: tone.f_hz };
+        known.push((basis, round(tone.torque_n_m.unwrap_or(0.0), tone.phase_rad)));
+    }
+    for load in &twin.load_step {
+        let basis = Basis::Load {
+            from_s: load.from_s,
+            until_s: load.until_s.unwrap_or(f64::INFINITY),
+        };
+        known.push((basis, vec![load.torque_n_m]));
+    }
+    if let Some(ripple) = twin.threshold_ripple {
+        let basis = Basis::LevelTone {
+            f_hz: ripple.f_hz,
+            channel: ripple.channel.map(|channel| channel as usize),
+        };
+        known.push((basis, round(ripple.angle_rad, ripple.phase_rad)));
+    }
+    if let Some(drift) = twin.threshold_drift {
+        let basis = Basis::LevelDrift {
+            from_s: drift.from_s,
+            tau_s: drift.tau_s,
+        };
+        known.push((basis, vec![drift.angle_rad]));
+    }
+    let delay = twin.edge_delay.unwrap_or_default();
+    let skew = twin.channel_skew.unwrap_or_default();
+    let channels: [(RiseFall, f64); 3] = [(delay.a, skew.a_s), (delay.b, skew.b_s), (delay.c, skew.c_s)];
+    for (channel, (delay, skew)) in channels.into_iter().enumerate() {
+        let rise = Basis::RiseLate {
+            channel: Some(channel),
+        };
+        known.push((rise, vec![delay.rise_s - delay.fall_s]));
+        known.push((Basis::Late { channel }, vec![delay.fall_s + skew]));
+    }
+    let play = twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad);
+    known.push((Basis::Direction, vec![play]));
+    known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
+    known
+}
+
+/// The twin's shaft without disturbance, by the cubic through four of its edges.
+fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
+    let course: Vec<Mark> = still.pace.iter().flat_map(|s| s.marks.iter().copied()).collect();
+    let (Some(first), Some(last)) = (course.first(), course.last()) else {
+        return vec![None; marks.len()];
+    };
+    if course.len() < 4 {
+        return vec![None; marks.len()];
+    }
+    let mut near = 0;
+    let each = marks.iter().map(|(mark, _)| {
+        while near + 4 < course.len() && course[near + 2].time_s < mark.time_s {
+            near += 1;
+        }
+        (first.time_s..=last.time_s).contains(&mark.time_s).then(|| {
+            let (place, rate) = through(&course[near..near + 4], mark.time_s);
+            (place * step, rate * step)
+        })
+    });
+    each.collect()
+}
+
+/// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
+fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) -> Course {
+    let step = TAU / track.edges as f64;
+    let clock_hz = twin.timer.clock_hz as f64;
+    let shaft = &twin.shaft;
+    let target = model.target_rad_s;
+    let friction = |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
+    let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
+    let Some((first, _)) = marks.first() else {
+        return Course::new();
+    };
+    let mut state = [first.place as f64 * step, target];
+    let mut now = first.time_s;
+    let mut sample = (now * model.rate_hz).ceil();
+    let (mut integral, mut push) = (model.start, model.start);
+    let mut before: Option<i64> = None;
+    let go = |state: [f64; 2], push: f64, after_s: f64| {
+        let leap = Leap {
+            after_s,
+            damping: shaft.viscous_n_m_s / shaft.inertia_kg_m2,
+        };
+        let push = push - friction(state[1]);
+        leap.step(state, [push; 3])
+    };
+    let each = marks.iter().map(|(mark, direction)| {
+        while sample / model.rate_hz < mark.time_s {
+            let time = sample / model.rate_hz;
+            state = go(state, push, (time - now).max(0.0));
+            now = now.max(time);
+            let miss = target - saw.at((time * clock_hz).floor()).unwrap_or(target);
+            let asked = model.gains.kp * miss + integral;
+            push = asked.clamp(-model.limit, model.limit);
+            if push == asked || miss * asked < 0.0 {
+                integral += model.gains.ki / model.rate_hz * miss;
+            }
+            sample += 1.0;
+        }
+        state = go(state, push, mark.time_s - now);
+        now = mark.time_s;
+        let steps = before.map_or(1, |place| (mark.place - place).abs().max(1));
+        before = Some(mark.place);
+        let way = if *direction > 0 { Direction::Forward } else { Direction::Reverse };
+        let ticks = (mark.time_s / track.tick_s).round() as u64;
+        saw.edge(ticks, way, u32::try_from(steps).unwrap_or(1));
+        Some((state[0], target))
+    });
+    each.collect()
 }
 
 /// Place and its rate at a time, by the cubic through four edges.

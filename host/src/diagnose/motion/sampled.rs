@@ -116,7 +116,6 @@ impl Sampled {
                 leap: Leap {
                     after_s: self.times_s[edge] - self.times_s[before],
                     damping: self.damping,
-                    spring: 0.0,
                 },
                 speed: self.speeds[edge],
                 fresh,
@@ -235,7 +234,6 @@ fn went([angle, speed]: [f64; 2], push: f64, after_s: f64, damping: f64) -> [f64
     let leap = Leap {
         after_s,
         damping,
-        spring: 0.0,
     };
     let (reach, stays) = leap.reach(after_s);
     let x = damping * after_s;

@@ -61,10 +61,6 @@ pub struct NoiseParameter {
 /// Everything that the noise lacks, going by what the patterns of a model leave.
 #[must_use]
 pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
-    // A sampled loop answers noise otherwise than the linear law that the filter has.
-    if board.benches.iter().any(|bench| bench.law.gains.is_some()) {
-        return Vec::new();
-    }
     // A task is a pattern, but moves edges as no other does.
     let task = task::find(board, &left.left);
     let mut rest = left.left.clone();

@@ -64,7 +64,7 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
     let floor = bench.noise.stamp_s * bench.noise.stamp_s * speed2 / rate;
     let damping = bench
         .law
-        .damping(first + seen.twin_ahead_s, seen.mean_speed())
+        .damping(first, seen.mean_speed())
         + bench.noise.forgets_per_s;
     // Every other entry: the spectrum is twice as fine as the recording is long.
     let lines: Vec<(f64, f64)> = (2..spectrum.powers.len())

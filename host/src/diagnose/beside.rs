@@ -1,0 +1,172 @@
+//! Findings that are no pattern in the angle: other motion, events in the count, and what the noise lacks.
+
+use std::collections::BTreeMap;
+
+use super::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
+use super::events::{Event, events};
+use super::motion::MotionFinding;
+use super::noise::NoiseFinding;
+use super::run::Recorded;
+use crate::mechanism::Mechanism;
+use crate::twin::{CaptureLatency, IndexSlip, TorsionalResonance, Twin};
+
+const NORMAL_95: f64 = 1.959_964;
+
+fn parameter(value: f64, standard_error: f64, unit: &str) -> Parameter {
+    let half = NORMAL_95 * standard_error;
+    Parameter {
+        value,
+        unit: unit.to_owned(),
+        ci95: (half.is_finite() && half > 0.0).then_some([value - half, value + half]),
+    }
+}
+
+/// A finding without a place yet.
+fn plain(mechanism: Mechanism, text: String, delta_bic: f64) -> Finding {
+    Finding {
+        mechanism,
+        text,
+        confidence: 1.0,
+        parameters: BTreeMap::new(),
+        place: Place::default(),
+        evidence: Evidence {
+            delta_bic,
+            p_value: 0.0,
+            held_out_rms_ratio: None,
+            runner_up: None,
+        },
+        look_alikes: Vec::new(),
+        next_recording: None,
+    }
+}
+
+/// Another motion as a finding.
+#[must_use]
+pub fn of_motion(motion: &MotionFinding) -> Finding {
+    let named = motion.parameters.iter().map(|(name, value, error, unit)| {
+        ((*name).to_owned(), parameter(*value, *error, unit))
+    });
+    Finding {
+        parameters: named.collect(),
+        ..plain(motion.mechanism, motion.text.clone(), motion.delta_bic)
+    }
+}
+
+/// Evidence of one event: what a whole edge out of place would cost without it, at the least.
+const EVENT: f64 = 1000.0;
+
+/// Events of all recordings as findings.
+#[must_use]
+pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
+    let all: Vec<Event> = rig.iter().flat_map(|one| events(&one.track)).collect();
+    let mut found = Vec::new();
+    for mechanism in [Mechanism::LostEdges, Mechanism::ExtraEdges] {
+        let own: Vec<&Event> = all.iter().filter(|event| event.mechanism == mechanism).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let what = if mechanism == Mechanism::LostEdges { "missing" } else { "too many" };
+        let text = match own.len() {
+            1 => format!("an edge {what} at {:.4} s", own[0].time_s),
+            count => format!("edges {what} at {count} places, the first at {:.4} s", own[0].time_s),
+        };
+        let mut finding = plain(mechanism, text, EVENT * own.len() as f64);
+        finding.parameters.insert(
+            "count".to_owned(),
+            parameter(own.len() as f64, 0.0, "1"),
+        );
+        finding.place.times_s = own.iter().map(|event| event.time_s).collect();
+        let mut channels: Vec<usize> = own.iter().filter_map(|event| event.channel).collect();
+        channels.sort_unstable();
+        channels.dedup();
+        finding.place.channels = channels.iter().map(|c| ["A", "B", "C"][(*c).min(2)].to_owned()).collect();
+        found.push(finding);
+    }
+    for slip in all.iter().filter(|event| event.mechanism == Mechanism::IndexSlip) {
+        let text = format!(
+            "the index moved by {} edges against the disc between {:.4} and {:.4} s",
+            slip.edges, slip.between_s[0], slip.between_s[1]
+        );
+        let mut finding = plain(Mechanism::IndexSlip, text, EVENT);
+        let at = Parameter {
+            value: slip.time_s,
+            unit: "s".to_owned(),
+            ci95: Some(slip.between_s),
+        };
+        finding.parameters.insert("at_s".to_owned(), at);
+        finding.parameters.insert("edges".to_owned(), parameter(f64::from(slip.edges), 0.0, "1"));
+        finding.place.times_s = vec![slip.time_s];
+        found.push(finding);
+    }
+    found
+}
+
+/// What the noise lacks as a finding. A jitter is told as the twin has it: all of it, what was declared included.
+#[must_use]
+pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
+    let mut finding = plain(noise.mechanism, noise.text.clone(), noise.delta_bic);
+    for one in &noise.parameters {
+        let (mut value, mut error) = (one.value, one.standard_error);
+        if one.name == "jitter_s" {
+            value = one.value.hypot(twin.timer.jitter_s);
+            error *= one.value / value;
+        }
+        finding.parameters.insert(one.name.to_owned(), parameter(value, error, one.unit));
+    }
+    finding.place.frequencies_hz.clone_from(&noise.frequencies_hz);
+    finding.place.times_s.clone_from(&noise.times_s);
+    finding.evidence.p_value = noise.p_value;
+    finding.evidence.runner_up = noise.runner_up.map(|(mechanism, delta_bic)| RunnerUp {
+        mechanism,
+        delta_bic,
+    });
+    if let Some((mechanism, worse)) = noise.runner_up {
+        finding.confidence = 1.0 / (1.0 + (-0.5 * worse).exp());
+        if worse < super::rivals::ALIKE && noise.mechanism != Mechanism::Unknown {
+            finding.look_alikes.push(mechanism);
+        }
+    }
+    finding
+}
+
+/// Puts findings that are no pattern into a twin.
+pub fn put_in(twin: &mut Twin, findings: &[Finding]) {
+    for finding in findings {
+        let value = |name: &str| finding.parameters.get(name).map(|p| p.value);
+        match finding.mechanism {
+            Mechanism::TimestampJitter => {
+                twin.timer.jitter_s = value("jitter_s").unwrap_or(twin.timer.jitter_s).max(0.0);
+            }
+            Mechanism::CaptureLatency => {
+                twin.capture_latency = Some(CaptureLatency {
+                    mean_s: value("mean_s").map(|mean| mean.max(0.0)),
+                    task_hz: value("task_hz"),
+                    busy_s: value("busy_s"),
+                    phase_s: value("phase_s"),
+                });
+            }
+            Mechanism::TorsionalResonance => {
+                if let (Some(f_hz), Some(damping_ratio), Some(inertia_share)) =
+                    (value("f_hz"), value("damping_ratio"), value("inertia_share"))
+                {
+                    twin.torsional_resonance = Some(TorsionalResonance {
+                        f_hz,
+                        damping_ratio: damping_ratio.clamp(0.0, 1.0),
+                        inertia_share,
+                        load_psd_n2_m2_s: None,
+                        load_hold_s: None,
+                    });
+                }
+            }
+            Mechanism::IndexSlip => {
+                if let (Some(at_s), Some(edges)) = (value("at_s"), value("edges")) {
+                    twin.index_slip.push(IndexSlip {
+                        at_s,
+                        edges: edges.round() as i32,
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+}
