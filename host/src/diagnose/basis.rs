@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::seen::Seen;
-use super::shaft::ShaftLaw;
+use super::shaft::{Leap, ShaftLaw};
 
 /// A pattern without its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,14 +176,7 @@ impl Basis {
             let disc: Vec<f64> = (0..seen.len())
                 .map(|at| value(at, change_of(seen.class(at), seen.classes)))
                 .collect();
-            vec![shown(seen, disc)]
-        };
-        // What comes late is late by its time, whatever the speed swings.
-        let late = |value: &dyn Fn(usize, Change) -> f64| -> Vec<Vec<f64>> {
-            let late: Vec<f64> = (0..seen.len())
-                .map(|at| value(at, change_of(seen.class(at), seen.classes)))
-                .collect();
-            vec![late]
+            vec![disc]
         };
         let hit = |channel: Option<usize>, change: Change| channel.is_none_or(|c| c == change.channel);
         let reverse = |at: usize| seen.speeds[at] < 0.0;
@@ -193,17 +186,18 @@ impl Basis {
                 for at in 0..seen.len() {
                     (sin[at], cos[at]) = (order * seen.theta(at)).sin_cos();
                 }
-                [cos, sin].map(|disc| shown(seen, disc)).into()
+                vec![cos, sin]
             }
             Self::TorqueOrder { order } => {
                 let step = TAU / seen.edges as f64;
-                pushed_round(seen, law, &|at, half| {
-                    order * (seen.places[at] as f64 + half * seen.speeds[at].signum()) * step
+                pushed_round(seen, law, &|at, share| {
+                    // Where the shaft turned round in between, it was just past the place.
+                    let came = seen.places[at] - seen.places[at.saturating_sub(1)];
+                    order * (seen.places[at] as f64 + share * came as f64) * step
                 })
             }
-            Self::TorqueTone { f_hz } => pushed_round(seen, law, &|at, half| {
-                TAU * f_hz
-                    * (seen.times_s[at] + half * seen.readings[at].leap.after_s)
+            Self::TorqueTone { f_hz } => pushed_round(seen, law, &|at, share| {
+                TAU * f_hz * (seen.times_s[at] + share * seen.readings[at].leap.after_s)
             }),
             Self::LevelTone { f_hz, channel } => {
                 let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
@@ -215,7 +209,7 @@ impl Basis {
                         (sin[at], cos[at]) = (size * s, size * c);
                     }
                 }
-                [cos, sin].map(|disc| shown(seen, disc)).into()
+                vec![cos, sin]
             }
             Self::Width { channel } => each(&|_, change| {
                 f64::from(u8::from(!change.rises && hit(channel, change)))
@@ -223,12 +217,12 @@ impl Basis {
             Self::Shift { channel } => {
                 each(&|_, change| f64::from(u8::from(change.channel == channel)))
             }
-            Self::RiseLate { channel } => late(&|at, change| {
+            Self::RiseLate { channel } => each(&|at, change| {
                 // Backwards a rise is passed as a fall.
                 let late = hit(channel, change) && change.rises != reverse(at);
                 if late { -seen.speeds[at] } else { 0.0 }
             }),
-            Self::Late { channel } => late(&|at, change| {
+            Self::Late { channel } => each(&|at, change| {
                 if change.channel == channel { -seen.speeds[at] } else { 0.0 }
             }),
             Self::LevelDrift { from_s, tau_s } => each(&|at, change| {
@@ -286,21 +280,12 @@ impl Basis {
                 f_hz,
                 busy_s,
                 phase_s,
-            } => late(&|at, _| {
+            } => each(&|at, _| {
                 let since = (seen.times_s[at] - phase_s).rem_euclid(1.0 / f_hz);
                 if since < busy_s { -seen.speeds[at].abs() * (busy_s - since) } else { 0.0 }
             }),
         }
     }
-}
-
-/// An error of the disc, edge by edge, as the residual has it.
-#[must_use]
-pub fn shown(seen: &Seen, mut disc: Vec<f64>) -> Vec<f64> {
-    for (value, shows) in disc.iter_mut().zip(&seen.shows) {
-        *value *= shows;
-    }
-    disc
 }
 
 /// Response of the angle to an acceleration, rad/s^2, given at an edge's interval: at its start 0, middle 0.5, end 1.
@@ -317,25 +302,29 @@ fn pushed(seen: &Seen, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
         .collect()
 }
 
-/// Response to torques that go as cos and sin of a phase, which is given at an edge and half an interval before.
-fn pushed_round(
-    seen: &Seen,
-    law: &ShaftLaw,
-    phase: &dyn Fn(usize, f64) -> f64,
-) -> Vec<Vec<f64>> {
+/// Response to torques that go as cos and sin of a phase, which is given at a share of the interval before an edge.
+fn pushed_round(seen: &Seen, law: &ShaftLaw, phase: &dyn Fn(usize, f64) -> f64) -> Vec<Vec<f64>> {
+    /// Radians of a rhythm that a step may take.
+    const STEP: f64 = 0.7;
     let size = 1.0 / law.inertia;
     let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
     let (mut even, mut odd) = ([0.0; 2], [0.0; 2]);
-    let mut last = (0.0, 0.0);
-    for at in 0..seen.len() {
-        let here = phase(at, 0.0).sin_cos();
-        if at > 0 {
-            let half = phase(at, -0.5).sin_cos();
-            let leap = seen.readings[at].leap;
+    let mut last = phase(0, 0.0).sin_cos();
+    for at in 1..seen.len() {
+        let whole = seen.readings[at].leap;
+        let steps = ((phase(at, 0.0) - phase(at, -1.0)).abs() / STEP).ceil().clamp(1.0, 200.0);
+        let leap = Leap {
+            after_s: whole.after_s / steps,
+            ..whole
+        };
+        for step in 1..=steps as usize {
+            let share = |part: f64| (step as f64 + part) / steps - 1.0;
+            let half = phase(at, share(-0.5)).sin_cos();
+            let here = phase(at, share(0.0)).sin_cos();
             even = leap.step(even, [last.1 * size, half.1 * size, here.1 * size]);
             odd = leap.step(odd, [last.0 * size, half.0 * size, here.0 * size]);
+            last = here;
         }
-        last = here;
         (cos[at], sin[at]) = (even[0], odd[0]);
     }
     vec![cos, sin]

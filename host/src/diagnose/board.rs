@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::basis::{self, Basis};
+use super::basis::Basis;
 use super::kalman::{ShaftNoise, Whitener};
 use super::noise_fit::{self, Free};
 use super::seen::Seen;
@@ -247,10 +247,8 @@ impl Board {
     /// Takes a pattern of the disc off every recording.
     pub fn take_off(&mut self, errors_rad: &[f64]) {
         for bench in &mut self.benches {
-            let disc = (0..bench.seen.len()).map(|at| errors_rad[bench.seen.edge(at)]).collect();
-            let shows = basis::shown(&bench.seen, disc);
-            for (angle, shows) in bench.seen.angles.iter_mut().zip(shows) {
-                *angle -= shows;
+            for at in 0..bench.seen.len() {
+                bench.seen.angles[at] -= errors_rad[bench.seen.edge(at)];
             }
             bench.set_noise(bench.noise);
         }

@@ -107,12 +107,12 @@ fn clearness(
             for bench in &board.benches {
                 let seen = &bench.seen;
                 let mut row: Vec<f64> = (0..seen.len())
-                    .map(|at| if seen.edge(at) == one { seen.shows[at] } else { 0.0 })
+                    .map(|at| if seen.edge(at) == one { 1.0 } else { 0.0 })
                     .collect();
                 row = bench.whitened(row);
                 bench.transposed(&mut row);
                 for (at, value) in row.iter().enumerate() {
-                    answer[(seen.edge(at) + edges - one) % edges] += value * seen.shows[at];
+                    answer[(seen.edge(at) + edges - one) % edges] += value;
                 }
             }
             for (sum, value) in clear.iter_mut().zip(spectrum(answer)) {

@@ -5,7 +5,7 @@ use super::kalman::ShaftNoise;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
 use super::shaft::ShaftLaw;
-use crate::twin::{Drive, Noise, Twin};
+use crate::twin::{Drive, Noise, Twin, TwinError};
 
 /// Edges that a recording needs, and turns.
 const EDGES_LEAST: usize = 200;
@@ -26,6 +26,18 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
     })
 }
 
+/// The residual of one recording.
+///
+/// # Errors
+/// [`TwinError`] where the twin can't be run.
+pub fn seen(one: &Recorded) -> Result<Seen, TwinError> {
+    let mut track = one.track.clone();
+    if !track.anchored {
+        track.starts_at(one.twin.shaft.initial_angle_rad);
+    }
+    Seen::of(&track, one.plan, &one.twin)
+}
+
 fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let turns = one.track.turns();
     let edges: usize = one.track.stretches.iter().map(|s| s.marks.len()).sum();
@@ -36,11 +48,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             turns,
         });
     }
-    let mut track = one.track.clone();
-    if !track.anchored {
-        track.starts_at(one.twin.shaft.initial_angle_rad);
-    }
-    let seen = Seen::of(&track, one.plan, &one.twin)?;
+    let seen = seen(one)?;
     if 2 * seen.len() < edges {
         return Err(DiagnoseError::OtherMotion {
             file: one.file.clone(),
@@ -48,7 +56,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             why: format!("{} of {edges} edges are where it goes", seen.len()),
         });
     }
-    let least_stamp_s = track.tick_s / 12_f64.sqrt();
+    let least_stamp_s = one.track.tick_s / 12_f64.sqrt();
     let law = ShaftLaw::of(&one.twin);
     let declared = declared(&one.twin, &law, least_stamp_s);
     let free_speed = matches!(one.twin.drive, Drive::Constant { .. } | Drive::SpeedLoop { .. });

@@ -119,7 +119,7 @@ pub fn pull(board: &Board, model: &Model) -> Vec<f64> {
         let mut back = left.clone();
         bench.transposed(&mut back);
         for (at, value) in back.iter().enumerate() {
-            pull[bench.seen.edge(at)] += value * bench.seen.shows[at];
+            pull[bench.seen.edge(at)] += value;
         }
     }
     pull

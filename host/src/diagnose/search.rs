@@ -13,6 +13,8 @@ use super::weigh::{Shelf, Weighed, weigh};
 const MOST: usize = 12;
 /// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
 pub const BEYOND: f64 = 40.0;
+/// Times that what is left of the disc's pattern is looked for.
+const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
 const ROUNDS: usize = 3;
 
@@ -92,12 +94,21 @@ fn once(board: &mut Board) -> Option<Searched> {
         proposed.extend(defects(board, &model));
         let best = best(board, &model, &mut shelf, proposed);
         let score = best.as_ref().map_or(0.0, |best| best.score);
-        let whole = if patterns < 4 { disc::pattern(board, &model) } else { None };
+        let whole = if patterns < PATTERNS { disc::pattern(board, &model) } else { None };
         if let Some(whole) = whole.filter(|whole| whole.score > score.max(BEYOND)) {
             patterns += 1;
+            let before = squares(&model);
             board.take_off(&whole.errors_rad);
-            pattern = merged(pattern, Some(whole));
             model = board.fit(columns(&nuisances, &found))?;
+            if before - squares(&model) > 0.3 * whole.score {
+                pattern = merged(pattern, Some(whole));
+            } else {
+                // The disc does not show evenly enough to be learned like this.
+                let back: Vec<f64> = whole.errors_rad.iter().map(|error| -error).collect();
+                board.take_off(&back);
+                model = board.fit(columns(&nuisances, &found))?;
+                patterns = PATTERNS;
+            }
             continue;
         }
         let Some(best) = best.filter(|best| best.score > BEYOND) else {
@@ -121,6 +132,11 @@ fn once(board: &mut Board) -> Option<Searched> {
         nuisances: nuisances.len(),
         left,
     })
+}
+
+/// Sum of squares that is left.
+fn squares(model: &Model) -> f64 {
+    model.left.iter().flatten().map(|w| w * w).sum()
 }
 
 fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {

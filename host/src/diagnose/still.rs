@@ -4,30 +4,22 @@ use std::f64::consts::TAU;
 
 use quadcal::edge::Levels;
 
-use super::seen::{EDGES_LEAST, Reach};
 use super::track::{Mark, Stretch, Track};
 use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::Simulation;
 use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
 
-/// The twin's edges, and those of a perfect disc on the same shaft, which give its speed.
+/// The twin's shaft as nothing disturbs it.
 #[derive(Clone, Debug)]
 pub struct Still {
-    twins: Vec<Stretch>,
-    /// A perfect disc on a shaft that nothing disturbs.
+    /// Edges of a perfect disc on it.
     pub pace: Vec<Stretch>,
-    /// The same on the twin's shaft, where that swings in a rhythm.
-    swing: Vec<Stretch>,
     /// Errors of the twin's disc, rad.
     pub errors: Vec<f64>,
     /// What a place lacks to be an edge of the disc, turns counted from the twin's start.
     pub origin: i64,
     /// Angle that the twin starts at, rad.
     pub start_rad: f64,
-    /// What a speed is taken over.
-    pub reach: Reach,
-    /// The same where the speed swings.
-    pub fine: Reach,
 }
 
 impl Still {
@@ -37,64 +29,23 @@ impl Still {
     /// [`TwinError`] where it can't be run.
     pub fn of(track: &Track, plan: SensorPlan, twin: &Twin) -> Result<Self, TwinError> {
         let (still, turns) = started(track, without_randomness(track, twin))?;
-        let (perfect, swinging) = (perfect(&still), swinging(&still));
-        let edges_of = |twin: &Twin| simulated(plan, twin).map(|(stretches, _)| stretches);
-        let (twins, pace, swing) = std::thread::scope(|scope| {
-            let others = scope.spawn(|| {
-                let swing = swinging.as_ref().map(edges_of).transpose();
-                (edges_of(&perfect), swing)
-            });
-            let twins = simulated(plan, &still);
-            let none = || (Ok(Vec::new()), Ok(None));
-            let (pace, swing) = others.join().unwrap_or_else(|_| none());
-            (twins, pace, swing)
-        });
-        let (twins, mut errors) = twins?;
+        let mut errors = Simulation::new(&still)?.true_errors();
         // Of a pulse a tooth only the rise is seen.
         if errors.len() as i64 == 2 * track.edges {
             errors = errors.into_iter().step_by(2).collect();
         }
-        let (pace, swing) = (pace?, swing?.unwrap_or_default());
-        let lines = (track.edges / track.classes / 500).max(1);
-        let edges = lines * track.classes;
+        // Where a loop is, the recording itself says where it sent the shaft.
+        let pace = match twin.speed_loop() {
+            Some(_) => Vec::new(),
+            None => simulated(plan, &perfect(&still))?,
+        };
         Ok(Self {
-            twins,
             pace,
-            swing,
             errors,
             origin: track.origin + turns * track.edges,
             start_rad: still.shaft.initial_angle_rad,
-            reach: Reach::of(edges, track.edges),
-            fine: Reach::of(1, track.edges),
         })
     }
-
-    /// The twin's stretch along a recorded one, and the perfect disc's.
-    #[must_use]
-    pub fn alongside(&self, stretch: &Stretch) -> Option<(&Stretch, &Stretch)> {
-        Some((
-            nearest(&self.twins, stretch)?,
-            nearest(&self.pace, stretch)?,
-        ))
-    }
-
-    /// The swinging shaft's stretch along a recorded one, where it swings.
-    #[must_use]
-    pub fn swinging(&self, stretch: &Stretch) -> Option<&Stretch> {
-        nearest(&self.swing, stretch)
-    }
-}
-
-/// The simulated stretch in the same direction that is on its way at about the same time.
-fn nearest<'a>(simulated: &'a [Stretch], stretch: &Stretch) -> Option<&'a Stretch> {
-    let middle = |stretch: &Stretch| stretch.marks[stretch.marks.len() / 2].time_s;
-    simulated
-        .iter()
-        .filter(|twins| twins.direction == stretch.direction && twins.marks.len() >= EDGES_LEAST)
-        .min_by(|a, b| {
-            let off = |twins: &Stretch| (middle(twins) - middle(stretch)).abs();
-            off(a).total_cmp(&off(b))
-        })
 }
 
 /// The simulator's index is high where A alone is, whatever the recording's is.
@@ -110,17 +61,12 @@ fn simulators(plan: SensorPlan) -> SensorPlan {
     SensorPlan { kind, ..plan }
 }
 
-/// Stretches of a twin's edges, and the errors of its disc.
-fn simulated(plan: SensorPlan, twin: &Twin) -> Result<(Vec<Stretch>, Vec<f64>), TwinError> {
-    let simulation = Simulation::new(twin)?;
-    let errors = simulation.true_errors();
-    let rows = simulation.map(|event| Ok::<_, PlanError>(event.row));
+/// Stretches of a twin's edges.
+fn simulated(plan: SensorPlan, twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
+    let rows = Simulation::new(twin)?.map(|event| Ok::<_, PlanError>(event.row));
     let track = Track::of(simulators(plan), twin.timer.clock_hz, rows);
     // The plan has decoded the recording, so it decodes this.
-    Ok((
-        track.map_or_else(|_| Vec::new(), |track| track.stretches),
-        errors,
-    ))
+    Ok(track.map_or_else(|_| Vec::new(), |track| track.stretches))
 }
 
 /// Without randomness, with time stamps as good as exact, at the recording's mean speed where it is to hold one.
@@ -224,22 +170,6 @@ fn perfect(still: &Twin) -> Twin {
         torsional_resonance: None,
         ..still.clone()
     }
-}
-
-/// The same with the torques, where there are any.
-fn swinging(still: &Twin) -> Option<Twin> {
-    let swings = !still.ripple.is_empty()
-        || !still.gear_mesh.is_empty()
-        || !still.torque_tone.is_empty()
-        || still.bearing.iter().any(|b| b.runout_rad.is_none());
-    swings.then(|| Twin {
-        ripple: still.ripple.clone(),
-        gear_mesh: still.gear_mesh.clone(),
-        torque_tone: still.torque_tone.clone(),
-        bearing: still.bearing.iter().filter(|b| b.runout_rad.is_none()).copied().collect(),
-        torsional_resonance: still.torsional_resonance,
-        ..perfect(still)
-    })
 }
 
 /// Mean speed over half a turn or more.

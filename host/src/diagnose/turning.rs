@@ -1,10 +1,9 @@
-//! The residual by time: what an edge's time says of its place, where its place does not say its time.
+//! The residual: what each edge says of the shaft's angle at its time, less the angle that the twin's shaft has then.
 //!
-//! Where a shaft reverses, it passes places twice; and under a speed loop it goes where the loop sends it, which hangs on every edge that
-//! came before. So the angle of each edge on the disc is compared with the one that the shaft's course gives for the same time: the
-//! twin's undisturbed course, or the one on which the loop's push sends it. That push is known: the loop saw the recorded edges
-//! (the direct method of closed-loop identification, L. Ljung, System Identification, 2nd ed., section 13.4). The twin's torques,
-//! delays, levels and play are taken off along the way that the shaft really went.
+//! The twin's course without disturbance is simulated; under a speed loop the shaft goes where the loop sends it, which hangs on every
+//! edge that came before. That push is known: the loop saw the recorded edges (the direct method of closed-loop identification,
+//! L. Ljung, System Identification, 2nd ed., section 13.4). The twin's torques, delays, levels and play are taken off along the way
+//! that the shaft really went: a shaft that lags keeps the ripple's places, and the tone's times.
 
 use std::f64::consts::TAU;
 
@@ -22,8 +21,8 @@ use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 type Course = Vec<Option<(f64, f64)>>;
 
 impl Seen {
-    /// Compares a recording with its twin time by time.
-    pub(super) fn compare_by_time(&mut self, track: &Track, twin: &Twin, still: &Still, law: &ShaftLaw) {
+    /// Compares a recording with its twin.
+    pub(super) fn compare(&mut self, track: &Track, twin: &Twin, still: &Still, law: &ShaftLaw) {
         let marks: Vec<(Mark, i64)> = track
             .stretches
             .iter()
@@ -34,8 +33,16 @@ impl Seen {
             Some(model) => looped(&marks, track, twin, &model),
             None => undisturbed(&marks, still, step),
         };
+        let mut before: Option<(Mark, i64)> = None;
         for ((mark, direction), there) in marks.iter().zip(course) {
             let Some((angle, speed)) = there else { continue };
+            // A reversal goes on from the last edge; where the count was lost, nothing does.
+            let near = |last: &(Mark, i64)| {
+                let apart = (mark.place - last.0.place) * direction;
+                last.1 != *direction || (1..=track.classes).contains(&apart)
+            };
+            let fresh = !before.as_ref().is_none_or(near) && !track.anchored;
+            before = Some((*mark, *direction));
             let edge = (mark.place + still.origin).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
             let error = still.errors.get(edge).copied().unwrap_or(0.0);
@@ -43,7 +50,6 @@ impl Seen {
             self.places.push(mark.place + still.origin);
             self.times_s.push(mark.time_s);
             self.speeds.push(speed.abs() * *direction as f64);
-            self.shows.push(1.0);
             self.angles.push(mark.place as f64 * step - angle - error);
             self.readings.push(Reading {
                 leap: Leap {
@@ -51,7 +57,7 @@ impl Seen {
                     damping: law.damping(mark.time_s, speed.abs()),
                 },
                 speed: speed.abs(),
-                fresh: false,
+                fresh,
             });
         }
         self.take_off(twin, law);
@@ -62,7 +68,8 @@ impl Seen {
 
     /// Takes off what the twin's torques, delays, levels and play do.
     fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
-        for (basis, sizes) in known(twin) {
+        let looped = twin.speed_loop().is_some();
+        for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
                 for (angle, value) in self.angles.iter_mut().zip(column) {
                     *angle -= size * value;
@@ -72,8 +79,8 @@ impl Seen {
     }
 }
 
-/// What a twin has beside disc, shaft and drive, as patterns with sizes.
-fn known(twin: &Twin) -> Vec<(Basis, Vec<f64>)> {
+/// What a twin has beside disc, shaft, drive and loads, as patterns with sizes.
+fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
     // size sin(x + phase)
     let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
@@ -95,7 +102,8 @@ fn known(twin: &Twin) -> Vec<(Basis, Vec<f64>)> {
         let basis = Basis::TorqueTone { f_hz: tone.f_hz };
         known.push((basis, round(tone.torque_n_m.unwrap_or(0.0), tone.phase_rad)));
     }
-    for load in &twin.load_step {
+    // Without a loop the simulated course has felt them.
+    for load in twin.load_step.iter().filter(|_| looped) {
         let basis = Basis::Load {
             from_s: load.from_s,
             until_s: load.until_s.unwrap_or(f64::INFINITY),

@@ -11,10 +11,10 @@ use nalgebra::{Matrix2, Vector2};
 use super::MotionFinding;
 use super::sampled::Sampled;
 use super::scan;
-use super::slip::Wave;
 use crate::diagnose::board::{Bench, Board};
 use crate::diagnose::kalman::{ShaftNoise, Whitener};
 use crate::diagnose::noise_fit::{self, Free};
+use crate::diagnose::prepare;
 use crate::diagnose::run::Recorded;
 use crate::diagnose::shaft::ShaftLaw;
 use crate::mechanism::Mechanism;
@@ -128,6 +128,8 @@ fn with(twin: &Twin, f_hz: f64, kp: f64, ki: f64) -> Twin {
     let mut twin = twin.clone();
     let inertia = twin.shaft.inertia_kg_m2;
     if let Drive::Constant { r_min } = twin.drive {
+        // The loop holds the speed, nothing else does.
+        twin.shaft.stiffness_n_m_s = 0.0;
         twin.drive = Drive::SpeedLoop {
             r_min,
             f_hz,
@@ -146,10 +148,13 @@ fn side<'a>(one: &Recorded, bench: &'a Bench) -> Side<'a> {
     loose.shaft.stiffness_n_m_s = 0.0;
     loose.noise = None;
     let law = ShaftLaw::of(&loose);
-    let speed = bench.seen.mean_speed();
-    let stiffness = bench.law.damping(0.0, speed) - law.damping(0.0, speed);
-    let waves = Wave::of(&one.twin, speed);
-    let sampled = Sampled::new(&bench.seen, &law, stiffness, &waves);
+    let free = Recorded {
+        twin: loose,
+        ..one.clone()
+    };
+    // The twin was run before; a board has come of it.
+    let seen = prepare::seen(&free).unwrap_or_else(|_| bench.seen.clone());
+    let sampled = Sampled::new(&seen, &law);
     let count = sampled.len().min(NOISE_EDGES);
     let edges: Vec<usize> = (0..count).collect();
     let readings = sampled.readings(&edges);

@@ -7,7 +7,6 @@
 
 use std::f64::consts::TAU;
 
-use super::slip::Wave;
 use crate::diagnose::kalman::{Reading, ShaftNoise, Whitener};
 use crate::diagnose::seen::Seen;
 use crate::diagnose::shaft::{Leap, ShaftLaw};
@@ -18,10 +17,8 @@ pub struct Sampled {
     times_s: Vec<f64>,
     /// What the speed of the interval before each edge lacks, rad/s along the motion.
     misses: Vec<f64>,
-    /// Angle ahead of the twin along the motion, less what the twin's drive makes of its own swing.
+    /// Angle ahead of the twin's shaft without its drive, along the motion.
     pub angles: Vec<f64>,
-    /// Mean speed over that with the twin's swing.
-    shows: Vec<f64>,
     speeds: Vec<f64>,
     fresh: Vec<bool>,
     /// Damping without the drive's, 1/s.
@@ -31,10 +28,9 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// A recording with its residual; `law` is that of the shaft without its drive, `stiffness` the drive's, 1/s, and `waves` are the
-    /// twin's torques.
+    /// A recording with its residual; `law` is that of the shaft without its drive.
     #[must_use]
-    pub fn new(seen: &Seen, law: &ShaftLaw, stiffness: f64, waves: &[Wave]) -> Self {
+    pub fn new(seen: &Seen, law: &ShaftLaw) -> Self {
         let step_rad = TAU / seen.edges as f64;
         let way = seen.speeds.first().map_or(1.0, |speed| speed.signum());
         let asked = seen.mean_speed();
@@ -44,31 +40,12 @@ impl Sampled {
             misses.push(asked - speed);
         }
         let damping = law.damping(0.0, asked);
-        let mut angles: Vec<f64> = seen.angles.iter().map(|angle| angle * way).collect();
-        // The twin's drive pulls its own shaft back, which this one lacks. An angle here is the twin's speed without its swing s times
-        // how early an edge is, z, which obeys z'' = -b z' + (push - s' z' (2 + z' / w)) / (1 + s).
-        let mut swung = [0.0; 2];
-        for at in 1..seen.len() {
-            let speed = seen.speeds[at].abs();
-            let shows = 0.5 * (seen.shows[at - 1] + seen.shows[at]);
-            let after_s = seen.readings[at].leap.after_s;
-            let swing = speed / shows - speed;
-            let theta = seen.theta(at) - 0.5 * way * step_rad;
-            let torque = waves
-                .iter()
-                .map(|wave| wave.push * (wave.order * theta + wave.phase_rad).sin());
-            let hastens = (way * torque.sum::<f64>() - (damping + stiffness) * swing) / speed;
-            let gains = (seen.angles[at] - seen.angles[at - 1]) * way / after_s;
-            let push = shows * (stiffness * swing - hastens * gains * (2.0 + gains / speed));
-            swung = went(swung, push, after_s, damping);
-            angles[at] -= swung[0];
-        }
+        let angles: Vec<f64> = seen.angles.iter().map(|angle| angle * way).collect();
         Self {
             rate_hz: (seen.len() as f64 - 1.0) / seen.seconds(),
             times_s: seen.times_s.clone(),
             misses,
             angles,
-            shows: seen.shows.clone(),
             speeds: seen.readings.iter().map(|reading| reading.speed).collect(),
             fresh: seen.readings.iter().map(|reading| reading.fresh).collect(),
             damping,
@@ -179,7 +156,6 @@ impl Sampled {
         let mut sample = (now * f_hz).floor() - 1.0;
         for &edge in edges {
             let end = self.times_s[edge];
-            let mut shows = self.shows[edge];
             loop {
                 let next = (sample + 1.0) / f_hz;
                 if next > end {
@@ -187,18 +163,17 @@ impl Sampled {
                 }
                 if next > now {
                     for (state, push) in states.iter_mut().zip(pushes) {
-                        *state = went(*state, push * shows, next - now, self.damping);
+                        *state = went(*state, push, next - now, self.damping);
                     }
                     now = next;
                 }
                 near = self.edge_at(next, near);
                 pushes[1] += pushes[0] / f_hz;
                 pushes[0] = self.misses[near];
-                shows = self.shows[near];
                 sample += 1.0;
             }
             for (state, push) in states.iter_mut().zip(pushes) {
-                *state = went(*state, push * shows, end - now, self.damping);
+                *state = went(*state, push, end - now, self.damping);
             }
             now = end;
             out[0].push(states[0][0]);
