@@ -90,7 +90,7 @@ impl SensorKind {
     pub fn class_names(self) -> &'static [&'static str] {
         match self {
             Self::Quadrature { .. } => &["A rise", "B rise", "A fall", "B fall"],
-            Self::Hall => &["C fall", "A rise", "B fall", "C rise", "A fall", "B rise"],
+            Self::Hall => &["A fall", "B rise", "C fall", "A rise", "B fall", "C rise"],
             Self::Wheel {
                 both_edges: true, ..
             } => &["rise", "fall"],

@@ -115,8 +115,8 @@ pub struct Change {
 pub fn change_of(class: usize, classes: i64) -> Change {
     let (channel, rises) = match classes {
         4 => (class % 2, class < 2),
-        // C fall, A rise, B fall, C rise, A fall, B rise.
-        6 => ((class + 2) % 3, class % 2 == 1),
+        // A fall, B rise, C fall, A rise, B fall, C rise.
+        6 => (class % 3, class % 2 == 1),
         2 => (0, class == 0),
         _ => (0, true),
     };
@@ -193,7 +193,7 @@ impl Basis {
                 pushed_round(seen, law, &|at, share| {
                     // Where the shaft turned round in between, it was just past the place.
                     let came = seen.places[at] - seen.places[at.saturating_sub(1)];
-                    order * (seen.places[at] as f64 + share * came as f64) * step
+                    order * ((seen.places[at] - seen.shift) as f64 + share * came as f64) * step
                 })
             }
             Self::TorqueTone { f_hz } => pushed_round(seen, law, &|at, share| {
@@ -238,10 +238,8 @@ impl Basis {
             } => {
                 let bump: Vec<f64> = (0..seen.edges)
                     .map(|edge| {
-                        let change = change_of(
-                            usize::try_from(edge % seen.classes).unwrap_or(0),
-                            seen.classes,
-                        );
+                        let class = (edge + seen.shift).rem_euclid(seen.classes);
+                        let change = change_of(usize::try_from(class).unwrap_or(0), seen.classes);
                         if !hit(channel, change) || rises.is_some_and(|rises| rises != change.rises) {
                             return 0.0;
                         }

@@ -181,7 +181,8 @@ impl Mended {
         let mut all = std::mem::take(&mut self.errors_rad);
         all.resize(edges, 0.0);
         for (edge, sum) in all.iter_mut().enumerate() {
-            let change = change_of(edge % classes, classes as i64);
+            let ahead = usize::from(classes == 6);
+            let change = change_of((edge + ahead) % classes, classes as i64);
             let theta = edge as f64 * std::f64::consts::TAU / edges as f64;
             *sum += error(theta, change.channel, change.rises);
         }

@@ -3,7 +3,7 @@
 use super::kalman::{Reading, ShaftNoise, Whitener};
 
 /// Edges that the noise is fitted on at the most: parts from all over say as much.
-const EDGES_MOST: usize = 24_000;
+const EDGES_MOST: usize = 15_000;
 
 /// Which of the noise's numbers are free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,14 @@ pub fn fit(
     if free == Free::All {
         first.extend([start.drift.max(1e-30).ln(), start.forgets_per_s.max(1e-9).ln()]);
     }
-    of(&simplex(&cost, &first, 1.0))
+    // From far too little torque noise as well: the way to the lowest place may lead past a shallow one.
+    let mut calm = first.clone();
+    calm[0] -= 9.0;
+    let best = [first, calm]
+        .iter()
+        .map(|start| simplex(&cost, start, 1.0))
+        .min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    best.map_or(start, |best| of(&best))
 }
 
 /// Parts of a recording that the noise is fitted on.

@@ -80,7 +80,7 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
     for &(channel, rises) in &kinds {
         let mask: Vec<f64> = (0..edges)
             .map(|edge| {
-                let change = super::basis::change_of(edge % classes as usize, classes);
+                let change = super::basis::change_of((edge + first.seen.shift as usize) % classes as usize, classes);
                 let hit = channel.is_none_or(|c| c == change.channel)
                     && rises.is_none_or(|r| r == change.rises);
                 f64::from(u8::from(hit))

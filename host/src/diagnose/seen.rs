@@ -20,6 +20,8 @@ pub struct Seen {
     pub edges: i64,
     /// Edge classes.
     pub classes: i64,
+    /// By how much a place is ahead of the twin's number of its edge: Hall sensors are counted by the state that they come to.
+    pub shift: i64,
     /// Errors of the twin's disc, rad, for every edge of the grid.
     pub errors: Vec<f64>,
     /// Where each edge is on the grid, turns counted through.
@@ -45,6 +47,7 @@ impl Seen {
         let mut seen = Self {
             edges: track.edges,
             classes: track.classes,
+            shift: still.shift,
             errors: still.errors.clone(),
             ..Self::default()
         };
@@ -64,10 +67,11 @@ impl Seen {
         self.places.is_empty()
     }
 
-    /// Angle of an edge on the grid, rad, turns counted through.
+    /// True angle of an edge as the twin's disc has it, rad, turns counted through.
     #[must_use]
     pub fn theta(&self, at: usize) -> f64 {
-        self.places[at] as f64 * (TAU / self.edges as f64)
+        let error = self.errors.get(self.edge(at)).copied().unwrap_or(0.0);
+        (self.places[at] - self.shift) as f64 * (TAU / self.edges as f64) - error
     }
 
     /// Class of an edge.
@@ -79,7 +83,7 @@ impl Seen {
     /// Edge of the disc.
     #[must_use]
     pub fn edge(&self, at: usize) -> usize {
-        usize::try_from(self.places[at].rem_euclid(self.edges)).unwrap_or(0)
+        usize::try_from((self.places[at] - self.shift).rem_euclid(self.edges)).unwrap_or(0)
     }
 
     /// Turns compared.

@@ -18,6 +18,8 @@ pub struct Still {
     pub errors: Vec<f64>,
     /// What a place lacks to be an edge of the disc, turns counted from the twin's start.
     pub origin: i64,
+    /// By how much a place is ahead of the twin's number of its edge.
+    pub shift: i64,
     /// Angle that the twin starts at, rad.
     pub start_rad: f64,
 }
@@ -43,6 +45,7 @@ impl Still {
             pace,
             errors,
             origin: track.origin + turns * track.edges,
+            shift: i64::from(track.classes == 6),
             start_rad: still.shaft.initial_angle_rad,
         })
     }

@@ -27,7 +27,8 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
         .zip(&settled.estimates)
         .map(|(name, estimate)| finding(settled, name, parameters(estimate)))
         .collect();
-    findings.extend(disc(settled));
+    one_disc(&mut findings);
+    findings.extend(disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)));
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
     for twin in &mut twins {
@@ -124,6 +125,27 @@ fn finding(settled: &Settled, name: &Name, parameters: BTreeMap<String, Paramete
 fn p_value(settled: &Settled, score: f64) -> f64 {
     let places = 10.0 * settled.given.edges() as f64;
     (places * (-0.5 * score).exp()).min(1.0)
+}
+
+/// Orders of the disc's pattern that were found one by one are one finding, that of the strongest.
+fn one_disc(findings: &mut Vec<Finding>) {
+    let lines = |finding: &Finding| finding.mechanism == Mechanism::LineError;
+    let orders: Vec<f64> = findings
+        .iter()
+        .filter(|finding| lines(finding))
+        .flat_map(|finding| finding.place.orders.clone())
+        .collect();
+    let mut first = true;
+    findings.retain_mut(|finding| {
+        if !lines(finding) {
+            return true;
+        }
+        if first && orders.len() > 1 {
+            finding.place.orders.clone_from(&orders);
+            finding.text = format!("{} orders of the turn, the same angle at any speed", orders.len());
+        }
+        std::mem::take(&mut first)
+    });
 }
 
 /// The disc's pattern as a finding.

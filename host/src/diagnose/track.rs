@@ -124,7 +124,9 @@ impl Track {
         let (place, way) = (first.marks[0].place, first.direction);
         let step = std::f64::consts::TAU / self.edges as f64;
         // Between two edges, so the next one is half a step on, give or take; what kind of edge it is says which.
-        let next = angle_rad / step + 0.5 * way as f64;
+        // Hall sensors are counted by the state that they come to, edge 0 leads to state 1.
+        let ahead = f64::from(u8::from(self.classes == 6));
+        let next = angle_rad / step + 0.5 * way as f64 + ahead;
         let lines = ((next - place as f64) / self.classes as f64).round();
         #[allow(clippy::cast_possible_truncation)]
         let origin = lines as i64 * self.classes;

@@ -43,7 +43,7 @@ impl Seen {
             };
             let fresh = !before.as_ref().is_none_or(near) && !track.anchored;
             before = Some((*mark, *direction));
-            let edge = (mark.place + still.origin).rem_euclid(track.edges);
+            let edge = (mark.place + still.origin - still.shift).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
             let error = still.errors.get(edge).copied().unwrap_or(0.0);
             let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
