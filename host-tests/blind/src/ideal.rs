@@ -219,7 +219,10 @@ impl Sight {
     /// smooth; at the speed with ripples it would seem to swing.
     fn smooth(&self, time_s: f64) -> f64 {
         let after = self.course_speed.partition_point(|(at, _)| *at <= time_s);
-        let at = |i: usize| self.course_speed.get(i.min(self.course_speed.len().saturating_sub(1)));
+        let at = |i: usize| {
+            self.course_speed
+                .get(i.min(self.course_speed.len().saturating_sub(1)))
+        };
         match (at(after.saturating_sub(1)), at(after)) {
             (Some(&(t0, v0)), Some(&(t1, v1))) if t1 > t0 => {
                 let share = ((time_s - t0) / (t1 - t0)).clamp(0.0, 1.0);

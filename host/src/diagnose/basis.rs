@@ -13,6 +13,11 @@ pub enum Basis {
         /// Cycles a turn.
         order: f64,
     },
+    /// The same by the true angle of each edge in place of its grid angle: what a bent shaft would do.
+    Lagged {
+        /// Cycles a turn.
+        order: f64,
+    },
     /// A torque goes as cos and sin of so many cycles a turn, N m.
     TorqueOrder {
         /// Cycles a turn.
@@ -139,6 +144,7 @@ impl Basis {
     pub const fn count(self) -> usize {
         match self {
             Self::Round { .. }
+            | Self::Lagged { .. }
             | Self::TorqueOrder { .. }
             | Self::TorqueTone { .. }
             | Self::LevelTone { .. } => 2,
@@ -165,7 +171,7 @@ impl Basis {
     pub const fn placed(self) -> bool {
         matches!(
             self,
-            Self::Round { .. } | Self::TorqueOrder { .. } | Self::Bump { .. }
+            Self::Round { .. } | Self::Lagged { .. } | Self::TorqueOrder { .. } | Self::Bump { .. }
         )
     }
 
@@ -178,13 +184,21 @@ impl Basis {
                 .collect();
             vec![disc]
         };
-        let hit = |channel: Option<usize>, change: Change| channel.is_none_or(|c| c == change.channel);
+        let hit =
+            |channel: Option<usize>, change: Change| channel.is_none_or(|c| c == change.channel);
         let reverse = |at: usize| seen.speeds[at] < 0.0;
         match self {
             Self::Round { order } => {
                 let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
                 for at in 0..seen.len() {
                     (sin[at], cos[at]) = (order * seen.theta(at)).sin_cos();
+                }
+                vec![cos, sin]
+            }
+            Self::Lagged { order } => {
+                let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
+                for at in 0..seen.len() {
+                    (sin[at], cos[at]) = (order * seen.true_theta(at)).sin_cos();
                 }
                 vec![cos, sin]
             }
@@ -211,9 +225,9 @@ impl Basis {
                 }
                 vec![cos, sin]
             }
-            Self::Width { channel } => each(&|_, change| {
-                f64::from(u8::from(!change.rises && hit(channel, change)))
-            }),
+            Self::Width { channel } => {
+                each(&|_, change| f64::from(u8::from(!change.rises && hit(channel, change))))
+            }
             Self::Shift { channel } => {
                 each(&|_, change| f64::from(u8::from(change.channel == channel)))
             }
@@ -223,7 +237,11 @@ impl Basis {
                 if late { -seen.speeds[at] } else { 0.0 }
             }),
             Self::Late { channel } => each(&|at, change| {
-                if change.channel == channel { -seen.speeds[at] } else { 0.0 }
+                if change.channel == channel {
+                    -seen.speeds[at]
+                } else {
+                    0.0
+                }
             }),
             Self::LevelDrift { from_s, tau_s } => each(&|at, change| {
                 let since = (seen.times_s[at] - from_s).max(0.0);
@@ -240,7 +258,8 @@ impl Basis {
                     .map(|edge| {
                         let class = (edge + seen.shift).rem_euclid(seen.classes);
                         let change = change_of(usize::try_from(class).unwrap_or(0), seen.classes);
-                        if !hit(channel, change) || rises.is_some_and(|rises| rises != change.rises) {
+                        if !hit(channel, change) || rises.is_some_and(|rises| rises != change.rises)
+                        {
                             return 0.0;
                         }
                         let way = edge as f64 * TAU / seen.edges as f64 - angle_rad;
@@ -257,7 +276,11 @@ impl Basis {
                     let before = now - seen.readings[at].leap.after_s;
                     // The part of the interval under load pushes as much as the whole would in part.
                     let under = (now.min(until_s) - before.max(from_s)).max(0.0);
-                    if now > before { under / (now - before) / law.inertia } else { 0.0 }
+                    if now > before {
+                        under / (now - before) / law.inertia
+                    } else {
+                        0.0
+                    }
                 })]
             }
             Self::Drift => vec![pushed(seen, &|at, end| {
@@ -280,7 +303,11 @@ impl Basis {
                 phase_s,
             } => each(&|at, _| {
                 let since = (seen.times_s[at] - phase_s).rem_euclid(1.0 / f_hz);
-                if since < busy_s { -seen.speeds[at].abs() * (busy_s - since) } else { 0.0 }
+                if since < busy_s {
+                    -seen.speeds[at].abs() * (busy_s - since)
+                } else {
+                    0.0
+                }
             }),
         }
     }
@@ -310,7 +337,9 @@ fn pushed_round(seen: &Seen, law: &ShaftLaw, phase: &dyn Fn(usize, f64) -> f64) 
     let mut last = phase(0, 0.0).sin_cos();
     for at in 1..seen.len() {
         let whole = seen.readings[at].leap;
-        let steps = ((phase(at, 0.0) - phase(at, -1.0)).abs() / STEP).ceil().clamp(1.0, 200.0);
+        let steps = ((phase(at, 0.0) - phase(at, -1.0)).abs() / STEP)
+            .ceil()
+            .clamp(1.0, 200.0);
         let leap = Leap {
             after_s: whole.after_s / steps,
             ..whole

@@ -43,9 +43,10 @@ fn plain(mechanism: Mechanism, text: String, delta_bic: f64) -> Finding {
 /// Another motion as a finding.
 #[must_use]
 pub fn of_motion(motion: &MotionFinding) -> Finding {
-    let named = motion.parameters.iter().map(|(name, value, error, unit)| {
-        ((*name).to_owned(), parameter(*value, *error, unit))
-    });
+    let named = motion
+        .parameters
+        .iter()
+        .map(|(name, value, error, unit)| ((*name).to_owned(), parameter(*value, *error, unit)));
     Finding {
         parameters: named.collect(),
         ..plain(motion.mechanism, motion.text.clone(), motion.delta_bic)
@@ -61,28 +62,43 @@ pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
     let all: Vec<Event> = rig.iter().flat_map(|one| events(&one.track)).collect();
     let mut found = Vec::new();
     for mechanism in [Mechanism::LostEdges, Mechanism::ExtraEdges] {
-        let own: Vec<&Event> = all.iter().filter(|event| event.mechanism == mechanism).collect();
+        let own: Vec<&Event> = all
+            .iter()
+            .filter(|event| event.mechanism == mechanism)
+            .collect();
         if own.is_empty() {
             continue;
         }
-        let what = if mechanism == Mechanism::LostEdges { "missing" } else { "too many" };
+        let what = if mechanism == Mechanism::LostEdges {
+            "missing"
+        } else {
+            "too many"
+        };
         let text = match own.len() {
             1 => format!("an edge {what} at {:.4} s", own[0].time_s),
-            count => format!("edges {what} at {count} places, the first at {:.4} s", own[0].time_s),
+            count => format!(
+                "edges {what} at {count} places, the first at {:.4} s",
+                own[0].time_s
+            ),
         };
         let mut finding = plain(mechanism, text, EVENT * own.len() as f64);
-        finding.parameters.insert(
-            "count".to_owned(),
-            parameter(own.len() as f64, 0.0, "1"),
-        );
+        finding
+            .parameters
+            .insert("count".to_owned(), parameter(own.len() as f64, 0.0, "1"));
         finding.place.times_s = own.iter().map(|event| event.time_s).collect();
         let mut channels: Vec<usize> = own.iter().filter_map(|event| event.channel).collect();
         channels.sort_unstable();
         channels.dedup();
-        finding.place.channels = channels.iter().map(|c| ["A", "B", "C"][(*c).min(2)].to_owned()).collect();
+        finding.place.channels = channels
+            .iter()
+            .map(|c| ["A", "B", "C"][(*c).min(2)].to_owned())
+            .collect();
         found.push(finding);
     }
-    for slip in all.iter().filter(|event| event.mechanism == Mechanism::IndexSlip) {
+    for slip in all
+        .iter()
+        .filter(|event| event.mechanism == Mechanism::IndexSlip)
+    {
         let text = format!(
             "the index moved by {} edges against the disc between {:.4} and {:.4} s",
             slip.edges, slip.between_s[0], slip.between_s[1]
@@ -94,7 +110,10 @@ pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
             ci95: Some(slip.between_s),
         };
         finding.parameters.insert("at_s".to_owned(), at);
-        finding.parameters.insert("edges".to_owned(), parameter(f64::from(slip.edges), 0.0, "1"));
+        finding.parameters.insert(
+            "edges".to_owned(),
+            parameter(f64::from(slip.edges), 0.0, "1"),
+        );
         finding.place.times_s = vec![slip.time_s];
         found.push(finding);
     }
@@ -111,9 +130,14 @@ pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
             value = one.value.hypot(twin.timer.jitter_s);
             error *= one.value / value;
         }
-        finding.parameters.insert(one.name.to_owned(), parameter(value, error, one.unit));
+        finding
+            .parameters
+            .insert(one.name.to_owned(), parameter(value, error, one.unit));
     }
-    finding.place.frequencies_hz.clone_from(&noise.frequencies_hz);
+    finding
+        .place
+        .frequencies_hz
+        .clone_from(&noise.frequencies_hz);
     finding.place.times_s.clone_from(&noise.times_s);
     finding.evidence.p_value = noise.p_value;
     finding.evidence.runner_up = noise.runner_up.map(|(mechanism, delta_bic)| RunnerUp {
@@ -146,9 +170,11 @@ pub fn put_in(twin: &mut Twin, findings: &[Finding]) {
                 });
             }
             Mechanism::TorsionalResonance => {
-                if let (Some(f_hz), Some(damping_ratio), Some(inertia_share)) =
-                    (value("f_hz"), value("damping_ratio"), value("inertia_share"))
-                {
+                if let (Some(f_hz), Some(damping_ratio), Some(inertia_share)) = (
+                    value("f_hz"),
+                    value("damping_ratio"),
+                    value("inertia_share"),
+                ) {
                     twin.torsional_resonance = Some(TorsionalResonance {
                         f_hz,
                         damping_ratio: damping_ratio.clamp(0.0, 1.0),

@@ -65,8 +65,18 @@ impl Bench {
     /// The noise that a residual shows.
     #[must_use]
     pub fn noise_of(&self, angles: &[f64]) -> ShaftNoise {
-        let free = if self.law.held() { Free::Sizes } else { Free::All };
-        noise_fit::fit(&self.seen.readings, angles, self.least_stamp_s, self.noise, free)
+        let free = if self.law.held() {
+            Free::Sizes
+        } else {
+            Free::All
+        };
+        noise_fit::fit(
+            &self.seen.readings,
+            angles,
+            self.least_stamp_s,
+            self.noise,
+            free,
+        )
     }
 
     /// Takes another noise.
@@ -116,7 +126,11 @@ fn first_guess(seen: &Seen, law: &ShaftLaw, least_stamp_s: f64) -> ShaftNoise {
     ShaftNoise {
         acceleration: 2.0 * if unheld { speed } else { damping } * wander * wander,
         stamp_s: 3.0 * least_stamp_s,
-        drift: if unheld { 1e-8 * speed * speed * speed } else { 0.0 },
+        drift: if unheld {
+            1e-8 * speed * speed * speed
+        } else {
+            0.0
+        },
         forgets_per_s: if unheld { speed } else { 0.0 },
     }
 }
@@ -160,7 +174,11 @@ impl Model {
             sizes: DVector::zeros(0),
             covariance: DMatrix::zeros(0, 0),
             factor: None,
-            left: board.benches.iter().map(|bench| bench.white.clone()).collect(),
+            left: board
+                .benches
+                .iter()
+                .map(|bench| bench.white.clone())
+                .collect(),
         }
     }
 }
@@ -188,7 +206,11 @@ impl Board {
             from_s: f64::NEG_INFINITY,
             until_s: f64::INFINITY,
         };
-        let free = self.benches.iter().enumerate().filter(|(_, bench)| bench.free_speed);
+        let free = self
+            .benches
+            .iter()
+            .enumerate()
+            .filter(|(_, bench)| bench.free_speed);
         free.map(|(at, bench)| {
             let mut column = vec![None; self.benches.len()];
             column[at] = Some(whole.columns(&bench.seen, &bench.law).swap_remove(0));
@@ -206,7 +228,11 @@ impl Board {
     fn whitened(&self, columns: Vec<Column>) -> Vec<Column> {
         let white = |column: Column| {
             let parts = column.0.into_iter().zip(&self.benches);
-            Column(parts.map(|(part, bench)| part.map(|part| bench.whitened(part))).collect())
+            Column(
+                parts
+                    .map(|(part, bench)| part.map(|part| bench.whitened(part)))
+                    .collect(),
+            )
         };
         columns.into_iter().map(white).collect()
     }
@@ -221,7 +247,10 @@ impl Board {
     #[must_use]
     pub fn raw_columns(&self, basis: Basis) -> Vec<Column> {
         let own = self.benches.len() > 1 && (basis.timed() || (basis.placed() && !self.tied));
-        let raw = self.benches.iter().map(|bench| basis.columns(&bench.seen, &bench.law));
+        let raw = self
+            .benches
+            .iter()
+            .map(|bench| basis.columns(&bench.seen, &bench.law));
         let count = self.benches.len();
         if own {
             let mut columns = Vec::new();
@@ -270,7 +299,9 @@ impl Board {
             }
             let noise = bench.noise_of(&left);
             let far = |a: f64, b: f64| (a / b).ln().abs() > 0.06;
-            if far(noise.acceleration, bench.noise.acceleration) || far(noise.stamp_s, bench.noise.stamp_s) {
+            if far(noise.acceleration, bench.noise.acceleration)
+                || far(noise.stamp_s, bench.noise.stamp_s)
+            {
                 bench.set_noise(noise);
                 changed = true;
             }
@@ -364,7 +395,11 @@ impl Board {
     /// Columns with given sizes.
     #[must_use]
     pub fn with_sizes(&self, columns: &[Column], sizes: &DVector<f64>) -> Model {
-        let mut left: Vec<Vec<f64>> = self.benches.iter().map(|bench| bench.white.clone()).collect();
+        let mut left: Vec<Vec<f64>> = self
+            .benches
+            .iter()
+            .map(|bench| bench.white.clone())
+            .collect();
         for (column, size) in columns.iter().zip(sizes.iter()) {
             for (left, part) in left.iter_mut().zip(&column.0) {
                 if let Some(part) = part {
@@ -468,14 +503,20 @@ pub fn product(a: &Column, b: &Column) -> f64 {
 #[must_use]
 pub fn with_rows(a: &Column, rows: &[Vec<f64>]) -> f64 {
     let each = a.0.iter().zip(rows);
-    each.map(|(a, row)| a.as_ref().map_or(0.0, |a| dot(a, row))).sum()
+    each.map(|(a, row)| a.as_ref().map_or(0.0, |a| dot(a, row)))
+        .sum()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four sums at once.
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
+    let rest: f64 = a4
+        .remainder()
+        .iter()
+        .zip(b4.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
     for (a, b) in a4.zip(b4) {
         for i in 0..4 {
             sums[i] += a[i] * b[i];

@@ -72,7 +72,9 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
     for (number, found) in searched.found.iter().enumerate() {
         let part = unknown_squares > 0.0
             && found.score < 0.3 * unknown_squares
-            && (odd.iter().any(|o| family(&searched.found[*o]) == family(found))
+            && (odd
+                .iter()
+                .any(|o| family(&searched.found[*o]) == family(found))
                 || left.is_some_and(|left| kin(left.among) == family(found)));
         if odd.contains(&number) || part {
             continue;
@@ -132,8 +134,13 @@ fn kin(among: Among) -> Family {
 /// Rhythms that are too near each other to be mechanisms of their own: a rhythm that changes shows so.
 #[must_use]
 pub fn crowd(board: &Board, found: &[Found]) -> Vec<usize> {
-    let turns = board.benches.iter().map(|b| b.seen.turns()).fold(1.0, f64::max);
-    let turning = board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
+    let turns = board
+        .benches
+        .iter()
+        .map(|b| b.seen.turns())
+        .fold(1.0, f64::max);
+    let turning =
+        board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
     let place = |found: &Found| -> Option<(Family, f64, bool)> {
         let rhythm = found.hypothesis.rhythm()?;
         let cycles = match found.hypothesis.bases.first()? {
@@ -162,7 +169,9 @@ fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
         .found
         .iter()
         .enumerate()
-        .filter(|(_, found)| steadiness(board, &searched.model, &found.columns).changes(found.score))
+        .filter(|(_, found)| {
+            steadiness(board, &searched.model, &found.columns).changes(found.score)
+        })
         .map(|(number, _)| number)
         .collect();
     odd.extend(crowd(board, &searched.found));
@@ -195,12 +204,16 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
     if let Some(best) = others.first().cloned()
         && best.1 > own + ALIKE
         && best.0.bases.len() == hypothesis.bases.len()
+        && !matches!(best.0.bases.first(), Some(Basis::Lagged { .. }))
     {
         others[0] = (hypothesis, own);
         (hypothesis, score) = best;
     }
     let other = |one: &&(Hypothesis, f64)| one.0.mechanism != hypothesis.mechanism;
-    let runner_up = others.iter().find(other).map(|one| (one.0.mechanism, score - one.1));
+    let runner_up = others
+        .iter()
+        .find(other)
+        .map(|one| (one.0.mechanism, score - one.1));
     let mut alike: Vec<Mechanism> = others
         .iter()
         .filter(other)
@@ -225,11 +238,19 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
     }
 }
 
-fn nameless(board: &Board, searched: &Searched, odd: &[usize], left: Option<&Leftover>) -> Option<Nameless> {
+fn nameless(
+    board: &Board,
+    searched: &Searched,
+    odd: &[usize],
+    left: Option<&Leftover>,
+) -> Option<Nameless> {
     if let Some(strongest) = odd.iter().max_by(|a, b| {
-        searched.found[**a].score.total_cmp(&searched.found[**b].score)
+        searched.found[**a]
+            .score
+            .total_cmp(&searched.found[**b].score)
     }) {
-        let turning = board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
+        let turning =
+            board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
         let mut orders: Vec<f64> = Vec::new();
         for number in odd {
             let hypothesis = &searched.found[*number].hypothesis;
@@ -255,8 +276,12 @@ fn nameless(board: &Board, searched: &Searched, odd: &[usize], left: Option<&Lef
         };
         let text = match bounds.as_slice() {
             [] => format!("{edges}; like {resembles}, but not the same throughout"),
-            [one] => format!("{edges}, around order {one:.2}; like {resembles}, but not the same throughout"),
-            [low, high, ..] => format!("{edges}, orders {low:.2} to {high:.2}: a rhythm that is none of turn or time"),
+            [one] => format!(
+                "{edges}, around order {one:.2}; like {resembles}, but not the same throughout"
+            ),
+            [low, high, ..] => format!(
+                "{edges}, orders {low:.2} to {high:.2}: a rhythm that is none of turn or time"
+            ),
         };
         return Some(Nameless {
             text,

@@ -43,8 +43,12 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
     let clear = clearness(board, edges, &spectrum);
     let pulled = spectrum(pull(board, model));
     // What is the same for all edges of a class has names of its own.
-    let own = |order: usize| order != 0 && (lines == 0 || !order.is_multiple_of(lines)) && 2 * order < edges;
-    let orders: Vec<usize> = (0..pulled.len()).filter(|order| own(*order) && clear[*order] > 0.0).collect();
+    let own = |order: usize| {
+        order != 0 && (lines == 0 || !order.is_multiple_of(lines)) && 2 * order < edges
+    };
+    let orders: Vec<usize> = (0..pulled.len())
+        .filter(|order| own(*order) && clear[*order] > 0.0)
+        .collect();
     let modes: Vec<(f64, f64)> = orders
         .iter()
         .map(|&m| (pulled[m].norm_sqr() / (edges as f64 * clear[m]), clear[m]))
@@ -71,7 +75,8 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
         }
     }
     let side = 0.1;
-    let bend = (likelihood(best.0 - side) - 2.0 * best.1 + likelihood(best.0 + side)) / (side * side);
+    let bend =
+        (likelihood(best.0 - side) - 2.0 * best.1 + likelihood(best.0 + side)) / (side * side);
     let s2 = best.0.exp();
     let mut shrunk: Vec<Complex<f64>> = vec![Complex::new(0.0, 0.0); pulled.len()];
     for &m in &orders {
@@ -82,7 +87,11 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
     let mut errors_rad = inverse.make_output_vec();
     let _ = inverse.process(&mut shrunk, &mut errors_rad);
     // -bend is twice the information on ln s^2.
-    let deviation = if bend < 0.0 { (2.0 / -bend).sqrt() } else { f64::INFINITY };
+    let deviation = if bend < 0.0 {
+        (2.0 / -bend).sqrt()
+    } else {
+        f64::INFINITY
+    };
     Some(Pattern {
         rms_rad: s2.sqrt(),
         standard_error_rad: 0.5 * deviation * s2.sqrt(),

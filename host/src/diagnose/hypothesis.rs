@@ -26,20 +26,29 @@ impl Hypothesis {
     /// Its columns in all recordings.
     #[must_use]
     pub fn columns(&self, board: &Board) -> Vec<Column> {
-        self.bases.iter().flat_map(|basis| board.columns(*basis)).collect()
+        self.bases
+            .iter()
+            .flat_map(|basis| board.columns(*basis))
+            .collect()
     }
 
     /// Numbers that describe it and are not sizes: what was searched for.
     #[must_use]
     pub fn searched(&self) -> usize {
-        self.bases.iter().map(|basis| searched(*basis)).max().unwrap_or(0)
+        self.bases
+            .iter()
+            .map(|basis| searched(*basis))
+            .max()
+            .unwrap_or(0)
     }
 
     /// The frequency or order of its rhythm.
     #[must_use]
     pub fn rhythm(&self) -> Option<f64> {
         match *self.bases.first()? {
-            Basis::Round { order } | Basis::TorqueOrder { order } => Some(order),
+            Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order } => {
+                Some(order)
+            }
             Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. } => Some(f_hz),
             _ => None,
         }
@@ -69,14 +78,16 @@ impl Hypothesis {
     pub fn whole(&self) -> bool {
         matches!(
             self.bases.first(),
-            Some(Basis::Round { order } | Basis::TorqueOrder { order }) if order.fract() == 0.0
+            Some(Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order }) if order.fract() == 0.0
         )
     }
 }
 
 fn searched(basis: Basis) -> usize {
     match basis {
-        Basis::Round { order } | Basis::TorqueOrder { order } => usize::from(order.fract() != 0.0),
+        Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order } => {
+            usize::from(order.fract() != 0.0)
+        }
         Basis::TorqueTone { .. } | Basis::LevelTone { .. } | Basis::Stribeck { .. } => 1,
         Basis::LevelDrift { .. } | Basis::Bump { .. } | Basis::Load { .. } => 2,
         Basis::Task { .. } => 3,
@@ -149,7 +160,11 @@ pub fn of_rhythm(order: f64, f_hz: f64, within: f64) -> Vec<Hypothesis> {
         return all;
     }
     // A hair off a whole number, so that it is known as searched for.
-    let order = if order.fract() == 0.0 { order + 1e-9 } else { order };
+    let order = if order.fract() == 0.0 {
+        order + 1e-9
+    } else {
+        order
+    };
     all.push(Hypothesis::of(Mechanism::Bearing, Basis::Round { order }));
     all.push(Hypothesis::of(
         Mechanism::GearMesh,
@@ -175,8 +190,12 @@ pub fn with_disc(mut hypothesis: Hypothesis, board: &Board) -> Hypothesis {
             hypothesis.bases.push(round);
         }
         Some(Basis::RiseLate { .. } | Basis::Late { .. }) => {
-            hypothesis.bases.extend((0..channels).map(|c| Basis::Width { channel: Some(c) }));
-            hypothesis.bases.extend((1..channels).map(|c| Basis::Shift { channel: c }));
+            hypothesis
+                .bases
+                .extend((0..channels).map(|c| Basis::Width { channel: Some(c) }));
+            hypothesis
+                .bases
+                .extend((1..channels).map(|c| Basis::Shift { channel: c }));
         }
         _ => {}
     }

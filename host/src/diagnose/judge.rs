@@ -30,7 +30,10 @@ pub fn rms_rad(board: &Board, model: &Model) -> f64 {
 #[must_use]
 pub fn fit(board: &Board, before: &Model, searched: &Searched, whiteness: (f64, f64)) -> Fit {
     let all = 0..PARTS;
-    let (was, is) = (sums(board, before, all.clone()), sums(board, &searched.model, all));
+    let (was, is) = (
+        sums(board, before, all.clone()),
+        sums(board, &searched.model, all),
+    );
     Fit {
         rms_before_rad: was.rms(was.rad),
         rms_after_rad: is.rms(is.rad),
@@ -81,7 +84,12 @@ fn sums(board: &Board, model: &Model, parts: std::ops::Range<usize>) -> Sums {
     let mut sums = Sums::default();
     for (bench, left) in board.benches.iter().zip(&model.left) {
         let range = bench.part(parts.start).start..bench.part(parts.end - 1).end;
-        for (deviation, white) in bench.deviations().zip(left).skip(range.start).take(range.len()) {
+        for (deviation, white) in bench
+            .deviations()
+            .zip(left)
+            .skip(range.start)
+            .take(range.len())
+        {
             let Some(deviation) = deviation else { continue };
             sums.white += white * white;
             sums.rad += (white * deviation).powi(2);

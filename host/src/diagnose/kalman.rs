@@ -158,7 +158,11 @@ impl Whitener {
             if step.fresh {
                 y = 0.0;
             }
-            let innovation = if step.scale > 0.0 { *value / step.scale } else { 0.0 };
+            let innovation = if step.scale > 0.0 {
+                *value / step.scale
+            } else {
+                0.0
+            };
             *value = y + innovation;
             y += step.gain[0] * innovation;
             v += step.gain[1] * innovation;
@@ -172,7 +176,12 @@ impl Whitener {
     pub fn precisions(&self) -> Vec<f64> {
         // Upper triangle of the covariance of the transposed filter's state: yy, yv, ym, vv, vm, mm.
         let mut n = [0.0; 6];
-        let mut precisions: Vec<f64> = self.steps.iter().rev().map(|step| narrower(&mut n, step)).collect();
+        let mut precisions: Vec<f64> = self
+            .steps
+            .iter()
+            .rev()
+            .map(|step| narrower(&mut n, step))
+            .collect();
         precisions.reverse();
         precisions
     }
@@ -232,7 +241,12 @@ fn grown(p: [f64; 6], turn: [f64; 4], leap: Leap, noise: ShaftNoise) -> [f64; 6]
     let (q_yy, q_yv, q_vv) = (
         q * t * t * t / 3.0 * (-0.75 * x).exp(),
         q * t * t / 2.0 * (-x).exp(),
-        q * t * if x < 0.05 { 1.0 - x } else { -(-2.0 * x).exp_m1() / (2.0 * x) },
+        q * t
+            * if x < 0.05 {
+                1.0 - x
+            } else {
+                -(-2.0 * x).exp_m1() / (2.0 * x)
+            },
     );
     let (d_mm, d_ym, d_yy) = (
         noise.drift * t,

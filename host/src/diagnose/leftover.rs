@@ -46,7 +46,11 @@ pub fn leftovers(board: &Board, model: &Model) -> (Vec<Leftover>, f64) {
                 let p = points * (-power / mean).exp();
                 least = least.min(p);
                 all.push(Leftover {
-                    text: format!("order {order:.2} ({:.4} Hz at mean speed), {}", order * a_second, words(among)),
+                    text: format!(
+                        "order {order:.2} ({:.4} Hz at mean speed), {}",
+                        order * a_second,
+                        words(among)
+                    ),
                     squares: 2.0 * power,
                     p_value: p.min(1.0),
                     bench: number,
@@ -64,7 +68,11 @@ pub fn leftovers(board: &Board, model: &Model) -> (Vec<Leftover>, f64) {
                     break;
                 }
                 let parts = if alike { 8 } else { 1 };
-                let usual = if alike { independent(&spectrum.powers[start..end]).1 } else { mean };
+                let usual = if alike {
+                    independent(&spectrum.powers[start..end]).1
+                } else {
+                    mean
+                };
                 for part in 0..parts {
                     let width = (end - start).div_ceil(parts);
                     let (low, high) = (start + part * width, (start + (part + 1) * width).min(end));
@@ -72,7 +80,10 @@ pub fn leftovers(board: &Board, model: &Model) -> (Vec<Leftover>, f64) {
                         continue;
                     }
                     let count = (high - low) as f64 * points / top as f64;
-                    let sum: f64 = spectrum.powers[low..high].iter().map(|p| p / usual).sum::<f64>()
+                    let sum: f64 = spectrum.powers[low..high]
+                        .iter()
+                        .map(|p| p / usual)
+                        .sum::<f64>()
                         * points
                         / top as f64;
                     // The median is not known exactly either.

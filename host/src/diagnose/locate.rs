@@ -88,7 +88,11 @@ pub fn spectrum(bench: &Bench, left: &[f64], among: Among, along: Along) -> Spec
     let weights: Vec<f64> = (0..6).map(|c| among.weight(c, seen.classes)).collect();
     let edges = seen.edges as f64;
     // Edges of one kind repeat every line; what is faster than half of that looks slower.
-    let most = if among == Among::All { 0.45 } else { 0.45 / seen.classes as f64 };
+    let most = if among == Among::All {
+        0.45
+    } else {
+        0.45 / seen.classes as f64
+    };
     match along {
         Along::Turn => {
             let first = seen.places.iter().copied().min().unwrap_or(0);
@@ -97,14 +101,19 @@ pub fn spectrum(bench: &Bench, left: &[f64], among: Among, along: Along) -> Spec
                 let place = (seen.places[at] - first) as f64 / edges;
                 (place, left[at] * weights[seen.class(at)])
             });
-            Spectrum::of(numbers, (last - first + 1) as f64 / edges, 1.0 / edges, most * edges)
+            Spectrum::of(
+                numbers,
+                (last - first + 1) as f64 / edges,
+                1.0 / edges,
+                most * edges,
+            )
         }
         Along::Time => {
             let (first, length) = (seen.times_s.first().copied().unwrap_or(0.0), seen.seconds());
             let rate = seen.len() as f64 / length.max(f64::MIN_POSITIVE);
             let most = most.min(0.2) * rate;
-            let numbers =
-                (0..seen.len()).map(|at| (seen.times_s[at] - first, left[at] * weights[seen.class(at)]));
+            let numbers = (0..seen.len())
+                .map(|at| (seen.times_s[at] - first, left[at] * weights[seen.class(at)]));
             Spectrum::of(numbers, length, 1.0 / (6.0 * most), most)
         }
     }
@@ -115,7 +124,11 @@ pub fn spectrum(bench: &Bench, left: &[f64], among: Among, along: Along) -> Spec
 pub fn peaks(bench: &Bench, number: usize, left: &[f64], probability: f64) -> Vec<Peak> {
     let seen = &bench.seen;
     let turns_a_second = seen.turns() / seen.seconds().max(f64::MIN_POSITIVE);
-    let alongs: &[Along] = if steady(bench) { &[Along::Turn] } else { &[Along::Turn, Along::Time] };
+    let alongs: &[Along] = if steady(bench) {
+        &[Along::Turn]
+    } else {
+        &[Along::Turn, Along::Time]
+    };
     let amongs = Among::all(seen.classes);
     let each = probability / (alongs.len() * amongs.len()) as f64;
     let mut found: Vec<Peak> = Vec::new();

@@ -29,7 +29,9 @@ impl Mended {
             let count = basis.count();
             let rest = estimate.sizes.len() - at;
             // Sizes of each recording's own, or one for all.
-            let own = rest >= count * recordings && recordings > 1 && estimate.hypothesis.bases.len() == 1;
+            let own = rest >= count * recordings
+                && recordings > 1
+                && estimate.hypothesis.bases.len() == 1;
             let from = if own { at + recording * count } else { at };
             let Some(sizes) = estimate.sizes.get(from..from + count) else {
                 return;
@@ -41,8 +43,16 @@ impl Mended {
 
     fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {
         let twin = &mut self.twin;
-        let amplitude = if sizes.len() == 2 { sizes[0].hypot(sizes[1]) } else { sizes[0] };
-        let phase_rad = if sizes.len() == 2 { sizes[0].atan2(sizes[1]) } else { 0.0 };
+        let amplitude = if sizes.len() == 2 {
+            sizes[0].hypot(sizes[1])
+        } else {
+            sizes[0]
+        };
+        let phase_rad = if sizes.len() == 2 {
+            sizes[0].atan2(sizes[1])
+        } else {
+            0.0
+        };
         let torque = |order: f64| Ripple {
             order,
             phase_rad,
@@ -54,7 +64,10 @@ impl Mended {
                 let harmonic = |old: Option<Harmonic>| {
                     // amplitude sin(order theta - phase)
                     let (s, c) = old.map_or((0.0, 0.0), |h| {
-                        (h.amplitude_rad * h.phase_rad.cos(), -h.amplitude_rad * h.phase_rad.sin())
+                        (
+                            h.amplitude_rad * h.phase_rad.cos(),
+                            -h.amplitude_rad * h.phase_rad.sin(),
+                        )
                     });
                     let (s, c) = (s + sizes[1], c + sizes[0]);
                     Some(Harmonic {
@@ -104,14 +117,21 @@ impl Mended {
                 });
             }
             Basis::Width { channel: c } => self.add_disc(|_, channel, rises| {
-                if !rises && c.is_none_or(|c| c == channel) { sizes[0] } else { 0.0 }
+                if !rises && c.is_none_or(|c| c == channel) {
+                    sizes[0]
+                } else {
+                    0.0
+                }
             }),
             Basis::Shift { channel: c } => {
                 self.add_disc(|_, channel, _| if c == channel { sizes[0] } else { 0.0 });
             }
             Basis::RiseLate { channel: c } => {
                 let mut delay: EdgeDelay = twin.edge_delay.unwrap_or_default();
-                for (number, one) in [&mut delay.a, &mut delay.b, &mut delay.c].into_iter().enumerate() {
+                for (number, one) in [&mut delay.a, &mut delay.b, &mut delay.c]
+                    .into_iter()
+                    .enumerate()
+                {
                     if c.is_some_and(|c| c != number) {
                         continue;
                     }
@@ -170,7 +190,7 @@ impl Mended {
                     channel: None,
                 });
             }
-            Basis::Task { .. } => {}
+            Basis::Task { .. } | Basis::Lagged { .. } => {}
         }
     }
 

@@ -34,7 +34,12 @@ pub fn parameters(estimate: &Estimate) -> BTreeMap<String, Parameter> {
         .collect()
 }
 
-fn parameter(estimate: &Estimate, row: &[f64], unit: &str, value: &dyn Fn(&[f64]) -> f64) -> Parameter {
+fn parameter(
+    estimate: &Estimate,
+    row: &[f64],
+    unit: &str,
+    value: &dyn Fn(&[f64]) -> f64,
+) -> Parameter {
     let here = value(row);
     let count = row.len().min(estimate.covariance.nrows());
     let slope = DVector::from_fn(count, |i, _| {
@@ -44,7 +49,8 @@ fn parameter(estimate: &Estimate, row: &[f64], unit: &str, value: &dyn Fn(&[f64]
         let change = value(&moved) - here;
         if step > 0.0 { change / step } else { 0.0 }
     });
-    let square = (slope.transpose() * estimate.covariance.view((0, 0), (count, count)) * &slope)[(0, 0)];
+    let square =
+        (slope.transpose() * estimate.covariance.view((0, 0), (count, count)) * &slope)[(0, 0)];
     let error = NORMAL_95 * square.max(0.0).sqrt();
     Parameter {
         value: here,
@@ -79,12 +85,15 @@ fn values(estimate: &Estimate) -> Named<'_> {
     let grow = |number: f64, by: f64| number * by.exp();
     let only = |at: usize| -> Value<'_> { Box::new(move |row: &[f64]| row[at]) };
     match basis {
-        Basis::Round { order } => {
+        Basis::Round { order } | Basis::Lagged { order } => {
             let (amplitude, phase) = wave(0);
             if order.fract() == 0.0 {
                 // amplitude sin(order theta - phase)
                 let back: Value<'_> = Box::new(move |row| (-phase(row)).rem_euclid(TAU));
-                vec![(name("amplitude_rad"), "rad", amplitude), (name("phase_rad"), "rad", back)]
+                vec![
+                    (name("amplitude_rad"), "rad", amplitude),
+                    (name("phase_rad"), "rad", back),
+                ]
             } else {
                 vec![
                     (name("order"), "1", fixed(order, sizes, add)),
@@ -135,7 +144,11 @@ fn values(estimate: &Estimate) -> Named<'_> {
             width_rad,
             ..
         } => vec![
-            (name("angle_rad"), "rad", fixed(angle_rad, sizes, |a, by| (a + by).rem_euclid(TAU))),
+            (
+                name("angle_rad"),
+                "rad",
+                fixed(angle_rad, sizes, |a, by| (a + by).rem_euclid(TAU)),
+            ),
             (name("width_rad"), "rad", fixed(width_rad, sizes + 1, grow)),
             (name("error_rad"), "rad", only(0)),
         ],
@@ -158,7 +171,11 @@ fn values(estimate: &Estimate) -> Named<'_> {
             (name("stribeck_rad_s"), "rad/s", fixed(rad_s, sizes, grow)),
         ],
         Basis::Direction => vec![(name("angle_rad"), "rad", only(0))],
-        Basis::Task { f_hz, busy_s, phase_s } => vec![
+        Basis::Task {
+            f_hz,
+            busy_s,
+            phase_s,
+        } => vec![
             (name("task_hz"), "Hz", fixed(f_hz, sizes, add)),
             (name("busy_s"), "s", fixed(busy_s, sizes + 1, add)),
             (name("phase_s"), "s", fixed(phase_s, sizes + 2, add)),
@@ -195,7 +212,9 @@ fn of_classes(estimate: &Estimate) -> Named<'_> {
                     all.push((format!("width_{}_rad", CHANNELS[c]), "rad", value()));
                 }
             }
-            Basis::Shift { channel } if matches!(estimate.hypothesis.bases[0], Basis::Shift { .. }) => {
+            Basis::Shift { channel }
+                if matches!(estimate.hypothesis.bases[0], Basis::Shift { .. }) =>
+            {
                 let name = if estimate.hypothesis.bases.len() == 1 {
                     "quadrature_rad".to_owned()
                 } else {

@@ -46,16 +46,12 @@ pub fn fit(
     };
     let mut first = vec![start.acceleration.ln(), over(start.stamp_s).ln()];
     if free == Free::All {
-        first.extend([start.drift.max(1e-30).ln(), start.forgets_per_s.max(1e-9).ln()]);
+        first.extend([
+            start.drift.max(1e-30).ln(),
+            start.forgets_per_s.max(1e-9).ln(),
+        ]);
     }
-    // From far too little torque noise as well: the way to the lowest place may lead past a shallow one.
-    let mut calm = first.clone();
-    calm[0] -= 9.0;
-    let best = [first, calm]
-        .iter()
-        .map(|start| simplex(&cost, start, 1.0))
-        .min_by(|a, b| cost(a).total_cmp(&cost(b)));
-    best.map_or(start, |best| of(&best))
+    of(&simplex(&cost, &first, 1.0))
 }
 
 /// Parts of a recording that the noise is fitted on.
@@ -99,7 +95,13 @@ pub fn simplex(cost: &dyn Fn(&[f64]) -> f64, start: &[f64], step: f64) -> Vec<f6
         }
         let worst = corners[dimensions].clone();
         let middle: Vec<f64> = (0..dimensions)
-            .map(|i| corners[..dimensions].iter().map(|corner| corner.0[i]).sum::<f64>() / dimensions as f64)
+            .map(|i| {
+                corners[..dimensions]
+                    .iter()
+                    .map(|corner| corner.0[i])
+                    .sum::<f64>()
+                    / dimensions as f64
+            })
             .collect();
         let along = |share: f64| {
             let at: Vec<f64> = (0..dimensions)
@@ -111,7 +113,11 @@ pub fn simplex(cost: &dyn Fn(&[f64]) -> f64, start: &[f64], step: f64) -> Vec<f6
         let reflected = along(-1.0);
         let better = if reflected.1 < corners[0].1 {
             let further = along(-2.0);
-            if further.1 < reflected.1 { further } else { reflected }
+            if further.1 < reflected.1 {
+                further
+            } else {
+                reflected
+            }
         } else if reflected.1 < corners[dimensions - 1].1 {
             reflected
         } else {

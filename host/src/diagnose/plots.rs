@@ -14,7 +14,10 @@ const POINTS: usize = 360;
 pub fn shown(settled: &Settled, findings: &[Finding]) -> Shown {
     let recordings = settled.given.benches.iter().enumerate();
     Shown {
-        findings: findings.iter().map(|finding| plot(settled, finding)).collect(),
+        findings: findings
+            .iter()
+            .map(|finding| plot(settled, finding))
+            .collect(),
         recordings: recordings
             .map(|(number, bench)| RecordingPlot {
                 before: in_time(bench, &settled.before, number),
@@ -29,9 +32,11 @@ pub fn shown(settled: &Settled, findings: &[Finding]) -> Shown {
 
 /// Mean of so many cells of x, in rows of x and y.
 fn cells(points: impl Iterator<Item = (f64, f64)> + Clone) -> Line {
-    let range = points.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| {
-        (low.min(x), high.max(x))
-    });
+    let range = points
+        .clone()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| {
+            (low.min(x), high.max(x))
+        });
     let width = ((range.1 - range.0) / POINTS as f64).max(f64::MIN_POSITIVE);
     let mut sums = vec![(0.0, 0.0, 0.0); POINTS];
     for (x, y) in points {
@@ -46,7 +51,9 @@ fn cells(points: impl Iterator<Item = (f64, f64)> + Clone) -> Line {
 /// How far edges come from where they were expected, urad.
 fn rad(bench: &Bench, model: &Model, number: usize) -> Vec<f64> {
     let pairs = model.left[number].iter().zip(bench.deviations());
-    pairs.map(|(white, deviation)| 1e6 * white * deviation.unwrap_or(0.0)).collect()
+    pairs
+        .map(|(white, deviation)| 1e6 * white * deviation.unwrap_or(0.0))
+        .collect()
 }
 
 fn in_time(bench: &Bench, model: &Model, number: usize) -> Line {
@@ -59,17 +66,24 @@ fn in_orders(bench: &Bench, model: &Model, number: usize) -> (Line, f64) {
     let threshold = spectrum.threshold(0.05);
     // The largest of neighbours, so that no line is lost.
     let width = spectrum.powers.len().div_ceil(4 * POINTS).max(1);
-    let peaks = spectrum.powers.chunks(width).enumerate().map(|(at, chunk)| {
-        let top = chunk.iter().copied().fold(0.0, f64::max);
-        ((at * width) as f64 * spectrum.step, top)
-    });
+    let peaks = spectrum
+        .powers
+        .chunks(width)
+        .enumerate()
+        .map(|(at, chunk)| {
+            let top = chunk.iter().copied().fold(0.0, f64::max);
+            ((at * width) as f64 * spectrum.step, top)
+        });
     (peaks.collect(), threshold)
 }
 
 /// The residual in the coordinate in which a finding shows.
 fn plot(settled: &Settled, finding: &Finding) -> FindingPlot {
     let bench = &settled.given.benches[0];
-    let (before, after) = (rad(bench, &settled.before, 0), rad(bench, &settled.after, 0));
+    let (before, after) = (
+        rad(bench, &settled.before, 0),
+        rad(bench, &settled.after, 0),
+    );
     let seen = &bench.seen;
     let (label, x): (String, Box<dyn Fn(usize) -> f64>) = match (
         finding.place.frequencies_hz.first(),
@@ -100,7 +114,11 @@ fn plot(settled: &Settled, finding: &Finding) -> FindingPlot {
     let on: Vec<bool> = (0..names.len())
         .map(|class| {
             finding.place.edge_classes.is_empty()
-                || finding.place.edge_classes.iter().any(|name| name == names[class])
+                || finding
+                    .place
+                    .edge_classes
+                    .iter()
+                    .any(|name| name == names[class])
         })
         .collect();
     let line = |values: &[f64]| {

@@ -59,7 +59,10 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let least_stamp_s = one.track.tick_s / 12_f64.sqrt();
     let law = ShaftLaw::of(&one.twin);
     let declared = declared(&one.twin, &law, least_stamp_s);
-    let free_speed = matches!(one.twin.drive, Drive::Constant { .. } | Drive::SpeedLoop { .. });
+    let free_speed = matches!(
+        one.twin.drive,
+        Drive::Constant { .. } | Drive::SpeedLoop { .. }
+    );
     Ok(Bench::new(seen, law, declared, least_stamp_s, free_speed))
 }
 

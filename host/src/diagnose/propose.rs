@@ -35,6 +35,8 @@ pub fn propose(board: &Board, model: &Model) -> (Vec<Hypothesis>, f64) {
 
 fn of_peak(peak: &Peak) -> Vec<Hypothesis> {
     match peak.among {
+        // What does not come round once is a drift or a load.
+        Among::All if peak.order < 2.0 * peak.within => Vec::new(),
         Among::All => of_rhythm(peak.order, peak.f_hz, 2.0 * peak.within),
         Among::Level | Among::LevelOf(_) => {
             let channel = match peak.among {

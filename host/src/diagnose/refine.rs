@@ -57,7 +57,12 @@ fn moves(board: &Board, model: &Model, at: &Weighed, steps: &[(Change, f64)]) ->
 
 /// How the angles change with each searched number, white.
 #[must_use]
-pub fn slopes(board: &Board, hypothesis: &Hypothesis, sizes: &[f64], steps: &[(Change, f64)]) -> Vec<Column> {
+pub fn slopes(
+    board: &Board,
+    hypothesis: &Hypothesis,
+    sizes: &[f64],
+    steps: &[(Change, f64)],
+) -> Vec<Column> {
     let signal = |hypothesis: &Hypothesis| -> Option<Column> {
         let columns = hypothesis.columns(board);
         if columns.len() != sizes.len() {
@@ -102,12 +107,15 @@ pub type Change = fn(&mut Basis, f64);
 /// Numbers that are searched for, and first steps.
 #[must_use]
 pub fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
-    let most = |value: &dyn Fn(usize) -> f64| (0..board.benches.len()).map(value).fold(0.0, f64::max);
+    let most =
+        |value: &dyn Fn(usize) -> f64| (0..board.benches.len()).map(value).fold(0.0, f64::max);
     let turns = most(&|i| board.benches[i].seen.turns());
     let long = most(&|i| board.benches[i].seen.seconds());
     match hypothesis.bases.first() {
         _ if hypothesis.whole() => Vec::new(),
-        Some(Basis::Round { .. } | Basis::TorqueOrder { .. }) => vec![(rhythm, 0.25 / turns)],
+        Some(Basis::Round { .. } | Basis::Lagged { .. } | Basis::TorqueOrder { .. }) => {
+            vec![(rhythm, 0.25 / turns)]
+        }
         Some(Basis::TorqueTone { .. } | Basis::LevelTone { .. }) => vec![(rhythm, 0.25 / long)],
         Some(Basis::LevelDrift { .. }) => vec![(from, 0.05 * long), (length, 0.3)],
         Some(Basis::Load { .. }) => vec![(from, 0.006 * long), (until, 0.006 * long)],
@@ -119,7 +127,9 @@ pub fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
 
 fn rhythm(basis: &mut Basis, by: f64) {
     match basis {
-        Basis::Round { order } | Basis::TorqueOrder { order } => *order += by,
+        Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order } => {
+            *order += by;
+        }
         Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. } => *f_hz += by,
         Basis::Bump { angle_rad, .. } => *angle_rad += by,
         _ => {}

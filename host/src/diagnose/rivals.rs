@@ -26,8 +26,10 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
     let Some(without) = board.fit(rest) else {
         return (found.score, Vec::new());
     };
-    let score = |hypothesis: Hypothesis, columns: Vec<Column>| weigh(board, &without, hypothesis, columns);
-    let own = score(found.hypothesis.clone(), found.columns.clone()).map_or(found.score, |w| w.score);
+    let score =
+        |hypothesis: Hypothesis, columns: Vec<Column>| weigh(board, &without, hypothesis, columns);
+    let own =
+        score(found.hypothesis.clone(), found.columns.clone()).map_or(found.score, |w| w.score);
     let mut all: Vec<(Hypothesis, f64)> = alternatives(board, found)
         .into_iter()
         .filter_map(|hypothesis| {
@@ -70,18 +72,30 @@ fn alternatives(board: &Board, found: &Found) -> Vec<Hypothesis> {
                 2.0 => Mechanism::DiscTilt,
                 _ => Mechanism::LineError,
             };
-            vec![with(geometry, Basis::Round { order })]
+            // An edge out of its place keeps its distance in angle, a pushed shaft in time: no one's name hangs on that.
+            vec![
+                with(geometry, Basis::Round { order }),
+                with(geometry, Basis::Lagged { order }),
+            ]
         }
         Some(&Basis::Round { order }) => vec![
             with(Mechanism::GearMesh, Basis::TorqueOrder { order }),
             tone(order),
         ],
         Some(&Basis::TorqueOrder { order }) => {
-            vec![with(Mechanism::Bearing, Basis::Round { order }), tone(order)]
+            vec![
+                with(Mechanism::Bearing, Basis::Round { order }),
+                with(Mechanism::Bearing, Basis::Lagged { order }),
+                tone(order),
+            ]
         }
         Some(&Basis::TorqueTone { f_hz }) => {
             let order = TAU * f_hz / turning;
-            let order = if order.fract() == 0.0 { order + 1e-9 } else { order };
+            let order = if order.fract() == 0.0 {
+                order + 1e-9
+            } else {
+                order
+            };
             vec![
                 with(Mechanism::GearMesh, Basis::TorqueOrder { order }),
                 with(Mechanism::Bearing, Basis::Round { order }),
@@ -89,11 +103,19 @@ fn alternatives(board: &Board, found: &Found) -> Vec<Hypothesis> {
         }
         Some(Basis::Width { .. }) => vec![
             with(Mechanism::EdgeDelay, Basis::RiseLate { channel: None }),
-            each(Mechanism::EdgeDelay, &|c| Basis::RiseLate { channel: Some(c) }, 0),
+            each(
+                Mechanism::EdgeDelay,
+                &|c| Basis::RiseLate { channel: Some(c) },
+                0,
+            ),
         ],
         Some(Basis::RiseLate { .. }) if found.hypothesis.bases.len() <= channels => vec![
             with(Mechanism::WidthError, Basis::Width { channel: None }),
-            each(Mechanism::WidthError, &|c| Basis::Width { channel: Some(c) }, 0),
+            each(
+                Mechanism::WidthError,
+                &|c| Basis::Width { channel: Some(c) },
+                0,
+            ),
         ],
         Some(Basis::Shift { .. }) => vec![each(
             Mechanism::ChannelSkew,

@@ -123,8 +123,13 @@ fn noise(
     searched: &Searched,
     concluded: &mut Conclusion,
 ) -> Vec<Finding> {
-    let before = given.fit(given.nuisances()).unwrap_or_else(|| Model::none(given));
-    let rhythms = searched.found.iter().filter(|f| f.hypothesis.rhythm().is_some());
+    let before = given
+        .fit(given.nuisances())
+        .unwrap_or_else(|| Model::none(given));
+    let rhythms = searched
+        .found
+        .iter()
+        .filter(|f| f.hypothesis.rhythm().is_some());
     let squares: f64 = rhythms.map(|f| f.score).sum();
     let mut noise: Vec<NoiseFinding> = Vec::new();
     if squares > 0.0 || concluded.nameless.is_some() {
@@ -132,18 +137,25 @@ fn noise(
         // A mode or a task is one thing where rhythms are many.
         noise.retain(|one| match one.mechanism {
             Mechanism::TorsionalResonance => one.delta_bic > 0.3 * squares,
-            Mechanism::CaptureLatency => one.delta_bic > 0.8 * squares && !one.frequencies_hz.is_empty(),
+            Mechanism::CaptureLatency => {
+                one.delta_bic > 0.8 * squares && !one.frequencies_hz.is_empty()
+            }
             _ => false,
         });
         if !noise.is_empty() {
-            concluded.named.retain(|name| name.hypothesis.rhythm().is_none());
+            concluded
+                .named
+                .retain(|name| name.hypothesis.rhythm().is_none());
             concluded.nameless = None;
         }
     }
     if noise.is_empty() && concluded.nameless.is_none() {
         noise = noise_findings(board, &searched.model);
     }
-    noise.iter().map(|one| of_noise(one, &rig[0].twin)).collect()
+    noise
+        .iter()
+        .map(|one| of_noise(one, &rig[0].twin))
+        .collect()
 }
 
 /// A diagnosis of what stands for itself.

@@ -48,11 +48,17 @@ fn load(bench: &Bench, left: &[f64]) -> Option<Hypothesis> {
     }
     let time = |cell: usize| start + long * cell as f64 / CELLS as f64;
     // A push into the end has no end.
-    let until_s = if best.2 == CELLS { f64::INFINITY } else { time(best.2) };
-    let from_s = if best.1 == 0 { f64::NEG_INFINITY } else { time(best.1) };
-    (best.0 > WORTH).then(|| {
-        Hypothesis::of(Mechanism::LoadStep, Basis::Load { from_s, until_s })
-    })
+    let until_s = if best.2 == CELLS {
+        f64::INFINITY
+    } else {
+        time(best.2)
+    };
+    let from_s = if best.1 == 0 {
+        f64::NEG_INFINITY
+    } else {
+        time(best.1)
+    };
+    (best.0 > WORTH).then(|| Hypothesis::of(Mechanism::LoadStep, Basis::Load { from_s, until_s }))
 }
 
 /// Places of the disc that are most clearly out of line, by kind of edge.
@@ -80,7 +86,10 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
     for &(channel, rises) in &kinds {
         let mask: Vec<f64> = (0..edges)
             .map(|edge| {
-                let change = super::basis::change_of((edge + first.seen.shift as usize) % classes as usize, classes);
+                let change = super::basis::change_of(
+                    (edge + first.seen.shift as usize) % classes as usize,
+                    classes,
+                );
                 let hit = channel.is_none_or(|c| c == change.channel)
                     && rises.is_none_or(|r| r == change.rises);
                 f64::from(u8::from(hit))
@@ -92,9 +101,18 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
                 continue;
             }
             let smooth = smoothed(&masked, width);
-            let (at, peak) = smooth.iter().copied().enumerate().fold((0, 0.0), |best: (usize, f64), (at, v)| {
-                if v.abs() > best.1 { (at, v.abs()) } else { best }
-            });
+            let (at, peak) =
+                smooth
+                    .iter()
+                    .copied()
+                    .enumerate()
+                    .fold((0, 0.0), |best: (usize, f64), (at, v)| {
+                        if v.abs() > best.1 {
+                            (at, v.abs())
+                        } else {
+                            best
+                        }
+                    });
             let basis = Basis::Bump {
                 angle_rad: at as f64 * step,
                 width_rad: width * step,
@@ -102,7 +120,10 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
                 rises,
             };
             // The bump's own size is close to that of any other of its kind: no need to know it before it may win.
-            best.push((peak / width.sqrt(), Hypothesis::of(Mechanism::LocalDefect, basis)));
+            best.push((
+                peak / width.sqrt(),
+                Hypothesis::of(Mechanism::LocalDefect, basis),
+            ));
         }
     }
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -113,7 +134,10 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
 /// How strongly what is left pulls at every edge of the disc: the gradient of the sum of squares.
 #[must_use]
 pub fn pull(board: &Board, model: &Model) -> Vec<f64> {
-    let edges = board.benches.first().map_or(0, |bench| bench.seen.edges as usize);
+    let edges = board
+        .benches
+        .first()
+        .map_or(0, |bench| bench.seen.edges as usize);
     let mut pull = vec![0.0; edges];
     for (bench, left) in board.benches.iter().zip(&model.left) {
         let mut back = left.clone();
@@ -128,7 +152,9 @@ pub fn pull(board: &Board, model: &Model) -> Vec<f64> {
 /// Around the turn, with a Gaussian of so many edges.
 fn smoothed(values: &[f64], width: f64) -> Vec<f64> {
     let reach = (3.5 * width).ceil() as usize;
-    let kernel: Vec<f64> = (0..=reach).map(|d| (-0.5 * (d as f64 / width).powi(2)).exp()).collect();
+    let kernel: Vec<f64> = (0..=reach)
+        .map(|d| (-0.5 * (d as f64 / width).powi(2)).exp())
+        .collect();
     let count = values.len();
     (0..count)
         .map(|at| {
@@ -148,7 +174,11 @@ pub fn alone(board: &Board, model: &Model, hypothesis: &Hypothesis) -> f64 {
     let each = columns.iter().map(|column| {
         let norm = super::board::product(column, column);
         let share = with_rows(column, &model.left);
-        if norm > 0.0 { share * share / norm } else { 0.0 }
+        if norm > 0.0 {
+            share * share / norm
+        } else {
+            0.0
+        }
     });
     each.sum()
 }

@@ -94,7 +94,11 @@ fn once(board: &mut Board) -> Option<Searched> {
         proposed.extend(defects(board, &model));
         let best = best(board, &model, &mut shelf, proposed);
         let score = best.as_ref().map_or(0.0, |best| best.score);
-        let whole = if patterns < PATTERNS { disc::pattern(board, &model) } else { None };
+        let whole = if patterns < PATTERNS {
+            disc::pattern(board, &model)
+        } else {
+            None
+        };
         if let Some(whole) = whole.filter(|whole| whole.score > score.max(BEYOND)) {
             patterns += 1;
             let before = squares(&model);
@@ -145,7 +149,12 @@ fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
 }
 
 /// The best hypothesis on top of a model.
-fn best(board: &Board, model: &Model, shelf: &mut Shelf, proposed: Vec<Hypothesis>) -> Option<Found> {
+fn best(
+    board: &Board,
+    model: &Model,
+    shelf: &mut Shelf,
+    proposed: Vec<Hypothesis>,
+) -> Option<Found> {
     let mut tried: Vec<Weighed> = proposed
         .into_iter()
         .filter_map(|hypothesis| {
@@ -159,7 +168,10 @@ fn best(board: &Board, model: &Model, shelf: &mut Shelf, proposed: Vec<Hypothesi
     let mut closer: Vec<Weighed> = Vec::new();
     let mut kinds: Vec<(crate::mechanism::Mechanism, i64)> = Vec::new();
     for one in tried {
-        let kind = (one.hypothesis.mechanism, one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64));
+        let kind = (
+            one.hypothesis.mechanism,
+            one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64),
+        );
         let again = kinds.iter().filter(|k| **k == kind).count();
         if one.score < 0.3 * top || again >= 1 || closer.len() >= 6 {
             continue;
@@ -182,7 +194,11 @@ impl Searched {
     /// What everything found makes of the angles of each recording, rad.
     #[must_use]
     pub fn explained(&self, board: &Board) -> Vec<Vec<f64>> {
-        let mut sums: Vec<Vec<f64>> = board.benches.iter().map(|b| vec![0.0; b.seen.len()]).collect();
+        let mut sums: Vec<Vec<f64>> = board
+            .benches
+            .iter()
+            .map(|b| vec![0.0; b.seen.len()])
+            .collect();
         // White, what is explained is what is not left; the noise needs it as angles, and those come from the patterns anew.
         for (bases, sizes) in self.sized(board) {
             for (columns, size) in bases.iter().zip(sizes) {

@@ -52,7 +52,47 @@ impl Seen {
             ..Self::default()
         };
         seen.compare(track, twin, &still, &law);
+        if !track.anchored {
+            seen.align();
+        }
         Ok(seen)
+    }
+
+    /// Without an index the start says which edge is the first, give or take a line: the known errors fit best where they belong.
+    fn align(&mut self) {
+        const LINES: i64 = 3;
+        if self.errors.iter().all(|error| *error == 0.0) {
+            return;
+        }
+        let error = |place: i64| {
+            let edge = (place - self.shift).rem_euclid(self.edges);
+            self.errors.get(edge as usize).copied().unwrap_or(0.0)
+        };
+        let roughness = |lines: i64| -> f64 {
+            let moved = |at: usize| {
+                let place = self.places[at];
+                self.angles[at] + error(place) - error(place + lines * self.classes)
+            };
+            let steps = (1..self.len().min(20_000)).map(|at| moved(at) - moved(at - 1));
+            steps.map(|step| step * step).sum()
+        };
+        let each = (-LINES..=LINES).map(|lines| (lines, roughness(lines)));
+        let Some((lines, least)) = each.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return;
+        };
+        if lines == 0 || least > 0.8 * roughness(0) {
+            return;
+        }
+        let shift = lines * self.classes;
+        let moves: Vec<f64> = self
+            .places
+            .iter()
+            .map(|place| error(*place) - error(place + shift))
+            .collect();
+        for ((angle, place), by) in self.angles.iter_mut().zip(&mut self.places).zip(moves) {
+            *angle += by;
+            *place += shift;
+        }
     }
 
     /// Edges compared.
@@ -67,11 +107,16 @@ impl Seen {
         self.places.is_empty()
     }
 
-    /// True angle of an edge as the twin's disc has it, rad, turns counted through.
+    /// Angle of an edge on the grid, rad, turns counted through.
     #[must_use]
     pub fn theta(&self, at: usize) -> f64 {
-        let error = self.errors.get(self.edge(at)).copied().unwrap_or(0.0);
-        (self.places[at] - self.shift) as f64 * (TAU / self.edges as f64) - error
+        (self.places[at] - self.shift) as f64 * (TAU / self.edges as f64)
+    }
+
+    /// True angle of an edge as the twin's disc has it, rad.
+    #[must_use]
+    pub fn true_theta(&self, at: usize) -> f64 {
+        self.theta(at) - self.errors.get(self.edge(at)).copied().unwrap_or(0.0)
     }
 
     /// Class of an edge.

@@ -51,7 +51,9 @@ pub fn settle(
     for (bench, found) in given.benches.iter_mut().zip(&board.benches) {
         bench.set_noise(found.noise);
     }
-    let before = given.fit(given.nuisances()).unwrap_or_else(|| Model::none(&given));
+    let before = given
+        .fit(given.nuisances())
+        .unwrap_or_else(|| Model::none(&given));
     let chosen = chosen(&board, &searched, &concluded);
     let mut numbers = estimates(&board, &chosen);
     let mended = |numbers: &[Estimate]| mended(rig, &given, &chosen, numbers);
@@ -82,13 +84,17 @@ pub fn settle(
         }
     }
     let (twins, error_lists) = mended(&numbers);
-    let after = again.fit(again.nuisances()).unwrap_or_else(|| Model::none(&again));
+    let after = again
+        .fit(again.nuisances())
+        .unwrap_or_else(|| Model::none(&again));
     let whiteness = (leftovers(&given, &before).1, leftovers(&again, &after).1);
     let fit = Fit {
         rms_after_rad: judge::rms_rad(&again, &after),
         ..judge::fit(&given, &before, &chosen, whiteness)
     };
-    let class_names = rig.first().map_or(&[][..], |one| one.plan.kind.class_names());
+    let class_names = rig
+        .first()
+        .map_or(&[][..], |one| one.plan.kind.class_names());
     Ok(Settled {
         given,
         before,
@@ -152,14 +158,23 @@ fn rests(board: &Board, chosen: &Searched) -> Option<Vec<Vec<f64>>> {
     for found in &chosen.found {
         let own = found.hypothesis.columns(board);
         // One that does not show was left out of the fit.
-        let own = if own.len() == found.columns.len() { own } else { found.columns.clone() };
+        let own = if own.len() == found.columns.len() {
+            own
+        } else {
+            found.columns.clone()
+        };
         ranges.push(at..at + own.len());
         at += own.len();
         columns.extend(own);
     }
     let model = board.fit(columns)?;
     let sizes = model.sizes.as_slice();
-    Some(ranges.into_iter().map(|range| sizes[range].to_vec()).collect())
+    Some(
+        ranges
+            .into_iter()
+            .map(|range| sizes[range].to_vec())
+            .collect(),
+    )
 }
 
 /// Largest rest in standard errors.
@@ -193,7 +208,10 @@ fn mended(
         }
         let list = (!mended.errors_rad.is_empty()).then(|| {
             let known = &given.benches[number].seen.errors;
-            let sum = known.iter().zip(&mended.errors_rad).map(|(known, more)| known + more);
+            let sum = known
+                .iter()
+                .zip(&mended.errors_rad)
+                .map(|(known, more)| known + more);
             sum.collect::<Vec<f64>>()
         });
         if let Some(list) = &list {

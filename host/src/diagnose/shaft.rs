@@ -63,7 +63,8 @@ impl ShaftLaw {
         let mut damping = self.viscous + 2.0 * self.drag * speed.abs();
         if self.stribeck > 0.0 {
             let over = speed / self.stribeck_rad_s;
-            damping -= 2.0 * self.stribeck * over.abs() / self.stribeck_rad_s * (-over * over).exp();
+            damping -=
+                2.0 * self.stribeck * over.abs() / self.stribeck_rad_s * (-over * over).exp();
         }
         if self.driven(time_s) {
             damping += self.stiffness;

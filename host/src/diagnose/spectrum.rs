@@ -16,7 +16,12 @@ impl Spectrum {
     /// unit is left out.
     #[must_use]
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub fn of(numbers: impl Iterator<Item = (f64, f64)>, length: f64, cell: f64, most: f64) -> Self {
+    pub fn of(
+        numbers: impl Iterator<Item = (f64, f64)>,
+        length: f64,
+        cell: f64,
+        most: f64,
+    ) -> Self {
         // Twice as long, so that a rhythm between two entries is not missed.
         let cells = good_size(((2.0 * length / cell) as usize).max(64));
         let mut planner = RealFftPlanner::<f64>::new();
@@ -61,14 +66,22 @@ impl Spectrum {
             if power <= above {
                 continue;
             }
-            let around = &self.powers[at.saturating_sub(reach)..(at + reach + 1).min(self.powers.len())];
+            let around =
+                &self.powers[at.saturating_sub(reach)..(at + reach + 1).min(self.powers.len())];
             if around.iter().any(|other| *other > power) {
                 continue;
             }
-            let side = |at: Option<usize>| at.and_then(|at| self.powers.get(at)).map_or(0.0, |p| p.sqrt());
+            let side = |at: Option<usize>| {
+                at.and_then(|at| self.powers.get(at))
+                    .map_or(0.0, |p| p.sqrt())
+            };
             let (before, here, after) = (side(at.checked_sub(1)), power.sqrt(), side(Some(at + 1)));
             let bend = before - 2.0 * here + after;
-            let shift = if at == 0 || bend >= 0.0 { 0.0 } else { 0.5 * (before - after) / bend };
+            let shift = if at == 0 || bend >= 0.0 {
+                0.0
+            } else {
+                0.5 * (before - after) / bend
+            };
             peaks.push(((at as f64 + shift) * self.step, power));
         }
         peaks.sort_by(|a, b| b.1.total_cmp(&a.1));

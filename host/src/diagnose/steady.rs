@@ -44,7 +44,9 @@ pub fn steadiness(board: &Board, model: &Model, columns: &[Column]) -> Steadines
             let gram = DMatrix::from_fn(count, count, |i, j| product(parts[i], parts[j]));
             let right = DVector::from_fn(count, |i, _| product(parts[i], left));
             let scale = gram.diagonal().max();
-            if let Some(solved) = (gram + DMatrix::identity(count, count) * (1e-9 * scale)).cholesky().map(|c| c.solve(&right))
+            if let Some(solved) = (gram + DMatrix::identity(count, count) * (1e-9 * scale))
+                .cholesky()
+                .map(|c| c.solve(&right))
                 && solved.iter().all(|x| x.is_finite())
             {
                 squares += solved.dot(&right);

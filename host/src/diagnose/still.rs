@@ -108,7 +108,9 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
         && still.speed_drift.is_none()
     {
         match &mut still.drive {
-            Drive::Constant { r_min } => *r_min = mean_r_min(track, &longest.marks).unwrap_or(*r_min),
+            Drive::Constant { r_min } => {
+                *r_min = mean_r_min(track, &longest.marks).unwrap_or(*r_min)
+            }
             Drive::RunDown { r_min, off_s } => {
                 let driven = longest.marks.partition_point(|mark| mark.time_s < *off_s);
                 *r_min = mean_r_min(track, &longest.marks[..driven]).unwrap_or(*r_min);

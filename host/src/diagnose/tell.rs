@@ -7,7 +7,8 @@ use super::beside::put_in;
 use super::board::Bench;
 use super::conclude::Name;
 use super::diagnosis::{
-    Diagnosis, Evidence, Finding, NextRecording, Parameter, Place, RecordingFacts, RunnerUp, Verdict,
+    Diagnosis, Evidence, Finding, NextRecording, Parameter, Place, RecordingFacts, RunnerUp,
+    Verdict,
 };
 use super::named::parameters;
 use super::plots;
@@ -28,7 +29,9 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
         .map(|(name, estimate)| finding(settled, name, parameters(estimate)))
         .collect();
     one_disc(&mut findings);
-    findings.extend(disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)));
+    findings.extend(
+        disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)),
+    );
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
     for twin in &mut twins {
@@ -37,7 +40,9 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
     findings.extend(beside);
     findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
     let verdict = verdict(&findings);
-    let next = findings.iter().find_map(|finding| finding.next_recording.clone());
+    let next = findings
+        .iter()
+        .find_map(|finding| finding.next_recording.clone());
     Diagnosed {
         shown: plots::shown(settled, &findings),
         diagnosis: Diagnosis {
@@ -58,7 +63,10 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
 #[must_use]
 pub fn verdict(findings: &[Finding]) -> Verdict {
     let unknown = findings.iter().any(|f| f.mechanism == Mechanism::Unknown);
-    let known = findings.iter().filter(|f| f.mechanism != Mechanism::Unknown).count();
+    let known = findings
+        .iter()
+        .filter(|f| f.mechanism != Mechanism::Unknown)
+        .count();
     match (unknown, known) {
         (false, 0) => Verdict::Complete,
         (true, 0) => Verdict::Unknown,
@@ -80,7 +88,9 @@ pub fn summary(verdict: Verdict, findings: &[Finding]) -> String {
     let names = names.join(", ");
     match verdict {
         Verdict::Complete => "The twin explains the recording: what is left is noise.".to_owned(),
-        Verdict::Explained => format!("The twin lacked: {names}. With that, what is left is noise."),
+        Verdict::Explained => {
+            format!("The twin lacked: {names}. With that, what is left is noise.")
+        }
         Verdict::Partly => format!("The twin lacked: {names}; something without a name is left."),
         Verdict::Ambiguous => {
             format!("The twin lacked: {names}; this recording allows other names for it.")
@@ -142,7 +152,10 @@ fn one_disc(findings: &mut Vec<Finding>) {
         }
         if first && orders.len() > 1 {
             finding.place.orders.clone_from(&orders);
-            finding.text = format!("{} orders of the turn, the same angle at any speed", orders.len());
+            finding.text = format!(
+                "{} orders of the turn, the same angle at any speed",
+                orders.len()
+            );
         }
         std::mem::take(&mut first)
     });
@@ -159,7 +172,10 @@ fn disc(settled: &Settled) -> Option<Finding> {
     };
     Some(Finding {
         mechanism: Mechanism::LineError,
-        text: format!("every edge has an error of its own, {:.3e} rad RMS, once a turn", pattern.rms_rad),
+        text: format!(
+            "every edge has an error of its own, {:.3e} rad RMS, once a turn",
+            pattern.rms_rad
+        ),
         confidence: 1.0,
         parameters: BTreeMap::from([("rms_rad".to_owned(), rms)]),
         place: Place::default(),
@@ -217,7 +233,9 @@ fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Parameter
     let mut place = Place::default();
     let value = |name: &str| parameters.get(name).map(|p| p.value);
     place.orders.extend(value("order"));
-    place.frequencies_hz.extend(value("f_hz").or(value("task_hz")));
+    place
+        .frequencies_hz
+        .extend(value("f_hz").or(value("task_hz")));
     place.times_s.extend(value("from_s"));
     place.times_s.extend(value("until_s"));
     if let Basis::Round { order } = name.hypothesis.bases[0]
@@ -230,7 +248,12 @@ fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Parameter
     };
     let names = settled.class_names();
     let hit: Vec<usize> = (0..first.seen.classes as usize)
-        .filter(|class| hits(name.hypothesis.bases[0], change_of(*class, first.seen.classes)))
+        .filter(|class| {
+            hits(
+                name.hypothesis.bases[0],
+                change_of(*class, first.seen.classes),
+            )
+        })
         .collect();
     if hit.len() < names.len() {
         place.edge_classes = hit.iter().map(|class| names[*class].to_owned()).collect();
@@ -240,10 +263,14 @@ fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Parameter
             angle_rad, channel, ..
         } => {
             place.angles_deg = vec![value("angle_rad").unwrap_or(angle_rad).to_degrees()];
-            place.channels.extend(channel.map(|c| CHANNELS[c].to_owned()));
+            place
+                .channels
+                .extend(channel.map(|c| CHANNELS[c].to_owned()));
         }
         Basis::LevelTone { channel, .. } => {
-            place.channels.extend(channel.map(|c| CHANNELS[c].to_owned()));
+            place
+                .channels
+                .extend(channel.map(|c| CHANNELS[c].to_owned()));
         }
         Basis::Shift { channel } | Basis::Late { channel } => {
             place.channels.push(CHANNELS[channel].to_owned());
@@ -276,18 +303,30 @@ fn text(settled: &Settled, name: &Name, place: &Place) -> String {
         place.edge_classes.join(", ")
     };
     match name.hypothesis.bases[0] {
-        Basis::Round { .. } => format!("order {order}, {edges}, the same angle at any speed"),
-        Basis::TorqueOrder { .. } => format!("order {order:.4}, {edges}, smaller the faster it turns"),
+        Basis::Round { .. } | Basis::Lagged { .. } => {
+            format!("order {order}, {edges}, the same angle at any speed")
+        }
+        Basis::TorqueOrder { .. } => {
+            format!("order {order:.4}, {edges}, smaller the faster it turns")
+        }
         Basis::TorqueTone { .. } => format!("{f_hz:.4} Hz, {edges}"),
         Basis::LevelTone { .. } => format!("{f_hz:.4} Hz, rising against falling edges ({edges})"),
         Basis::Width { .. } => format!("{edges} against the others, the same angle throughout"),
-        Basis::RiseLate { .. } => "rising against falling edges, the same time throughout".to_owned(),
+        Basis::RiseLate { .. } => {
+            "rising against falling edges, the same time throughout".to_owned()
+        }
         Basis::Shift { .. } => format!("{edges} against the others, the same angle throughout"),
         Basis::Late { .. } => format!("{edges} against the others, the same time throughout"),
         Basis::LevelDrift { .. } => {
-            format!("rising against falling edges, from {:.3} s on", first(&place.times_s))
+            format!(
+                "rising against falling edges, from {:.3} s on",
+                first(&place.times_s)
+            )
         }
-        Basis::Bump { .. } => format!("{edges}, at {:.2} degrees, once a turn", first(&place.angles_deg)),
+        Basis::Bump { .. } => format!(
+            "{edges}, at {:.2} degrees, once a turn",
+            first(&place.angles_deg)
+        ),
         Basis::Load { .. } => match place.times_s.as_slice() {
             [from, until] => format!("a push from {from:.4} to {until:.4} s"),
             _ => "a push from beginning or to the end".to_owned(),

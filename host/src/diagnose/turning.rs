@@ -35,7 +35,9 @@ impl Seen {
         };
         let mut before: Option<(Mark, i64)> = None;
         for ((mark, direction), there) in marks.iter().zip(course) {
-            let Some((angle, speed)) = there else { continue };
+            let Some((angle, speed)) = there else {
+                continue;
+            };
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
                 let apart = (mark.place - last.0.place) * direction;
@@ -85,8 +87,13 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     // size sin(x + phase)
     let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
     for ripple in twin.ripple.iter().chain(&twin.gear_mesh) {
-        let basis = Basis::TorqueOrder { order: ripple.order };
-        known.push((basis, round(ripple.torque_n_m.unwrap_or(0.0), ripple.phase_rad)));
+        let basis = Basis::TorqueOrder {
+            order: ripple.order,
+        };
+        known.push((
+            basis,
+            round(ripple.torque_n_m.unwrap_or(0.0), ripple.phase_rad),
+        ));
     }
     for bearing in &twin.bearing {
         let order = bearing.order;
@@ -126,7 +133,11 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     }
     let delay = twin.edge_delay.unwrap_or_default();
     let skew = twin.channel_skew.unwrap_or_default();
-    let channels: [(RiseFall, f64); 3] = [(delay.a, skew.a_s), (delay.b, skew.b_s), (delay.c, skew.c_s)];
+    let channels: [(RiseFall, f64); 3] = [
+        (delay.a, skew.a_s),
+        (delay.b, skew.b_s),
+        (delay.c, skew.c_s),
+    ];
     for (channel, (delay, skew)) in channels.into_iter().enumerate() {
         let rise = Basis::RiseLate {
             channel: Some(channel),
@@ -134,7 +145,8 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
         known.push((rise, vec![delay.rise_s - delay.fall_s]));
         known.push((Basis::Late { channel }, vec![delay.fall_s + skew]));
     }
-    let play = twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad);
+    let play =
+        twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad);
     known.push((Basis::Direction, vec![play]));
     known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
     known
@@ -142,7 +154,11 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
 
 /// The twin's shaft without disturbance, by the cubic through four of its edges.
 fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
-    let course: Vec<Mark> = still.pace.iter().flat_map(|s| s.marks.iter().copied()).collect();
+    let course: Vec<Mark> = still
+        .pace
+        .iter()
+        .flat_map(|s| s.marks.iter().copied())
+        .collect();
     let (Some(first), Some(last)) = (course.first(), course.last()) else {
         return vec![None; marks.len()];
     };
@@ -154,10 +170,12 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
         while near + 4 < course.len() && course[near + 2].time_s < mark.time_s {
             near += 1;
         }
-        (first.time_s..=last.time_s).contains(&mark.time_s).then(|| {
-            let (place, rate) = through(&course[near..near + 4], mark.time_s);
-            (place * step, rate * step)
-        })
+        (first.time_s..=last.time_s)
+            .contains(&mark.time_s)
+            .then(|| {
+                let (place, rate) = through(&course[near..near + 4], mark.time_s);
+                (place * step, rate * step)
+            })
     });
     each.collect()
 }
@@ -168,7 +186,8 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
     let clock_hz = twin.timer.clock_hz as f64;
     let shaft = &twin.shaft;
     let target = model.target_rad_s;
-    let friction = |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
+    let friction =
+        |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
     let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
     let Some((first, _)) = marks.first() else {
         return Course::new();
@@ -203,7 +222,11 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
         now = mark.time_s;
         let steps = before.map_or(1, |place| (mark.place - place).abs().max(1));
         before = Some(mark.place);
-        let way = if *direction > 0 { Direction::Forward } else { Direction::Reverse };
+        let way = if *direction > 0 {
+            Direction::Forward
+        } else {
+            Direction::Reverse
+        };
         let ticks = (mark.time_s / track.tick_s).round() as u64;
         saw.edge(ticks, way, u32::try_from(steps).unwrap_or(1));
         Some((state[0], target))
@@ -215,7 +238,10 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
 fn through(marks: &[Mark], time_s: f64) -> (f64, f64) {
     let (mut place, mut rate) = (0.0, 0.0);
     for (i, mark) in marks.iter().enumerate() {
-        let others: Vec<f64> = (0..marks.len()).filter(|j| *j != i).map(|j| marks[j].time_s).collect();
+        let others: Vec<f64> = (0..marks.len())
+            .filter(|j| *j != i)
+            .map(|j| marks[j].time_s)
+            .collect();
         let below: f64 = others.iter().map(|t| mark.time_s - t).product();
         let value = mark.place as f64 / below;
         let away: Vec<f64> = others.iter().map(|t| time_s - t).collect();

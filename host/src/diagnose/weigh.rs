@@ -42,7 +42,12 @@ pub struct Weighed {
 
 /// Weighs a hypothesis; none where it can't be told from what is there.
 #[must_use]
-pub fn weigh(board: &Board, model: &Model, hypothesis: Hypothesis, columns: Vec<Column>) -> Option<Weighed> {
+pub fn weigh(
+    board: &Board,
+    model: &Model,
+    hypothesis: Hypothesis,
+    columns: Vec<Column>,
+) -> Option<Weighed> {
     let (shown, gain) = match board.gain(model, &columns) {
         Some(gain) => (columns, gain),
         // A column that does not show here may not keep the others from showing.

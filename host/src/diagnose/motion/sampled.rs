@@ -206,10 +206,7 @@ impl Sampled {
 
 /// Angle and speed after a constant push.
 fn went([angle, speed]: [f64; 2], push: f64, after_s: f64, damping: f64) -> [f64; 2] {
-    let leap = Leap {
-        after_s,
-        damping,
-    };
+    let leap = Leap { after_s, damping };
     let (reach, stays) = leap.reach(after_s);
     let x = damping * after_s;
     let far = if x < 0.01 {

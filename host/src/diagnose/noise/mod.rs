@@ -64,11 +64,18 @@ pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
     // A task is a pattern, but moves edges as no other does.
     let task = task::find(board, &left.left);
     let mut rest = left.left.clone();
-    for (rest, column) in rest.iter_mut().zip(task.iter().flat_map(|task| &task.column.0)) {
+    for (rest, column) in rest
+        .iter_mut()
+        .zip(task.iter().flat_map(|task| &task.column.0))
+    {
         let each = rest.iter_mut().zip(column.iter().flatten());
         each.for_each(|(rest, late)| *rest -= late);
     }
-    let mode = if task.is_some() { None } else { resonance::find(board, left) };
+    let mode = if task.is_some() {
+        None
+    } else {
+        resonance::find(board, left)
+    };
     let levels = levels::fit(board, &rest);
     // A mode makes torque noise uneven and so moves the levels; stamps do not make a mode.
     let resonant = mode.filter(|mode| mode.gain > levels.gain() - 20.0);
@@ -76,7 +83,11 @@ pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
         return vec![mode.finding(board)];
     }
     let mut found: Vec<NoiseFinding> = task.into_iter().map(|task| task.finding).collect();
-    let bursts = if found.is_empty() { bursts::find(board, &levels) } else { None };
+    let bursts = if found.is_empty() {
+        bursts::find(board, &levels)
+    } else {
+        None
+    };
     if bursts.is_none() && flat::is_flat(board, &levels) {
         found.extend(jitter::find(board, &levels));
     }

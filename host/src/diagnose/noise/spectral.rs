@@ -62,10 +62,7 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
     let spectrum = Spectrum::of(numbers, length, cell, most);
     let speed2 = seen.speeds.iter().map(|w| w * w).sum::<f64>() / count;
     let floor = bench.noise.stamp_s * bench.noise.stamp_s * speed2 / rate;
-    let damping = bench
-        .law
-        .damping(first, seen.mean_speed())
-        + bench.noise.forgets_per_s;
+    let damping = bench.law.damping(first, seen.mean_speed()) + bench.noise.forgets_per_s;
     // Every other entry: the spectrum is twice as fine as the recording is long.
     let lines: Vec<(f64, f64)> = (2..spectrum.powers.len())
         .step_by(2)

@@ -96,8 +96,7 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
     let errors = errors(&rows, &numbers);
     let first = &rows[0];
     let phase = (numbers[2] - first.bench.seen.times_s[0]).rem_euclid(1.0 / numbers[0]);
-    let phase = (phase + first.bench.seen.times_s[0])
-        .rem_euclid(1.0 / numbers[0]);
+    let phase = (phase + first.bench.seen.times_s[0]).rem_euclid(1.0 / numbers[0]);
     let values = [
         ("task_hz", numbers[0], "Hz"),
         ("busy_s", numbers[1], "s"),
