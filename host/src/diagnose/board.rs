@@ -446,7 +446,7 @@ impl Board {
             gram -= across.transpose() * factor.solve(&across);
         }
         // What the model has already can't be sized.
-        if (0..new).any(|i| !(gram[(i, i)] > 1e-7 * whole[i])) {
+        if (0..new).any(|i| gram[(i, i)].is_nan() || gram[(i, i)] <= 1e-7 * whole[i]) {
             return None;
         }
         let scale: Vec<f64> = (0..new).map(|i| gram[(i, i)].sqrt().recip()).collect();

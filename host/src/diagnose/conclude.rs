@@ -220,6 +220,8 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
         .filter(|one| score - one.1 < ALIKE)
         .map(|one| one.0.mechanism)
         .collect();
+    alike.sort_unstable();
+    alike.dedup();
     let same = same_mark(&hypothesis);
     alike.extend(same.iter().filter(|m| **m != hypothesis.mechanism));
     let weights: f64 = others

@@ -12,7 +12,7 @@ use super::weigh::{Shelf, Weighed, weigh};
 /// Mechanisms at the most.
 const MOST: usize = 12;
 /// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
-pub const BEYOND: f64 = 40.0;
+pub const BEYOND: f64 = 60.0;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.

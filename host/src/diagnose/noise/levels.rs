@@ -247,7 +247,7 @@ impl Slopes {
             return ([self.slope[0] / a, 0.0], f64::INFINITY);
         }
         let whole = a * c - b * b;
-        if !(whole > 1e-9 * a * c) {
+        if whole.is_nan() || whole <= 1e-9 * a * c {
             return ([0.0; 2], f64::INFINITY);
         }
         let inverse = [c / whole, -b / whole, a / whole];
