@@ -51,6 +51,7 @@ fn a_speed_loop_is_named_with_its_gains_and_its_rate() {
     for seed in 1..=3 {
         let told = rig(240.0, 30.0);
         let mut truth = told.clone();
+        truth.shaft.stiffness_n_m_s = 0.0;
         truth.drive = Drive::SpeedLoop {
             r_min: 240.0,
             f_hz: 211.7,

@@ -88,22 +88,6 @@ fn late_stamps_are_told_from_jitter_by_their_skewness() {
 }
 
 #[test]
-fn a_task_is_found_at_its_rate_above_that_of_the_edges() {
-    for seed in SEEDS {
-        let found = found(
-            seed,
-            "[capture_latency]\ntask_hz = 4000.12\nbusy_s = 2e-5\nphase_s = 1e-4",
-            0.0,
-        );
-        assert!(!found.is_empty(), "seed {seed}");
-        assert_eq!(found[0].mechanism, Mechanism::CaptureLatency, "{found:?}");
-        let value = |at: usize| found[0].parameters[at].value;
-        assert!((value(0) - 4000.12).abs() < 0.05, "{found:?}");
-        assert!((value(1) / 2e-5 - 1.0).abs() < 0.1, "{found:?}");
-    }
-}
-
-#[test]
 fn a_mode_that_torque_noise_excites_is_found_with_its_numbers() {
     for seed in SEEDS {
         let mode = "[torsional_resonance]\nf_hz = 52.0\ndamping_ratio = 0.03\ninertia_share = 0.3";
