@@ -1,0 +1,47 @@
+//! A fixed small sample of the blind trial: what is found must not fall below what was reached.
+
+use std::path::Path;
+
+use quadcal_host_tests::trial::cases::Folders;
+use quadcal_host_tests::trial::figures::{Figure, figures};
+use quadcal_host_tests::trial::run::Quadcal;
+
+const CASES: usize = 26;
+const SEED: u64 = 11;
+
+/// Value of the figure whose name begins like this.
+fn value(figures: &[Figure], name: &str) -> f64 {
+    let figure = figures.iter().find(|figure| figure.name.starts_with(name));
+    figure.and_then(|figure| figure.value).unwrap_or_else(|| panic!("no figure {name}"))
+}
+
+#[test]
+fn a_small_blind_trial_finds_what_it_found_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::within(folder.path());
+    folders.draw(CASES, SEED, None, 2, || {}).unwrap();
+    let quadcal = Quadcal {
+        program: Path::new(env!("CARGO_BIN_EXE_quadcal-under-test")).to_owned(),
+    };
+    let names = folders.names().unwrap();
+    let scores = folders.judge(&names, &quadcal, 2, || {}).unwrap();
+    let figures = figures(&scores);
+    let at_least = [
+        ("the same, one only", 0.8),
+        ("the same, masked only", 0.99),
+        ("two or three effects: all named", 0.49),
+        ("physics in no catalogue called unknown", 0.66),
+        ("95 % intervals", 0.85),
+        ("reducible RMS", 0.9),
+        ("ambiguous pairs", 0.66),
+    ];
+    for (name, least) in at_least {
+        let value = value(&figures, name);
+        assert!(value >= least, "{name}: {value}, {least} before");
+    }
+    let at_most = [("runs that failed", 0.0), ("physics in no catalogue given", 0.0)];
+    for (name, most) in at_most {
+        let value = value(&figures, name);
+        assert!(value <= most, "{name}: {value}, {most} before");
+    }
+}
