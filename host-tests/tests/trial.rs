@@ -12,7 +12,9 @@ const SEED: u64 = 11;
 /// Value of the figure whose name begins like this.
 fn value(figures: &[Figure], name: &str) -> f64 {
     let figure = figures.iter().find(|figure| figure.name.starts_with(name));
-    figure.and_then(|figure| figure.value).unwrap_or_else(|| panic!("no figure {name}"))
+    figure
+        .and_then(|figure| figure.value)
+        .unwrap_or_else(|| panic!("no figure {name}"))
 }
 
 #[test]
@@ -39,7 +41,10 @@ fn a_small_blind_trial_finds_what_it_found_before() {
         let value = value(&figures, name);
         assert!(value >= least, "{name}: {value}, {least} before");
     }
-    let at_most = [("runs that failed", 0.0), ("physics in no catalogue given", 0.0)];
+    let at_most = [
+        ("runs that failed", 0.0),
+        ("physics in no catalogue given", 0.0),
+    ];
     for (name, most) in at_most {
         let value = value(&figures, name);
         assert!(value <= most, "{name}: {value}, {most} before");
