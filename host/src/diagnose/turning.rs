@@ -34,10 +34,13 @@ impl Seen {
             None => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
-        for ((mark, direction), there) in marks.iter().zip(course) {
+        // What nothing holds goes at its own speed, not at the twin's.
+        let measured = if law.held() { Vec::new() } else { speeds(&marks, track) };
+        for (at, ((mark, direction), there)) in marks.iter().zip(course).enumerate() {
             let Some((angle, speed)) = there else {
                 continue;
             };
+            let speed = measured.get(at).copied().flatten().unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
                 let apart = (mark.place - last.0.place) * direction;
@@ -232,6 +235,26 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
         Some((state[0], target))
     });
     each.collect()
+}
+
+/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; none where the
+/// direction does not hold for so long.
+fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
+    const FINE: i64 = 240;
+    let step = TAU / track.edges as f64;
+    let lines = track.edges / track.classes;
+    let window = if track.edges <= FINE { track.edges } else { track.classes * (lines / 60).max(1) };
+    let half = (window / 2).max(1) as usize;
+    (0..marks.len())
+        .map(|at| {
+            let from = at.saturating_sub(half);
+            let until = (at + half).min(marks.len() - 1);
+            let way = (marks[until].0.place - marks[from].0.place) as f64 * step;
+            let time = marks[until].0.time_s - marks[from].0.time_s;
+            let straight = way.abs() > 0.9 * (until - from) as f64 * step && until > from;
+            (straight && time > 0.0).then(|| way / time)
+        })
+        .collect()
 }
 
 /// Place and its rate at a time, by the cubic through four edges.
