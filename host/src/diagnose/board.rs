@@ -26,6 +26,8 @@ pub struct Bench {
     pub declared: Option<ShaftNoise>,
     /// Best stamp its timer can give, s.
     pub least_stamp_s: f64,
+    /// Torques that the twin declares: order and N m.
+    pub torques: Vec<(f64, f64)>,
     /// Whether the mean speed is the recording's own, so that a steady push says nothing.
     pub free_speed: bool,
     whitener: Whitener,
@@ -51,6 +53,7 @@ impl Bench {
             declared,
             least_stamp_s,
             free_speed,
+            torques: Vec::new(),
             whitener: Whitener::default(),
             white: Vec::new(),
         };

@@ -131,6 +131,17 @@ fn kin(among: Among) -> Family {
     }
 }
 
+/// Cycles a turn of a hypothesis' rhythm, at the first recording's mean speed where it goes along time.
+#[must_use]
+pub fn cycles_a_turn(board: &Board, hypothesis: &Hypothesis) -> Option<f64> {
+    let rhythm = hypothesis.rhythm()?;
+    let turning = board.benches.first()?.seen.mean_speed() / std::f64::consts::TAU;
+    Some(match hypothesis.bases.first()? {
+        Basis::TorqueTone { .. } | Basis::LevelTone { .. } => rhythm / turning,
+        _ => rhythm,
+    })
+}
+
 /// Rhythms that are too near each other to be mechanisms of their own: a rhythm that changes shows so.
 #[must_use]
 pub fn crowd(board: &Board, found: &[Found]) -> Vec<usize> {

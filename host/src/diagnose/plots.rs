@@ -1,5 +1,6 @@
 //! What a report draws of a diagnosis.
 
+use super::basis::{Basis, Change, change_of};
 use super::board::{Bench, Model};
 use super::diagnosis::Finding;
 use super::locate::{Along, Among, spectrum};
@@ -11,12 +12,12 @@ const POINTS: usize = 360;
 
 /// Curves.
 #[must_use]
-pub fn shown(settled: &Settled, findings: &[Finding]) -> Shown {
+pub fn shown(settled: &Settled, findings: &[(Finding, Option<usize>)]) -> Shown {
     let recordings = settled.given.benches.iter().enumerate();
     Shown {
         findings: findings
             .iter()
-            .map(|finding| plot(settled, finding))
+            .map(|(finding, number)| plot(settled, finding, *number))
             .collect(),
         recordings: recordings
             .map(|(number, bench)| RecordingPlot {
@@ -77,60 +78,118 @@ fn in_orders(bench: &Bench, model: &Model, number: usize) -> (Line, f64) {
     (peaks.collect(), threshold)
 }
 
-/// The residual in the coordinate in which a finding shows.
-fn plot(settled: &Settled, finding: &Finding) -> FindingPlot {
-    let bench = &settled.given.benches[0];
-    let (before, after) = (
-        rad(bench, &settled.before, 0),
-        rad(bench, &settled.after, 0),
-    );
+/// Bins of a finding's plot.
+const BINS: usize = 60;
+
+/// A finding in its coordinate: what it makes, and how much of that the recording shows, bin by bin.
+///
+/// In each bin the finding's mark, as it passes the noise's filter, is fitted to what is left without it: a size of 1 is the finding as
+/// it was found. So shaft wander, which is larger than most marks, is not in the way.
+fn plot(settled: &Settled, finding: &Finding, number: Option<usize>) -> FindingPlot {
+    let label = |text: String| FindingPlot {
+        mechanism: finding.mechanism,
+        x_label: text,
+        y_label: "what it moves edges by, urad".to_owned(),
+        before: Vec::new(),
+        after: Vec::new(),
+        model: Vec::new(),
+    };
+    let Some(mark) = number.and_then(|number| settled.marks.get(number)) else {
+        return residual_plot(settled, finding);
+    };
+    let bench = &settled.given.benches[mark.bench];
     let seen = &bench.seen;
-    let (label, x): (String, Box<dyn Fn(usize) -> f64>) = match (
-        finding.place.frequencies_hz.first(),
-        finding.place.orders.first(),
-        finding.place.times_s.is_empty(),
-    ) {
-        (Some(f_hz), _, _) if finding.place.orders.is_empty() => {
-            let f_hz = *f_hz;
-            (
-                format!("phase at {f_hz:.4} Hz, degrees"),
-                Box::new(move |at| 360.0 * (seen.times_s[at] * f_hz).rem_euclid(1.0)),
-            )
+    let (text, x) = coordinate(bench, finding, mark.basis);
+    let mut bins = [(0.0, 0.0, 0.0, 0.0, 0.0); BINS];
+    let places: Vec<f64> = (0..seen.len()).map(|at| x(at)).collect();
+    let range = match mark.basis {
+        Basis::Bump {
+            angle_rad,
+            width_rad,
+            ..
+        } => {
+            let (middle, half) = (angle_rad.to_degrees(), 6.0 * width_rad.to_degrees());
+            (middle - half, middle + half)
         }
-        (_, Some(order), _) if finding.place.orders.len() == 1 => {
-            let order = *order;
-            (
-                format!("phase at order {order:.4}, degrees"),
-                Box::new(move |at| (order * seen.theta(at)).to_degrees().rem_euclid(360.0)),
-            )
+        _ => places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        }),
+    };
+    let width = ((range.1 - range.0) / BINS as f64).max(f64::MIN_POSITIVE);
+    for at in 0..seen.len() {
+        let place = places[at];
+        if !(range.0..=range.1).contains(&place) || mark.angles[at] == 0.0 {
+            continue;
         }
-        (_, _, false) => ("time, s".to_owned(), Box::new(|at| seen.times_s[at])),
-        _ => (
-            "angle of the disc, degrees".to_owned(),
-            Box::new(|at| seen.theta(at).to_degrees().rem_euclid(360.0)),
+        let bin = &mut bins[(((place - range.0) / width) as usize).min(BINS - 1)];
+        let sign = sign_of(mark.basis, change_of(seen.class(at), seen.classes));
+        let white = mark.white[at];
+        bin.0 += white * (mark.left[at] + white);
+        bin.1 += white * white;
+        bin.2 += 1e6 * sign * mark.angles[at];
+        bin.3 += 1.0;
+        bin.4 += place;
+    }
+    let mut plot = label(text);
+    for bin in bins.iter().filter(|bin| bin.3 > 0.0 && bin.1 > 0.0) {
+        let (x, model, share) = (bin.4 / bin.3, bin.2 / bin.3, bin.0 / bin.1);
+        plot.model.push((x, model));
+        plot.before.push((x, share * model));
+        plot.after.push((x, (share - 1.0) * model));
+    }
+    plot
+}
+
+/// Which way a kind of edge is drawn: falls up and rises down where they are moved against each other.
+fn sign_of(basis: Basis, change: Change) -> f64 {
+    match basis {
+        Basis::LevelTone { .. } | Basis::LevelDrift { .. } if change.rises => -1.0,
+        _ => 1.0,
+    }
+}
+
+type Coordinate<'a> = Box<dyn Fn(usize) -> f64 + 'a>;
+
+/// What a finding is drawn along.
+fn coordinate<'a>(bench: &'a Bench, finding: &Finding, basis: Basis) -> (String, Coordinate<'a>) {
+    let seen = &bench.seen;
+    match basis {
+        Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. } | Basis::Task { f_hz, .. } => (
+            format!("phase at {f_hz:.4} Hz, degrees"),
+            Box::new(move |at| 360.0 * (seen.times_s[at] * f_hz).rem_euclid(1.0)),
         ),
-    };
-    let names = settled.class_names();
-    let on: Vec<bool> = (0..names.len())
-        .map(|class| {
-            finding.place.edge_classes.is_empty()
-                || finding
-                    .place
-                    .edge_classes
-                    .iter()
-                    .any(|name| name == names[class])
-        })
-        .collect();
-    let line = |values: &[f64]| {
-        let there = (0..seen.len()).filter(|at| on[seen.class(*at).min(on.len() - 1)]);
-        cells(there.map(|at| (x(at), values[at])))
-    };
+        Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order } if order > 2.5 => (
+            format!("phase at order {order:.4}, degrees"),
+            Box::new(move |at| (order * seen.theta(at)).to_degrees().rem_euclid(360.0)),
+        ),
+        Basis::LevelDrift { .. }
+        | Basis::Load { .. }
+        | Basis::Drift
+        | Basis::Direction
+        | Basis::Coulomb
+        | Basis::Viscous
+        | Basis::Drag
+        | Basis::Stribeck { .. } => ("time, s".to_owned(), Box::new(|at| seen.times_s[at])),
+        _ => {
+            let _ = finding;
+            (
+                "angle of the disc, degrees".to_owned(),
+                Box::new(|at| seen.theta(at).to_degrees().rem_euclid(360.0)),
+            )
+        }
+    }
+}
+
+/// Of what is no pattern: how far edges come from where they were expected, along time.
+fn residual_plot(settled: &Settled, finding: &Finding) -> FindingPlot {
+    let bench = &settled.given.benches[0];
+    let line = |model: &Model| in_time(bench, model, 0);
     FindingPlot {
         mechanism: finding.mechanism,
-        x_label: label,
+        x_label: "time, s".to_owned(),
         y_label: "edges off their expected place, urad".to_owned(),
-        before: line(&before),
-        after: line(&after),
+        before: line(&settled.before),
+        after: line(&settled.after),
         model: Vec::new(),
     }
 }

@@ -63,7 +63,18 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         one.twin.drive,
         Drive::Constant { .. } | Drive::SpeedLoop { .. }
     );
-    Ok(Bench::new(seen, law, declared, least_stamp_s, free_speed))
+    let mut bench = Bench::new(
+        seen,
+        law,
+        declared,
+        least_stamp_s,
+        free_speed,
+    );
+    let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
+    bench.torques = ripples
+        .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))
+        .collect();
+    Ok(bench)
 }
 
 /// The noise that a twin declares; none where it says nothing of torque noise.

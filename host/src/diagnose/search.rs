@@ -1,5 +1,6 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
+use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
 use super::disc::{self, Pattern};
@@ -161,6 +162,7 @@ fn best(
             let columns = shelf.columns(board, &hypothesis);
             weigh(board, model, hypothesis, columns)
         })
+        .filter(|one| !trifle(board, model, one))
         .collect();
     tried.sort_by(|a, b| b.score.total_cmp(&a.score));
     let top = tried.first()?.score;
@@ -187,6 +189,31 @@ fn best(
         columns: first.columns,
         score: first.score,
         rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
+    })
+}
+
+/// Whether it is a small part of a torque that the twin declares: how exactly that is known, and followed, is not this good.
+fn trifle(board: &Board, model: &Model, one: &Weighed) -> bool {
+    const PART: f64 = 0.04;
+    let Some(rhythm) = super::conclude::cycles_a_turn(board, &one.hypothesis) else {
+        return false;
+    };
+    board.benches.iter().any(|bench| {
+        let within = 1.0 / bench.seen.turns();
+        let near = bench.torques.iter().filter(|torque| (torque.0 - rhythm).abs() < within);
+        near.into_iter().any(|(order, torque)| {
+            let speed = bench.seen.mean_speed();
+            let swing = match one.hypothesis.bases.first() {
+                // As large as the torque that would swing the shaft as far.
+                Some(Basis::Round { .. } | Basis::Lagged { .. }) => bench.law.inertia * (order * speed).powi(2),
+                Some(Basis::TorqueOrder { .. } | Basis::TorqueTone { .. }) => 1.0,
+                _ => return false,
+            };
+            board.gain(model, &one.columns).is_some_and(|gain| {
+                let size = gain.sizes.iter().map(|size| size * size).sum::<f64>().sqrt();
+                size * swing < PART * torque
+            })
+        })
     })
 }
 

@@ -1,5 +1,6 @@
 //! What was concluded, put into the twins, simulated, and fitted once more: the numbers are those of the simulation.
 
+use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::Conclusion;
 use super::diagnosis::Fit;
@@ -23,6 +24,8 @@ pub struct Settled {
     pub after: Model,
     /// What was concluded.
     pub concluded: Conclusion,
+    /// Marks of the named findings, in their order.
+    pub marks: Vec<Mark>,
     /// Numbers of the named findings, in their order.
     pub estimates: Vec<Estimate>,
     /// The disc's pattern.
@@ -56,6 +59,7 @@ pub fn settle(
         .unwrap_or_else(|| Model::none(&given));
     let chosen = chosen(&board, &searched, &concluded);
     let mut numbers = estimates(&board, &chosen);
+    let marks = marks(&board, &chosen);
     let mended = |numbers: &[Estimate]| mended(rig, &given, &chosen, numbers);
     // Against the mended twins only small rests are left of the sizes.
     let mut again = board;
@@ -102,11 +106,63 @@ pub fn settle(
         pattern: searched.pattern.clone(),
         concluded,
         estimates: numbers,
+        marks,
         twins,
         error_lists,
         fit,
         class_names,
     })
+}
+
+/// What a finding makes of the recording that shows it best.
+#[derive(Debug)]
+pub struct Mark {
+    /// Recording.
+    pub bench: usize,
+    /// Its first pattern.
+    pub basis: Basis,
+    /// Angles, rad.
+    pub angles: Vec<f64>,
+    /// The same, white.
+    pub white: Vec<f64>,
+    /// What all findings leave, white.
+    pub left: Vec<f64>,
+}
+
+/// Marks of everything found.
+fn marks(board: &Board, chosen: &Searched) -> Vec<Mark> {
+    let mut at = chosen.nuisances;
+    let each = chosen.found.iter().map(|found| {
+        let sizes = &chosen.model.sizes.as_slice()[at..at + found.columns.len()];
+        at += found.columns.len();
+        let raw: Vec<Column> = found
+            .hypothesis
+            .bases
+            .iter()
+            .flat_map(|basis| board.raw_columns(*basis))
+            .collect();
+        let sum = |columns: &[Column], bench: usize| {
+            let mut sum = vec![0.0; board.benches[bench].seen.len()];
+            for (column, size) in columns.iter().zip(sizes) {
+                for (sum, value) in sum.iter_mut().zip(column.0[bench].iter().flatten()) {
+                    *sum += size * value;
+                }
+            }
+            sum
+        };
+        let power = |bench: usize| sum(&found.columns, bench).iter().map(|w| w * w).sum::<f64>();
+        let bench = (0..board.benches.len())
+            .max_by(|a, b| power(*a).total_cmp(&power(*b)))
+            .unwrap_or(0);
+        Mark {
+            bench,
+            basis: found.hypothesis.bases[0],
+            angles: sum(&raw, bench),
+            white: sum(&found.columns, bench),
+            left: chosen.model.left[bench].clone(),
+        }
+    });
+    each.collect()
 }
 
 impl Settled {

@@ -28,10 +28,10 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
         .zip(&settled.estimates)
         .map(|(name, estimate)| finding(settled, name, parameters(estimate)))
         .collect();
+    let numbers: Vec<Finding> = findings.clone();
     one_disc(&mut findings);
-    findings.extend(
-        disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)),
-    );
+    findings
+        .extend(disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)));
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
     for twin in &mut twins {
@@ -39,12 +39,22 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
     }
     findings.extend(beside);
     findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
+    // Which of the patterns each is.
+    let drawn: Vec<(Finding, Option<usize>)> = findings
+        .iter()
+        .map(|finding| {
+            let same = |one: &Finding| {
+                one.mechanism == finding.mechanism && one.parameters == finding.parameters
+            };
+            (finding.clone(), numbers.iter().position(same))
+        })
+        .collect();
     let verdict = verdict(&findings);
     let next = findings
         .iter()
         .find_map(|finding| finding.next_recording.clone());
     Diagnosed {
-        shown: plots::shown(settled, &findings),
+        shown: plots::shown(settled, &drawn),
         diagnosis: Diagnosis {
             version: 1,
             verdict,
