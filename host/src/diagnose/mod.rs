@@ -45,7 +45,7 @@ pub mod steady;
 pub mod still;
 pub mod tell;
 pub mod track;
-mod turning;
+pub mod turning;
 mod walk;
 pub mod weigh;
 mod widths;
