@@ -203,11 +203,11 @@ impl Basis {
                 vec![cos, sin]
             }
             Self::TorqueOrder { order } => {
-                let step = TAU / seen.edges as f64;
+                let theta: Vec<f64> = (0..seen.len()).map(|at| seen.true_theta(at)).collect();
                 pushed_round(seen, law, &|at, share| {
                     // Where the shaft turned round in between, it was just past the place.
-                    let came = seen.places[at] - seen.places[at.saturating_sub(1)];
-                    order * ((seen.places[at] - seen.shift) as f64 + share * came as f64) * step
+                    let came = theta[at] - theta[at.saturating_sub(1)];
+                    order * (theta[at] + share * came)
                 })
             }
             Self::TorqueTone { f_hz } => pushed_round(seen, law, &|at, share| {

@@ -29,6 +29,8 @@ pub struct Reading {
     pub speed: f64,
     /// Whether the angle does not go on from the edge before: the count was disturbed.
     pub fresh: bool,
+    /// Variance of a jolt of the speed that nobody knows, (rad/s)^2.
+    pub jolt: f64,
 }
 
 /// The filter's gains along a row of edges, which depend on times only: so one run serves every pattern.
@@ -82,6 +84,9 @@ impl Whitener {
                     settling = if at == 0 { SETTLES } else { 1 };
                 } else {
                     p = grown(p, turn, leap, noise);
+                    p[3] += reading.jolt;
+                    p[1] += reading.jolt * reach;
+                    p[0] += reading.jolt * reach * reach;
                 }
                 let stamp = noise.stamp_s * reading.speed;
                 let own = stamp * stamp + 1e-30;

@@ -61,7 +61,8 @@ pub fn leftovers(board: &Board, model: &Model) -> (Vec<Leftover>, f64) {
             }
             // Bands, each half as wide as the one above. Torque noise of another colour than the model's tilts the spectrum of all
             // edges alike: there a part of a band is held against the rest of it.
-            let mut end = top;
+            // The model's torque noise is white up to the edges' own rate, which no torque is.
+            let mut end = if alike { top / 2 } else { top };
             for _ in 0..BANDS {
                 let start = (end / 2).max(1);
                 if end < 16 {

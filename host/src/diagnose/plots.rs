@@ -101,7 +101,7 @@ fn plot(settled: &Settled, finding: &Finding, number: Option<usize>) -> FindingP
     let seen = &bench.seen;
     let (text, x) = coordinate(bench, finding, mark.basis);
     let mut bins = [(0.0, 0.0, 0.0, 0.0, 0.0); BINS];
-    let places: Vec<f64> = (0..seen.len()).map(|at| x(at)).collect();
+    let places: Vec<f64> = (0..seen.len()).map(x).collect();
     let range = match mark.basis {
         Basis::Bump {
             angle_rad,
@@ -111,13 +111,14 @@ fn plot(settled: &Settled, finding: &Finding, number: Option<usize>) -> FindingP
             let (middle, half) = (angle_rad.to_degrees(), 6.0 * width_rad.to_degrees());
             (middle - half, middle + half)
         }
-        _ => places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(*x), high.max(*x))
-        }),
+        _ => places
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(*x), high.max(*x))
+            }),
     };
     let width = ((range.1 - range.0) / BINS as f64).max(f64::MIN_POSITIVE);
-    for at in 0..seen.len() {
-        let place = places[at];
+    for (at, &place) in places.iter().enumerate() {
         if !(range.0..=range.1).contains(&place) || mark.angles[at] == 0.0 {
             continue;
         }
@@ -158,10 +159,14 @@ fn coordinate<'a>(bench: &'a Bench, finding: &Finding, basis: Basis) -> (String,
             format!("phase at {f_hz:.4} Hz, degrees"),
             Box::new(move |at| 360.0 * (seen.times_s[at] * f_hz).rem_euclid(1.0)),
         ),
-        Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order } if order > 2.5 => (
-            format!("phase at order {order:.4}, degrees"),
-            Box::new(move |at| (order * seen.theta(at)).to_degrees().rem_euclid(360.0)),
-        ),
+        Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order }
+            if order > 2.5 =>
+        {
+            (
+                format!("phase at order {order:.4}, degrees"),
+                Box::new(move |at| (order * seen.theta(at)).to_degrees().rem_euclid(360.0)),
+            )
+        }
         Basis::LevelDrift { .. }
         | Basis::Load { .. }
         | Basis::Drift

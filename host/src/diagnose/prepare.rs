@@ -48,6 +48,20 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             turns,
         });
     }
+    if let Drive::Ramp {
+        from_r_min,
+        to_r_min,
+        ..
+    } = one.twin.drive
+        && from_r_min * to_r_min < 0.0
+        && one.track.classes < 4
+    {
+        return Err(DiagnoseError::OtherMotion {
+            file: one.file.clone(),
+            twin: one.twin.name.clone(),
+            why: "it reverses, which one channel does not show".to_owned(),
+        });
+    }
     let seen = seen(one)?;
     if 2 * seen.len() < edges {
         return Err(DiagnoseError::OtherMotion {
@@ -63,13 +77,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         one.twin.drive,
         Drive::Constant { .. } | Drive::SpeedLoop { .. }
     );
-    let mut bench = Bench::new(
-        seen,
-        law,
-        declared,
-        least_stamp_s,
-        free_speed,
-    );
+    let mut bench = Bench::new(seen, law, declared, least_stamp_s, free_speed);
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
         .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))

@@ -200,17 +200,27 @@ fn trifle(board: &Board, model: &Model, one: &Weighed) -> bool {
     };
     board.benches.iter().any(|bench| {
         let within = 1.0 / bench.seen.turns();
-        let near = bench.torques.iter().filter(|torque| (torque.0 - rhythm).abs() < within);
+        let near = bench
+            .torques
+            .iter()
+            .filter(|torque| (torque.0 - rhythm).abs() < within);
         near.into_iter().any(|(order, torque)| {
             let speed = bench.seen.mean_speed();
             let swing = match one.hypothesis.bases.first() {
                 // As large as the torque that would swing the shaft as far.
-                Some(Basis::Round { .. } | Basis::Lagged { .. }) => bench.law.inertia * (order * speed).powi(2),
+                Some(Basis::Round { .. } | Basis::Lagged { .. }) => {
+                    bench.law.inertia * (order * speed).powi(2)
+                }
                 Some(Basis::TorqueOrder { .. } | Basis::TorqueTone { .. }) => 1.0,
                 _ => return false,
             };
             board.gain(model, &one.columns).is_some_and(|gain| {
-                let size = gain.sizes.iter().map(|size| size * size).sum::<f64>().sqrt();
+                let size = gain
+                    .sizes
+                    .iter()
+                    .map(|size| size * size)
+                    .sum::<f64>()
+                    .sqrt();
                 size * swing < PART * torque
             })
         })

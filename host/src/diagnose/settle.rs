@@ -150,7 +150,12 @@ fn marks(board: &Board, chosen: &Searched) -> Vec<Mark> {
             }
             sum
         };
-        let power = |bench: usize| sum(&found.columns, bench).iter().map(|w| w * w).sum::<f64>();
+        let power = |bench: usize| {
+            sum(&found.columns, bench)
+                .iter()
+                .map(|w| w * w)
+                .sum::<f64>()
+        };
         let bench = (0..board.benches.len())
             .max_by(|a, b| power(*a).total_cmp(&power(*b)))
             .unwrap_or(0);

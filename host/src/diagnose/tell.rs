@@ -30,8 +30,9 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
         .collect();
     let numbers: Vec<Finding> = findings.clone();
     one_disc(&mut findings);
-    findings
-        .extend(disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)));
+    findings.extend(
+        disc(settled).filter(|_| !findings.iter().any(|f| f.mechanism == Mechanism::LineError)),
+    );
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
     for twin in &mut twins {

@@ -17,8 +17,9 @@ use super::still::Still;
 use super::track::{Mark, Track};
 use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
-/// The shaft's course: angle and speed at the time of each mark, rad and rad/s; none where it is not known.
-type Course = Vec<Option<(f64, f64)>>;
+/// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
+/// none where it is not known.
+type Course = Vec<Option<(f64, f64, f64)>>;
 
 impl Seen {
     /// Compares a recording with its twin.
@@ -35,9 +36,13 @@ impl Seen {
         };
         let mut before: Option<(Mark, i64)> = None;
         // What nothing holds goes at its own speed, not at the twin's.
-        let measured = if law.held() { Vec::new() } else { speeds(&marks, track) };
+        let measured = if law.held() {
+            Vec::new()
+        } else {
+            speeds(&marks, track)
+        };
         for (at, ((mark, direction), there)) in marks.iter().zip(course).enumerate() {
-            let Some((angle, speed)) = there else {
+            let Some((angle, speed, jolt)) = there else {
                 continue;
             };
             let speed = measured.get(at).copied().flatten().unwrap_or(speed);
@@ -63,6 +68,7 @@ impl Seen {
                 },
                 speed: speed.abs(),
                 fresh,
+                jolt,
             });
         }
         self.take_off(twin, law);
@@ -177,11 +183,14 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
             .contains(&mark.time_s)
             .then(|| {
                 let (place, rate) = through(&course[near..near + 4], mark.time_s);
-                (place * step, rate * step)
+                (place * step, rate * step, 0.0)
             })
     });
     each.collect()
 }
+
+/// Error of a stamp that a tie is reckoned with where a twin does not say, s.
+const JITTER_S: f64 = 3e-7;
 
 /// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
 fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) -> Course {
@@ -200,6 +209,16 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
     let mut sample = (now * model.rate_hz).ceil();
     let (mut integral, mut push) = (model.start, model.start);
     let mut before: Option<i64> = None;
+    // What it saw before the first mark is not known: the course begins once it has sampled what is.
+    let (mut sampled, mut begun) = (0, false);
+    // A sample at the very time of an edge may have seen it or not: either way it pushes a little otherwise.
+    let jitter_s = if twin.timer.jitter_s > 0.0 {
+        twin.timer.jitter_s
+    } else {
+        JITTER_S
+    };
+    let tie_s = 5.0 * jitter_s + 2.0 * track.tick_s;
+    let (mut last_edge, mut speed_before, mut jolt) = (first.time_s, target, 0.0);
     let go = |state: [f64; 2], push: f64, after_s: f64| {
         let leap = Leap {
             after_s,
@@ -213,7 +232,17 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
             let time = sample / model.rate_hz;
             state = go(state, push, (time - now).max(0.0));
             now = now.max(time);
-            let miss = target - saw.at((time * clock_hz).floor()).unwrap_or(target);
+            let seen = saw.at((time * clock_hz).floor());
+            sampled += i32::from(seen.is_some());
+            let here = seen.unwrap_or(target);
+            if mark.time_s - time < tie_s {
+                let next = *direction as f64 * step / (mark.time_s - last_edge).max(track.tick_s);
+                jolt += (model.gains.kp / model.rate_hz * (next - here)).powi(2);
+            }
+            if time - last_edge < tie_s {
+                jolt += (model.gains.kp / model.rate_hz * (speed_before - here)).powi(2);
+            }
+            let miss = target - seen.unwrap_or(target);
             let asked = model.gains.kp * miss + integral;
             push = asked.clamp(-model.limit, model.limit);
             if push == asked || miss * asked < 0.0 {
@@ -231,8 +260,17 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
             Direction::Reverse
         };
         let ticks = (mark.time_s / track.tick_s).round() as u64;
+        speed_before = saw.at(ticks as f64).unwrap_or(target);
         saw.edge(ticks, way, u32::try_from(steps).unwrap_or(1));
-        Some((state[0], target))
+        last_edge = mark.time_s;
+        if !begun && sampled < 2 {
+            return None;
+        }
+        if !begun {
+            begun = true;
+            state = [mark.place as f64 * step, target];
+        }
+        Some((state[0], target, std::mem::take(&mut jolt)))
     });
     each.collect()
 }
@@ -243,7 +281,11 @@ fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
     const FINE: i64 = 240;
     let step = TAU / track.edges as f64;
     let lines = track.edges / track.classes;
-    let window = if track.edges <= FINE { track.edges } else { track.classes * (lines / 60).max(1) };
+    let window = if track.edges <= FINE {
+        track.edges
+    } else {
+        track.classes * (lines / 60).max(1)
+    };
     let half = (window / 2).max(1) as usize;
     (0..marks.len())
         .map(|at| {

@@ -96,6 +96,7 @@ impl Sampled {
                 },
                 speed: self.speeds[edge],
                 fresh,
+                jolt: 0.0,
             };
             before = edge;
             reading
