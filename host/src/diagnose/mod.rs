@@ -6,6 +6,7 @@
 )]
 
 pub mod basis;
+pub mod bench;
 pub mod beside;
 pub mod board;
 pub mod code;
@@ -18,6 +19,7 @@ pub mod hypothesis;
 pub mod index;
 pub mod judge;
 pub mod kalman;
+pub mod least_squares;
 pub mod leftover;
 pub mod locate;
 pub mod mend;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::basis::{Basis, channels};
-use super::board::{Bench, Board, Model, with_rows};
+use super::board::{Bench, Board, Model};
 use super::hypothesis::Hypothesis;
 use crate::mechanism::Mechanism;
 
@@ -165,20 +165,4 @@ fn smoothed(values: &[f64], width: f64) -> Vec<f64> {
             sum
         })
         .collect()
-}
-
-/// What a hypothesis alone explains of what is left, roughly: without regard to what is fitted already.
-#[must_use]
-pub fn alone(board: &Board, model: &Model, hypothesis: &Hypothesis) -> f64 {
-    let columns = hypothesis.columns(board);
-    let each = columns.iter().map(|column| {
-        let norm = super::board::product(column, column);
-        let share = with_rows(column, &model.left);
-        if norm > 0.0 {
-            share * share / norm
-        } else {
-            0.0
-        }
-    });
-    each.sum()
 }

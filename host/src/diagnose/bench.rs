@@ -1,0 +1,136 @@
+//! One recording with the noise that makes its residual white.
+
+use super::kalman::{ShaftNoise, Whitener};
+use super::noise_fit::{self, Free};
+use super::seen::Seen;
+use super::shaft::ShaftLaw;
+
+/// Parts of each recording that sums are kept for: the last ones are held out, and what is real is in all of them.
+pub const PARTS: usize = 10;
+/// Parts that parameters are fitted on when the others judge.
+pub const FITTED: usize = 7;
+
+/// One recording.
+#[derive(Clone, Debug)]
+pub struct Bench {
+    /// Its residual.
+    pub seen: Seen,
+    /// Its shaft.
+    pub law: ShaftLaw,
+    /// Its noise.
+    pub noise: ShaftNoise,
+    /// What the twin says of it.
+    pub declared: Option<ShaftNoise>,
+    /// Best stamp its timer can give, s.
+    pub least_stamp_s: f64,
+    /// Torques that the twin declares: order and N m.
+    pub torques: Vec<(f64, f64)>,
+    /// Whether the mean speed is the recording's own, so that a steady push says nothing.
+    pub free_speed: bool,
+    whitener: Whitener,
+    /// The residual, white.
+    pub white: Vec<f64>,
+}
+
+impl Bench {
+    /// With the noise that a twin declares, else one found.
+    #[must_use]
+    pub fn new(
+        seen: Seen,
+        law: ShaftLaw,
+        declared: Option<ShaftNoise>,
+        least_stamp_s: f64,
+        free_speed: bool,
+    ) -> Self {
+        let noise = declared.unwrap_or_else(|| first_guess(&seen, &law, least_stamp_s));
+        let mut bench = Self {
+            seen,
+            law,
+            noise,
+            declared,
+            least_stamp_s,
+            free_speed,
+            torques: Vec::new(),
+            whitener: Whitener::default(),
+            white: Vec::new(),
+        };
+        if declared.is_none() {
+            let angles = bench.seen.angles.clone();
+            bench.noise = bench.noise_of(&angles);
+        }
+        bench.set_noise(bench.noise);
+        bench
+    }
+
+    /// The noise that a residual shows.
+    #[must_use]
+    pub fn noise_of(&self, angles: &[f64]) -> ShaftNoise {
+        let free = if self.law.held() {
+            Free::Sizes
+        } else {
+            Free::All
+        };
+        noise_fit::fit(
+            &self.seen.readings,
+            angles,
+            self.least_stamp_s,
+            self.noise,
+            free,
+        )
+    }
+
+    /// Takes another noise.
+    pub fn set_noise(&mut self, noise: ShaftNoise) {
+        self.noise = noise;
+        self.whitener = Whitener::new(&self.seen.readings, noise);
+        self.white = self.whitened(self.seen.angles.clone());
+    }
+
+    /// A row of angles, white.
+    #[must_use]
+    pub fn whitened(&self, mut angles: Vec<f64>) -> Vec<f64> {
+        self.whitener.whiten(&mut angles);
+        angles
+    }
+
+    /// The transposed filter.
+    pub fn transposed(&self, white: &mut [f64]) {
+        self.whitener.transposed(white);
+    }
+
+    /// Its filter.
+    #[must_use]
+    pub const fn whitener(&self) -> &Whitener {
+        &self.whitener
+    }
+
+    /// Standard deviation of the expected angle of every edge, rad.
+    pub fn deviations(&self) -> impl Iterator<Item = Option<f64>> + '_ {
+        self.whitener.deviations()
+    }
+
+    /// Edges of a part.
+    #[must_use]
+    pub fn part(&self, part: usize) -> std::ops::Range<usize> {
+        let count = self.seen.len();
+        part * count / PARTS..(part + 1) * count / PARTS
+    }
+}
+
+/// A thousandth of the speed, and stamps as good as the tick.
+fn first_guess(seen: &Seen, law: &ShaftLaw, least_stamp_s: f64) -> ShaftNoise {
+    let speed = seen.mean_speed();
+    let wander = 1e-3 * speed;
+    let damping = law.damping(0.0, speed);
+    let unheld = !law.held();
+    ShaftNoise {
+        acceleration: 2.0 * if unheld { speed } else { damping } * wander * wander,
+        stamp_s: 3.0 * least_stamp_s,
+        drift: if unheld {
+            1e-8 * speed * speed * speed
+        } else {
+            0.0
+        },
+        forgets_per_s: if unheld { speed } else { 0.0 },
+    }
+}

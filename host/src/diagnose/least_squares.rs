@@ -1,0 +1,210 @@
+//! Patterns fitted to all recordings together, white, by plain least squares.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::board::{Board, Column};
+
+/// Patterns fitted together.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The patterns.
+    pub columns: Vec<Column>,
+    /// Their sizes.
+    pub sizes: DVector<f64>,
+    /// Covariance of the sizes.
+    pub covariance: DMatrix<f64>,
+    pub(super) factor: Option<Cholesky<f64, Dyn>>,
+    /// What is left, white.
+    pub left: Vec<Vec<f64>>,
+}
+
+impl Model {
+    /// Nothing fitted.
+    #[must_use]
+    pub fn none(board: &Board) -> Self {
+        Self {
+            columns: Vec::new(),
+            sizes: DVector::zeros(0),
+            covariance: DMatrix::zeros(0, 0),
+            factor: None,
+            left: board.white(),
+        }
+    }
+}
+
+/// What more patterns would do.
+#[derive(Clone, Debug)]
+pub struct Gain {
+    /// Fall of the sum of squares.
+    pub squares: f64,
+    /// Their sizes.
+    pub sizes: DVector<f64>,
+}
+
+impl Board {
+    /// Fits columns together; none where they can't be told apart.
+    #[must_use]
+    pub fn fit(&self, columns: Vec<Column>) -> Option<Model> {
+        let count = columns.len();
+        if count == 0 {
+            return Some(Model::none(self));
+        }
+        let mut left = self.white();
+        let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        for i in 0..count {
+            right[i] = with_rows(&columns[i], &left);
+            for j in 0..=i {
+                gram[(i, j)] = product(&columns[i], &columns[j]);
+                gram[(j, i)] = gram[(i, j)];
+            }
+        }
+        // Sizes of any unit: scaled to one before.
+        let scale: Vec<f64> = (0..count).map(|i| gram[(i, i)].sqrt().recip()).collect();
+        if scale.iter().any(|scale| !scale.is_finite()) {
+            return None;
+        }
+        for i in 0..count {
+            right[i] *= scale[i];
+            for j in 0..count {
+                gram[(i, j)] *= scale[i] * scale[j];
+            }
+        }
+        let worst = (0..count).map(|i| gram[(i, i)]).fold(0.0, f64::max);
+        let factor = gram.cholesky()?;
+        let narrow = factor.l_dirty().diagonal().min();
+        if narrow * narrow < 1e-9 * worst {
+            return None;
+        }
+        let unit = factor.solve(&right);
+        let mut covariance = factor.inverse();
+        for i in 0..count {
+            for j in 0..count {
+                covariance[(i, j)] *= scale[i] * scale[j];
+            }
+        }
+        let sizes = DVector::from_iterator(count, unit.iter().zip(&scale).map(|(u, s)| u * s));
+        take_off(&mut left, &columns, &sizes);
+        Some(Model {
+            columns,
+            sizes,
+            covariance,
+            factor: Some(factor),
+            left,
+        })
+    }
+
+    /// Columns with given sizes.
+    #[must_use]
+    pub fn with_sizes(&self, columns: &[Column], sizes: &DVector<f64>) -> Model {
+        let mut left = self.white();
+        take_off(&mut left, columns, sizes);
+        Model {
+            columns: Vec::new(),
+            sizes: sizes.clone(),
+            covariance: DMatrix::zeros(0, 0),
+            factor: None,
+            left,
+        }
+    }
+
+    /// What more columns would explain of what a model leaves.
+    #[must_use]
+    pub fn gain(&self, model: &Model, more: &[Column]) -> Option<Gain> {
+        let (old, new) = (model.columns.len(), more.len());
+        let mut gram = DMatrix::zeros(new, new);
+        let mut right = DVector::zeros(new);
+        let mut across = DMatrix::zeros(old, new);
+        for i in 0..new {
+            right[i] = with_rows(&more[i], &model.left);
+            for j in 0..=i {
+                gram[(i, j)] = product(&more[i], &more[j]);
+                gram[(j, i)] = gram[(i, j)];
+            }
+            for (k, column) in model.columns.iter().enumerate() {
+                across[(k, i)] = product(column, &more[i]);
+            }
+        }
+        let whole: Vec<f64> = (0..new).map(|i| gram[(i, i)]).collect();
+        if let Some(factor) = &model.factor {
+            let norms: Vec<f64> = model.columns.iter().map(|c| product(c, c).sqrt()).collect();
+            for k in 0..old {
+                for i in 0..new {
+                    across[(k, i)] /= norms[k];
+                }
+            }
+            gram -= across.transpose() * factor.solve(&across);
+        }
+        // What the model has already can't be sized.
+        if (0..new).any(|i| gram[(i, i)].is_nan() || gram[(i, i)] <= 1e-7 * whole[i]) {
+            return None;
+        }
+        let scale: Vec<f64> = (0..new).map(|i| gram[(i, i)].sqrt().recip()).collect();
+        for i in 0..new {
+            right[i] *= scale[i];
+            for j in 0..new {
+                gram[(i, j)] *= scale[i] * scale[j];
+            }
+        }
+        let factor = gram.cholesky()?;
+        let unit = factor.solve(&right);
+        let squares = unit.dot(&right);
+        // No more than there is: else the columns are too alike to be told apart.
+        let narrow = factor.l_dirty().diagonal().min();
+        let most: f64 = model.left.iter().flatten().map(|w| w * w).sum();
+        if narrow < 1e-4 || squares > most {
+            return None;
+        }
+        let sizes = DVector::from_iterator(new, unit.iter().zip(&scale).map(|(u, s)| u * s));
+        squares.is_finite().then_some(Gain { squares, sizes })
+    }
+}
+
+/// Takes columns of given sizes off what is left.
+fn take_off(left: &mut [Vec<f64>], columns: &[Column], sizes: &DVector<f64>) {
+    for (column, size) in columns.iter().zip(sizes.iter()) {
+        for (left, part) in left.iter_mut().zip(&column.0) {
+            if let Some(part) = part {
+                for (left, value) in left.iter_mut().zip(part) {
+                    *left -= size * value;
+                }
+            }
+        }
+    }
+}
+
+/// Product of two columns.
+#[must_use]
+pub fn product(a: &Column, b: &Column) -> f64 {
+    let each = a.0.iter().zip(&b.0);
+    each.map(|(a, b)| match (a, b) {
+        (Some(a), Some(b)) => dot(a, b),
+        _ => 0.0,
+    })
+    .sum()
+}
+
+/// Product of a column with rows.
+#[must_use]
+pub fn with_rows(a: &Column, rows: &[Vec<f64>]) -> f64 {
+    let each = a.0.iter().zip(rows);
+    each.map(|(a, row)| a.as_ref().map_or(0.0, |a| dot(a, row)))
+        .sum()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Four sums at once.
+    let mut sums = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a4
+        .remainder()
+        .iter()
+        .zip(b4.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
+    for (a, b) in a4.zip(b4) {
+        for i in 0..4 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    rest + sums.iter().sum::<f64>()
+}
