@@ -29,8 +29,6 @@ pub struct Reading {
     pub speed: f64,
     /// Whether the angle does not go on from the edge before: the count was disturbed.
     pub fresh: bool,
-    /// Variance of a jolt of the speed that nobody knows, (rad/s)^2.
-    pub jolt: f64,
 }
 
 /// The filter's gains along a row of edges, which depend on times only: so one run serves every pattern.
@@ -84,9 +82,6 @@ impl Whitener {
                     settling = if at == 0 { SETTLES } else { 1 };
                 } else {
                     p = grown(p, turn, leap, noise);
-                    p[3] += reading.jolt;
-                    p[1] += reading.jolt * reach;
-                    p[0] += reading.jolt * reach * reach;
                 }
                 let stamp = noise.stamp_s * reading.speed;
                 let own = stamp * stamp + 1e-30;
@@ -122,8 +117,13 @@ impl Whitener {
     /// Whitens a row of angles, one an edge, in place: what comes out has unit variance if it is this noise; edges that only set
     /// the filter come out as zero.
     pub fn whiten(&self, angles: &mut [f64]) {
+        self.whiten_from(0, angles);
+    }
+
+    /// Whitens a row of angles that begins at an edge, nothing before, in place.
+    pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
         let [mut y, mut v, mut m] = [0.0; 3];
-        for (angle, step) in angles.iter_mut().zip(&self.steps) {
+        for (angle, step) in angles.iter_mut().zip(&self.steps[first..]) {
             let [a, b, c, d] = step.turn;
             (y, v) = (a * y + b * v + step.after_s * m, c * y + d * v);
             if step.fresh {

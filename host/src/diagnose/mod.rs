@@ -46,6 +46,7 @@ pub mod spectrum;
 pub mod steady;
 pub mod still;
 pub mod tell;
+mod ties;
 pub mod track;
 pub mod turning;
 mod walk;

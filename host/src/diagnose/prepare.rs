@@ -5,6 +5,7 @@ use super::kalman::ShaftNoise;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
 use super::shaft::ShaftLaw;
+use super::ties;
 use crate::twin::{Drive, Noise, Twin, TwinError};
 
 /// Edges that a recording needs, and turns.
@@ -78,6 +79,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         Drive::Constant { .. } | Drive::SpeedLoop { .. }
     );
     let mut bench = Bench::new(seen, law, declared, least_stamp_s, free_speed);
+    ties::decide(&mut bench);
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
         .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use super::kalman::Reading;
 use super::shaft::ShaftLaw;
 use super::still::Still;
+use super::ties::Tie;
 use super::track::Track;
 use crate::sensor::SensorPlan;
 use crate::twin::{Twin, TwinError};
@@ -34,6 +35,8 @@ pub struct Seen {
     pub angles: Vec<f64>,
     /// What the noise model needs of it.
     pub readings: Vec<Reading>,
+    /// Samples of a speed loop that may have seen an edge or not.
+    pub ties: Vec<Tie>,
 }
 
 impl Seen {
@@ -52,47 +55,62 @@ impl Seen {
             ..Self::default()
         };
         seen.compare(track, twin, &still, &law);
-        if !track.anchored {
-            seen.align();
+        if track.anchored {
+            seen.take_off(twin, &law);
+        } else {
+            seen.align(twin, &law);
         }
         Ok(seen)
     }
 
-    /// Without an index the start says which edge is the first, give or take a line: the known errors fit best where they belong.
-    fn align(&mut self) {
+    /// Without an index the start says which edge is the first, give or take a line: what the twin knows of the turn fits best where
+    /// it belongs.
+    fn align(&mut self, twin: &Twin, law: &ShaftLaw) {
         const LINES: i64 = 3;
-        if self.errors.iter().all(|error| *error == 0.0) {
+        // Evidence that moves the start, as a difference of logarithms of likelihood.
+        const SURE: f64 = 15.0;
+        let moved = |lines: i64| {
+            let mut moved = self.clone();
+            moved.shift_by(lines * self.classes);
+            moved.take_off(twin, law);
+            moved
+        };
+        let here = moved(0);
+        let usual = here.roughness();
+        let turned = twin.ripple.len() + twin.gear_mesh.len() + twin.bearing.len() > 0;
+        if !turned && self.errors.iter().all(|error| *error == 0.0) {
+            *self = here;
             return;
         }
+        let others = (-LINES..=LINES).filter(|lines| *lines != 0).map(moved);
+        let best = others.min_by(|a, b| a.roughness().total_cmp(&b.roughness()));
+        *self = match best {
+            Some(best) if 0.5 * self.len() as f64 * (usual / best.roughness()).ln() > SURE => best,
+            _ => here,
+        };
+    }
+
+    /// Moves the count of edges against the disc.
+    fn shift_by(&mut self, edges: i64) {
         let error = |place: i64| {
             let edge = (place - self.shift).rem_euclid(self.edges);
             self.errors.get(edge as usize).copied().unwrap_or(0.0)
         };
-        let roughness = |lines: i64| -> f64 {
-            let moved = |at: usize| {
-                let place = self.places[at];
-                self.angles[at] + error(place) - error(place + lines * self.classes)
-            };
-            let steps = (1..self.len().min(20_000)).map(|at| moved(at) - moved(at - 1));
-            steps.map(|step| step * step).sum()
-        };
-        let each = (-LINES..=LINES).map(|lines| (lines, roughness(lines)));
-        let Some((lines, least)) = each.min_by(|a, b| a.1.total_cmp(&b.1)) else {
-            return;
-        };
-        if lines == 0 || least > 0.8 * roughness(0) {
-            return;
-        }
-        let shift = lines * self.classes;
         let moves: Vec<f64> = self
             .places
             .iter()
-            .map(|place| error(*place) - error(place + shift))
+            .map(|place| error(*place) - error(*place + edges))
             .collect();
         for ((angle, place), by) in self.angles.iter_mut().zip(&mut self.places).zip(moves) {
             *angle += by;
-            *place += shift;
+            *place += edges;
         }
+    }
+
+    /// Sum of squared steps from edge to edge.
+    fn roughness(&self) -> f64 {
+        let steps = self.angles.windows(2).map(|pair| pair[1] - pair[0]);
+        steps.map(|step| step * step).sum()
     }
 
     /// Edges compared.

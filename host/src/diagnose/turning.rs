@@ -14,12 +14,12 @@ use super::kalman::Reading;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
+use super::ties::Tie;
 use super::track::{Mark, Track};
 use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
-/// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
-/// none where it is not known.
-type Course = Vec<Option<(f64, f64, f64)>>;
+/// The shaft's course at the time of each mark: angle and speed, rad and rad/s; none where it is not known.
+type Course = Vec<Option<(f64, f64)>>;
 
 impl Seen {
     /// Compares a recording with its twin.
@@ -31,7 +31,11 @@ impl Seen {
             .collect();
         let step = TAU / track.edges as f64;
         let course = match twin.speed_loop() {
-            Some(model) => looped(&marks, track, twin, &model),
+            Some(model) => {
+                let (course, ties) = looped(&marks, track, twin, &model);
+                self.ties = ties;
+                course
+            }
             None => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
@@ -42,7 +46,7 @@ impl Seen {
             speeds(&marks, track)
         };
         for (at, ((mark, direction), there)) in marks.iter().zip(course).enumerate() {
-            let Some((angle, speed, jolt)) = there else {
+            let Some((angle, speed)) = there else {
                 continue;
             };
             let speed = measured.get(at).copied().flatten().unwrap_or(speed);
@@ -68,17 +72,15 @@ impl Seen {
                 },
                 speed: speed.abs(),
                 fresh,
-                jolt,
             });
         }
-        self.take_off(twin, law);
         // The counts of recording and twin may be whole turns apart.
         let turns = (self.angles.first().copied().unwrap_or(0.0) / TAU).round() * TAU;
         self.angles.iter_mut().for_each(|angle| *angle -= turns);
     }
 
     /// Takes off what the twin's torques, delays, levels and play do.
-    fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
+    pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
         let looped = twin.speed_loop().is_some();
         for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
@@ -183,7 +185,7 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
             .contains(&mark.time_s)
             .then(|| {
                 let (place, rate) = through(&course[near..near + 4], mark.time_s);
-                (place * step, rate * step, 0.0)
+                (place * step, rate * step)
             })
     });
     each.collect()
@@ -193,7 +195,12 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
 const JITTER_S: f64 = 3e-7;
 
 /// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
-fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) -> Course {
+fn looped(
+    marks: &[(Mark, i64)],
+    track: &Track,
+    twin: &Twin,
+    model: &SpeedLoop,
+) -> (Course, Vec<Tie>) {
     let step = TAU / track.edges as f64;
     let clock_hz = twin.timer.clock_hz as f64;
     let shaft = &twin.shaft;
@@ -202,8 +209,9 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
         |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
     let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
     let Some((first, _)) = marks.first() else {
-        return Course::new();
+        return (Course::new(), Vec::new());
     };
+    let mut ties = Vec::new();
     let mut state = [first.place as f64 * step, target];
     let mut now = first.time_s;
     let mut sample = (now * model.rate_hz).ceil();
@@ -217,8 +225,9 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
     } else {
         JITTER_S
     };
-    let tie_s = 5.0 * jitter_s + 2.0 * track.tick_s;
-    let (mut last_edge, mut speed_before, mut jolt) = (first.time_s, target, 0.0);
+    let stamp_s = jitter_s.hypot(track.tick_s);
+    let tie_s = 5.0 * stamp_s + track.tick_s;
+    let (mut last_edge, mut speed_before) = (first.time_s, target);
     let go = |state: [f64; 2], push: f64, after_s: f64| {
         let leap = Leap {
             after_s,
@@ -235,12 +244,22 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
             let seen = saw.at((time * clock_hz).floor());
             sampled += i32::from(seen.is_some());
             let here = seen.unwrap_or(target);
-            if mark.time_s - time < tie_s {
+            let otherwise = if mark.time_s - time < tie_s {
                 let next = *direction as f64 * step / (mark.time_s - last_edge).max(track.tick_s);
-                jolt += (model.gains.kp / model.rate_hz * (next - here)).powi(2);
-            }
-            if time - last_edge < tie_s {
-                jolt += (model.gains.kp / model.rate_hz * (speed_before - here)).powi(2);
+                Some((next, mark.time_s - time))
+            } else if time - last_edge < tie_s {
+                Some((speed_before, time - last_edge))
+            } else {
+                None
+            };
+            if let Some((other, apart_s)) = otherwise.filter(|_| begun) {
+                ties.push(Tie {
+                    at_s: time,
+                    until_s: time + 1.0 / model.rate_hz,
+                    apart: apart_s / stamp_s,
+                    push: model.gains.kp * (here - other),
+                    after: model.gains.ki / model.rate_hz * (here - other),
+                });
             }
             let miss = target - seen.unwrap_or(target);
             let asked = model.gains.kp * miss + integral;
@@ -270,9 +289,10 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
             begun = true;
             state = [mark.place as f64 * step, target];
         }
-        Some((state[0], target, std::mem::take(&mut jolt)))
+        Some((state[0], target))
     });
-    each.collect()
+    let course = each.collect();
+    (course, ties)
 }
 
 /// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; none where the

@@ -96,7 +96,6 @@ impl Sampled {
                 },
                 speed: self.speeds[edge],
                 fresh,
-                jolt: 0.0,
             };
             before = edge;
             reading
