@@ -47,6 +47,7 @@ pub mod steady;
 pub mod still;
 pub mod tell;
 mod ties;
+mod torques;
 pub mod track;
 pub mod turning;
 mod walk;

@@ -107,10 +107,18 @@ impl Seen {
         }
     }
 
-    /// Sum of squared steps from edge to edge.
+    /// Sum of squares by which edges are off the straight way between their neighbours: a speed that is off does not show.
     fn roughness(&self) -> f64 {
-        let steps = self.angles.windows(2).map(|pair| pair[1] - pair[0]);
-        steps.map(|step| step * step).sum()
+        let off = |at: usize| {
+            let (before, after) = (self.times_s[at - 1], self.times_s[at + 1]);
+            let share = (self.times_s[at] - before) / (after - before).max(f64::MIN_POSITIVE);
+            self.angles[at] - (1.0 - share) * self.angles[at - 1] - share * self.angles[at + 1]
+        };
+        let whole = (1..self.len().saturating_sub(1)).filter(|at| {
+            // Where it turns round or the count was lost, neighbours are none.
+            self.places[at + 1].abs_diff(self.places[at - 1]) == 2
+        });
+        whole.map(off).map(|off| off * off).sum()
     }
 
     /// Edges compared.

@@ -15,6 +15,7 @@ use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
 use super::ties::Tie;
+use super::torques::swing;
 use super::track::{Mark, Track};
 use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
@@ -81,6 +82,10 @@ impl Seen {
 
     /// Takes off what the twin's torques, delays, levels and play do.
     pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
+        let swings = swing(self, twin, law);
+        for (angle, swing) in self.angles.iter_mut().zip(swings) {
+            *angle -= swing;
+        }
         let looped = twin.speed_loop().is_some();
         for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
@@ -92,33 +97,16 @@ impl Seen {
     }
 }
 
-/// What a twin has beside disc, shaft, drive and loads, as patterns with sizes.
+/// What a twin has beside disc, shaft, drive, torques and loads, as patterns with sizes.
 fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
     // size sin(x + phase)
     let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
-    for ripple in twin.ripple.iter().chain(&twin.gear_mesh) {
-        let basis = Basis::TorqueOrder {
-            order: ripple.order,
-        };
-        known.push((
-            basis,
-            round(ripple.torque_n_m.unwrap_or(0.0), ripple.phase_rad),
-        ));
-    }
     for bearing in &twin.bearing {
-        let order = bearing.order;
-        known.push(match bearing.runout_rad {
-            Some(runout) => (Basis::Round { order }, round(runout, bearing.phase_rad)),
-            None => (
-                Basis::TorqueOrder { order },
-                round(bearing.torque_n_m.unwrap_or(0.0), bearing.phase_rad),
-            ),
-        });
-    }
-    for tone in &twin.torque_tone {
-        let basis = Basis::TorqueTone { f_hz: tone.f_hz };
-        known.push((basis, round(tone.torque_n_m.unwrap_or(0.0), tone.phase_rad)));
+        if let Some(runout) = bearing.runout_rad {
+            let order = bearing.order;
+            known.push((Basis::Round { order }, round(runout, bearing.phase_rad)));
+        }
     }
     // Without a loop the simulated course has felt them.
     for load in twin.load_step.iter().filter(|_| looped) {
