@@ -1,5 +1,7 @@
 //! All recordings of a rig, white, and the columns that a pattern has in them.
 
+use std::sync::OnceLock;
+
 use super::basis::Basis;
 
 pub use super::bench::{Bench, FITTED, PARTS};
@@ -16,6 +18,8 @@ pub struct Board {
     pub benches: Vec<Bench>,
     /// Whether angles mean the same in all recordings.
     pub tied: bool,
+    /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise.
+    pub(super) clear: OnceLock<Vec<f64>>,
 }
 
 impl Board {
@@ -138,6 +142,7 @@ impl Board {
                 || far(noise.stamp_s, bench.noise.stamp_s)
             {
                 bench.set_noise(noise);
+                self.clear = OnceLock::new();
                 changed = true;
             }
         }

@@ -2,6 +2,7 @@
 
 use super::basis::Basis;
 use super::board::Board;
+use super::disc::{Pattern, comes_again};
 use super::hypothesis::Hypothesis;
 use super::leftover::{Leftover, leftovers};
 use super::locate::Among;
@@ -68,7 +69,14 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         ..Conclusion::default()
     };
     // Beside something that has no name, small findings of the same kind of edges are parts of it.
-    let unknown_squares = odd_score + left.map_or(0.0, |left| left.squares);
+    let changing = searched
+        .pattern
+        .as_ref()
+        .filter(|p| changes(board, searched, p));
+    conclusion.pattern = searched.pattern.is_some() && changing.is_none();
+    let unknown_squares = odd_score
+        + left.map_or(0.0, |left| left.squares)
+        + changing.map_or(0.0, |pattern| pattern.score);
     for (number, found) in searched.found.iter().enumerate() {
         let part = unknown_squares > 0.0
             && found.score < 0.3 * unknown_squares
@@ -82,8 +90,28 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         conclusion.named.push(name(board, searched, number));
     }
     conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
-    conclusion.nameless = nameless(board, searched, &odd, left);
+    conclusion.nameless = nameless(board, searched, &odd, left).or_else(|| {
+        changing.map(|pattern| Nameless {
+            text: "places of the disc, all edges alike; like line_error, but not the same in \
+                   the first half as in the second"
+                .to_owned(),
+            squares: pattern.score,
+            p_value: (-0.5 * pattern.score).exp(),
+            orders: Vec::new(),
+            frequencies_hz: Vec::new(),
+        })
+    });
     conclusion
+}
+
+/// Whether a pattern of the disc learned in one half is not that of the other.
+fn changes(board: &Board, searched: &Searched, pattern: &Pattern) -> bool {
+    const PART: f64 = 0.35;
+    const SURE: f64 = 4.0;
+    let shares = comes_again(board, &searched.model, pattern);
+    shares
+        .iter()
+        .any(|(share, error)| (share - 1.0).abs() > PART + SURE * error)
 }
 
 /// What is left and matters beside what was found.

@@ -24,6 +24,7 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
     Ok(Board {
         benches: benches?,
         tied,
+        clear: std::sync::OnceLock::new(),
     })
 }
 

@@ -46,10 +46,14 @@ pub struct Settled {
 pub fn settle(
     rig: &[Recorded],
     given: &Board,
-    board: Board,
-    searched: Searched,
+    mut board: Board,
+    mut searched: Searched,
     concluded: Conclusion,
 ) -> Result<Settled, DiagnoseError> {
+    if let Some(pattern) = searched.pattern.take_if(|_| !concluded.pattern) {
+        let back: Vec<f64> = pattern.errors_rad.iter().map(|error| -error).collect();
+        board.take_off(&back);
+    }
     let mut given = given.clone();
     for (bench, found) in given.benches.iter_mut().zip(&board.benches) {
         bench.set_noise(found.noise);
