@@ -118,6 +118,13 @@ impl Board {
             for at in 0..bench.seen.len() {
                 bench.seen.angles[at] -= errors_rad[bench.seen.edge(at)];
             }
+            // Where the shaft is when an edge comes is known better now.
+            let count = bench.seen.edges as usize;
+            bench.seen.errors.resize(count, 0.0);
+            for (known, more) in bench.seen.errors.iter_mut().zip(errors_rad) {
+                *known += more;
+            }
+            bench.seen.swing();
             bench.set_noise(bench.noise);
         }
     }

@@ -28,9 +28,9 @@ pub struct Pattern {
 }
 
 /// Steps of the conjugate gradients at the most.
-const STEPS: usize = 30;
-/// What they may leave, of what they began with.
-const NEAR: f64 = 1e-4;
+const STEPS: usize = 60;
+/// Squares that they may leave.
+const NEAR: f64 = 0.3;
 
 /// The pattern that a model leaves; orders that another mechanism may own are left to it.
 #[must_use]
@@ -246,9 +246,8 @@ impl<'a> Disc<'a> {
         let mut nearer = self.weighted(&left, &weight);
         let mut way = nearer.clone();
         let mut size = dot(&left, &nearer);
-        let enough = NEAR * NEAR * size;
         for _ in 0..STEPS {
-            if size <= enough {
+            if size < NEAR {
                 break;
             }
             let mut rows = self.rows(&way);

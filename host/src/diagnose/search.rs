@@ -175,7 +175,7 @@ fn best(
             one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64),
         );
         let again = kinds.iter().filter(|k| **k == kind).count();
-        if one.score < 0.3 * top || again >= 1 || closer.len() >= 6 {
+        if one.score < 0.5 * top || again >= 1 || closer.len() >= 6 {
             continue;
         }
         kinds.push(kind);

@@ -10,6 +10,7 @@ use super::kalman::Reading;
 use super::shaft::ShaftLaw;
 use super::still::Still;
 use super::ties::Tie;
+use super::torques::Torques;
 use super::track::Track;
 use crate::sensor::SensorPlan;
 use crate::twin::{Twin, TwinError};
@@ -23,7 +24,7 @@ pub struct Seen {
     pub classes: i64,
     /// By how much a place is ahead of the twin's number of its edge: Hall sensors are counted by the state that they come to.
     pub shift: i64,
-    /// Errors of the twin's disc, rad, for every edge of the grid.
+    /// Errors of the disc that are known, rad, for every edge of the grid: the twin's, and what was learned since.
     pub errors: Vec<f64>,
     /// Where each edge is on the grid, turns counted through.
     pub places: Vec<i64>,
@@ -37,6 +38,9 @@ pub struct Seen {
     pub readings: Vec<Reading>,
     /// Samples of a speed loop that may have seen an edge or not.
     pub ties: Vec<Tie>,
+    /// The twin's torques, and the angles that they give, rad.
+    pub(super) torques: Torques,
+    pub(super) swings: Vec<f64>,
 }
 
 impl Seen {

@@ -27,24 +27,38 @@ struct Torque {
     phase: f64,
 }
 
-/// Angle that a twin's torques, of the turn and of time, give each edge, rad.
-#[must_use]
-pub fn swing(seen: &Seen, twin: &Twin, law: &ShaftLaw) -> Vec<f64> {
-    let turning = turning(twin, law);
-    let tones: Vec<Torque> = twin
-        .torque_tone
-        .iter()
-        .map(|tone| Torque {
+/// The torques of a twin that keep step with turn or time.
+#[derive(Clone, Debug, Default)]
+pub struct Torques {
+    turning: Vec<Torque>,
+    tones: Vec<Torque>,
+}
+
+impl Torques {
+    /// Of a twin.
+    #[must_use]
+    pub fn of(twin: &Twin, law: &ShaftLaw) -> Self {
+        let tones = twin.torque_tone.iter().map(|tone| Torque {
             rate: TAU * tone.f_hz,
             acceleration: tone.torque_n_m.unwrap_or(0.0) / law.inertia,
             phase: tone.phase_rad,
-        })
-        .collect();
+        });
+        Self {
+            turning: turning(twin, law),
+            tones: tones.collect(),
+        }
+    }
+}
+
+/// Angle that the torques give each edge, rad.
+#[must_use]
+pub fn swing(seen: &Seen, torques: &Torques) -> Vec<f64> {
+    let Torques { turning, tones } = torques;
     if turning.is_empty() && tones.is_empty() {
         return vec![0.0; seen.len()];
     }
     let fastest = |torques: &[Torque]| torques.iter().map(|t| t.rate.abs()).fold(0.0, f64::max);
-    let (order, pulsation) = (fastest(&turning), fastest(&tones));
+    let (order, pulsation) = (fastest(turning), fastest(tones));
     let theta: Vec<f64> = (0..seen.len()).map(|at| seen.true_theta(at)).collect();
     let mut path = Path::default();
     let mut angles = vec![0.0; seen.len()];
@@ -68,7 +82,7 @@ pub fn swing(seen: &Seen, twin: &Twin, law: &ShaftLaw) -> Vec<f64> {
                 let off = before.at(cursor, place, places);
                 let angle = theta[at - 1] + share * came + off;
                 let time = seen.times_s[at] - (1.0 - share) * whole.after_s;
-                sum(&turning, angle) + sum(&tones, time)
+                sum(turning, angle) + sum(tones, time)
             };
             path.swings.push(state[0]);
             let mut first = push(0);

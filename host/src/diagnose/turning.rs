@@ -15,7 +15,7 @@ use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
 use super::ties::Tie;
-use super::torques::swing;
+use super::torques::{Torques, swing};
 use super::track::{Mark, Track};
 use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
@@ -80,12 +80,21 @@ impl Seen {
         self.angles.iter_mut().for_each(|angle| *angle -= turns);
     }
 
+    /// Takes off what the twin's torques do on the disc as it is known now.
+    pub(super) fn swing(&mut self) {
+        let swings = swing(self, &self.torques);
+        let each = swings.iter().zip(&self.swings);
+        for (angle, (now, before)) in self.angles.iter_mut().zip(each) {
+            *angle -= now - before;
+        }
+        self.swings = swings;
+    }
+
     /// Takes off what the twin's torques, delays, levels and play do.
     pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
-        let swings = swing(self, twin, law);
-        for (angle, swing) in self.angles.iter_mut().zip(swings) {
-            *angle -= swing;
-        }
+        self.torques = Torques::of(twin, law);
+        self.swings = vec![0.0; self.len()];
+        self.swing();
         let looped = twin.speed_loop().is_some();
         for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
