@@ -97,12 +97,12 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
     let f_error = rate_error(&sides, f_hz, found.cost);
     let inertia = board.benches[0].law.inertia;
     let ki = ki.max(0.0);
-    Some(MotionFinding {
+    let finding = MotionFinding {
         mechanism: Mechanism::ClosedLoop,
         parameters: vec![
-            ("kp_n_m_s", kp * inertia, error(0) * inertia, "N m s"),
-            ("ki_n_m", ki * inertia, error(1) * inertia, "N m"),
-            ("f_hz", f_hz, f_error, "Hz"),
+            ("kp_n_m_s", kp * inertia, error(0) * inertia),
+            ("ki_n_m", ki * inertia, error(1) * inertia),
+            ("f_hz", f_hz, f_error),
         ],
         delta_bic,
         text: format!(
@@ -115,7 +115,8 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
             .iter()
             .map(|one| with(&one.twin, f_hz, kp, ki))
             .collect(),
-    })
+    };
+    finding.plausible().then_some(finding)
 }
 
 /// Whether the noise that a twin declares leaves something.
