@@ -21,7 +21,12 @@ pub const CARD: Card = Card {
     source: "dead zone between two inertias, the driven one without inertia (M. Nordin, P.-O. Gutman, Controlling mechanical systems \
              with backlash: a survey, Automatica 38, 2002)",
     twin: "backlash",
-    parameters: &[Quantity::new("gap_rad", "rad", [0.0, ERROR_RAD], "g")],
+    parameters: &[Quantity::new(
+        "gap_rad",
+        "rad",
+        [0.0, ERROR_RAD],
+        "g, width of the play",
+    )],
     locked_to: &[LockedTo::Reversals],
     speed_exponent: Some(0),
     edge_classes: EdgeClasses::Alike,

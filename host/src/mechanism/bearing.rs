@@ -28,9 +28,9 @@ pub const CARD: Card = Card {
     source: "ball pass frequency of the outer ring (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2)",
     twin: "bearing",
     parameters: &[
-        Quantity::new("order", "1", ORDERS, "n"),
-        Quantity::new("runout_rad", "rad", [0.0, ERROR_RAD], "r"),
-        Quantity::phase("phi"),
+        Quantity::new("order", "1", ORDERS, "n, cycles a turn"),
+        Quantity::new("runout_rad", "rad", [0.0, ERROR_RAD], "r, its amplitude"),
+        Quantity::phase("phi, its phase at angle 0"),
     ],
     locked_to: &[LockedTo::FractionalOrder],
     speed_exponent: None,

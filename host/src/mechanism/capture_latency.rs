@@ -27,7 +27,7 @@ pub const CARD: Card = Card {
              A. Schuster's periodogram (Terrestrial Magnetism 3, 1898)",
     twin: "capture_latency",
     parameters: &[
-        Quantity::new("mean_s", "s", [0.0, DELAY_S], "m, of a random latency"),
+        Quantity::new("mean_s", "s", [0.0, DELAY_S], "m, mean of a random latency"),
         Quantity::new("task_hz", "Hz", TASK_HZ, "rate of a task"),
         Quantity::new("busy_s", "s", [0.0, DELAY_S], "b, how long it blocks"),
         Quantity::new(

@@ -33,8 +33,8 @@ pub const CARD: Card = Card {
     source: "kinematics, first order in the delay: the shaft goes on by w d until the stamp",
     twin: "channel_skew",
     parameters: &[
-        Quantity::new(OF_CHANNELS[1], "s", RANGE, "d of B"),
-        Quantity::new(OF_CHANNELS[2], "s", RANGE, "d of C"),
+        Quantity::new(OF_CHANNELS[1], "s", RANGE, "d of B, against A"),
+        Quantity::new(OF_CHANNELS[2], "s", RANGE, "d of C, against A"),
     ],
     locked_to: &[LockedTo::Angle],
     speed_exponent: Some(1),

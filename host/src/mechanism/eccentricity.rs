@@ -26,8 +26,13 @@ pub const CARD: Card = Card {
              Measurement Technology, 1998",
     twin: "errors.eccentricity",
     parameters: &[
-        Quantity::new("amplitude_rad", "rad", [0.0, LARGEST_RAD], "d / R"),
-        Quantity::phase("theta0"),
+        Quantity::new(
+            "amplitude_rad",
+            "rad",
+            [0.0, LARGEST_RAD],
+            "d / R, at order 1",
+        ),
+        Quantity::phase("theta0, as in amplitude sin(theta - phase)"),
     ],
     locked_to: &[LockedTo::FirstOrder],
     speed_exponent: Some(0),

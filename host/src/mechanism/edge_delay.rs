@@ -41,7 +41,7 @@ pub const CARD: Card = Card {
             "rise_less_fall_s",
             "s",
             RANGE,
-            "d_rise - d_fall where all channels have the same",
+            "d_rise - d_fall, where all channels have the same",
         ),
         Quantity::new(OF_CHANNELS[0], "s", RANGE, "the same of A"),
         Quantity::new(OF_CHANNELS[1], "s", RANGE, "the same of B"),

@@ -18,7 +18,12 @@ pub const CARD: Card = Card {
     equation: "e steps by +2 pi / N for each edge too many, N edges a turn",
     source: "order of a reflected binary code, one channel changing at a time (F. Gray, US patent 2632058, 1953)",
     twin: "faults.glitch_probability",
-    parameters: &[Quantity::new("count", "1", [1.0, 1e9], "pulses taken out")],
+    parameters: &[Quantity::new(
+        "count",
+        "1",
+        [1.0, 1e9],
+        "places at which pulses were taken out",
+    )],
     locked_to: &[LockedTo::Instants],
     speed_exponent: Some(0),
     edge_classes: EdgeClasses::OftenOne,

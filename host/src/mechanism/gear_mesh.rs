@@ -24,9 +24,9 @@ pub const CARD: Card = Card {
     source: "tooth-mesh frequency, teeth times speed of the wheel (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2)",
     twin: "gear_mesh",
     parameters: &[
-        Quantity::new("order", "1", ORDERS, "n"),
-        Quantity::torque("T"),
-        Quantity::phase("phi"),
+        Quantity::new("order", "1", ORDERS, "n, cycles a turn"),
+        Quantity::torque("T, its amplitude"),
+        Quantity::phase("phi, its phase at angle 0"),
     ],
     locked_to: &[LockedTo::FractionalOrder],
     speed_exponent: Some(-2),

@@ -32,7 +32,7 @@ pub const CARD: Card = Card {
         "angle_rad",
         "rad",
         [-ERROR_RAD, ERROR_RAD],
-        "h, on top of what the twin declares",
+        "h, between a mark's places forward and in reverse, on top of what the twin declares",
     )],
     locked_to: &[LockedTo::Direction],
     speed_exponent: Some(0),

@@ -27,7 +27,12 @@ pub const CARD: Card = Card {
             INSTANT_S,
             "when, between two passes of the index",
         ),
-        Quantity::new("edges", "1", [-1e7, 1e7], "n, forward positive"),
+        Quantity::new(
+            "edges",
+            "1",
+            [-1e7, 1e7],
+            "n, steps of the grid, forward positive",
+        ),
     ],
     locked_to: &[LockedTo::Instants],
     speed_exponent: Some(0),

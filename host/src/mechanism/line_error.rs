@@ -34,7 +34,7 @@ pub const CARD: Card = Card {
             "rms_rad",
             "rad",
             [0.0, ERROR_RAD],
-            "RMS over the edges of a turn, where each was learned; `--write-twin` writes them all",
+            "RMS over the edges of a turn, where each was learned: `--write-twin` writes them all",
         ),
         Quantity::new(
             "amplitude_rad",
@@ -42,7 +42,7 @@ pub const CARD: Card = Card {
             [0.0, ERROR_RAD],
             "of the order named, where one order was found by itself",
         ),
-        Quantity::phase("its phase: amplitude sin(order theta - phase)"),
+        Quantity::phase("its phase, as in amplitude sin(order theta - phase)"),
     ],
     locked_to: &[LockedTo::Angle],
     speed_exponent: Some(0),

@@ -5,8 +5,8 @@
 //! often of one channel or one kind of edge only. Place and width are searched for, by kind of edge; the size is linear. Simulated in
 //! `sim/defect.rs`.
 //!
-//! Source: the bump is a shape of this tool's choosing, smooth and with one place, width and size; it is one of eq. (1)'s eps(k) in
-//! Yin, Guo et al., doi 10.19650/j.cnki.cjsi.J2210801.
+//! Source: a smooth bump with one place, width and size, chosen for this tool; a part of eps(k) in eq. (1) of Yin, Guo et al.,
+//! doi 10.19650/j.cnki.cjsi.J2210801.
 
 use std::f64::consts::{PI, TAU};
 
@@ -31,12 +31,12 @@ pub const CARD: Card = Card {
     twin: "local_defect",
     parameters: &[
         Quantity::new("angle_rad", "rad", [0.0, TAU], "place on the disc"),
-        Quantity::new("width_rad", "rad", [1e-7, PI], "s"),
+        Quantity::new("width_rad", "rad", [1e-7, PI], "s, sigma of the bump"),
         Quantity::new(
             "error_rad",
             "rad",
             [-ERROR_RAD, ERROR_RAD],
-            "E, at its peak",
+            "E, error at the peak",
         ),
     ],
     locked_to: &[LockedTo::OneAngle],

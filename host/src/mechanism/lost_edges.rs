@@ -18,7 +18,12 @@ pub const CARD: Card = Card {
     equation: "e steps by -2 pi / N for each edge missed, N edges a turn",
     source: "order of a reflected binary code, one channel changing at a time (F. Gray, US patent 2632058, 1953)",
     twin: "faults.lost_edges",
-    parameters: &[Quantity::new("count", "1", [1.0, 1e9], "edges missed")],
+    parameters: &[Quantity::new(
+        "count",
+        "1",
+        [1.0, 1e9],
+        "places at which edges are missing",
+    )],
     locked_to: &[LockedTo::Instants],
     speed_exponent: Some(0),
     edge_classes: EdgeClasses::OftenOne,

@@ -23,7 +23,12 @@ pub const CARD: Card = Card {
     equation: "w*(t) = w0(t) (1 + r t)",
     source: "first order of a slow change of the drive's speed in time, and Newton's law for the shaft",
     twin: "speed_drift",
-    parameters: &[Quantity::new("fraction_per_s", "1/s", [-10.0, 10.0], "r")],
+    parameters: &[Quantity::new(
+        "fraction_per_s",
+        "1/s",
+        [-10.0, 10.0],
+        "r, change over the speed and second",
+    )],
     locked_to: &[LockedTo::SlowTime],
     speed_exponent: None,
     edge_classes: EdgeClasses::Alike,

@@ -22,14 +22,29 @@ pub const CARD: Card = Card {
              tools and compensation methods for the control of machines with friction, Automatica 30, 1994, section 2)",
     twin: "stick_slip",
     parameters: &[
-        Quantity::new("stiffness_n_m_rad", "N m/rad", [0.0, TORQUE_N_M], "K"),
-        Quantity::new("stribeck_n_m", "N m", [0.0, TORQUE_N_M], "Fs"),
-        Quantity::new("stribeck_rad_s", "rad/s", [0.0, 1e6], "ws"),
+        Quantity::new(
+            "stiffness_n_m_rad",
+            "N m/rad",
+            [0.0, TORQUE_N_M],
+            "K, stiffness of the spring",
+        ),
+        Quantity::new(
+            "stribeck_n_m",
+            "N m",
+            [0.0, TORQUE_N_M],
+            "Fs, Stribeck friction",
+        ),
+        Quantity::new(
+            "stribeck_rad_s",
+            "rad/s",
+            [0.0, 1e6],
+            "ws, speed over which it falls",
+        ),
         Quantity::new(
             "coulomb_n_m",
             "N m",
             [0.0, TORQUE_N_M],
-            "least Coulomb friction that holds the shaft; no interval, as any more of it looks the same",
+            "least Coulomb friction that holds the shaft: more of it looks the same, so there is no interval",
         ),
     ],
     locked_to: &[LockedTo::Speed],

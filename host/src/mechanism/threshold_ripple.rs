@@ -28,9 +28,9 @@ pub const CARD: Card = Card {
              comparators)",
     twin: "threshold_ripple",
     parameters: &[
-        Quantity::new("f_hz", "Hz", FREQUENCIES_HZ, "f"),
-        Quantity::new("angle_rad", "rad", [0.0, ERROR_RAD], "a"),
-        Quantity::phase("phi, at the recording's time 0"),
+        Quantity::new("f_hz", "Hz", FREQUENCIES_HZ, "f, its frequency"),
+        Quantity::new("angle_rad", "rad", [0.0, ERROR_RAD], "a, its amplitude"),
+        Quantity::phase("phi, its phase at the recording's time 0"),
     ],
     locked_to: &[LockedTo::Frequency],
     speed_exponent: Some(0),

@@ -25,7 +25,7 @@ pub const CARD: Card = Card {
         "jitter_s",
         "s",
         [0.0, 1e-2],
-        "s, RMS, what the twin declares included",
+        "s, RMS, with what the twin declares",
     )],
     locked_to: &[LockedTo::Nothing],
     speed_exponent: Some(1),

@@ -29,9 +29,9 @@ pub const CARD: Card = Card {
              doi 10.19650/j.cnki.cjsi.J2210801",
     twin: "ripple",
     parameters: &[
-        Quantity::new("order", "1", [1.0, 1e5], "n, a whole number"),
-        Quantity::torque("T"),
-        Quantity::phase("phi"),
+        Quantity::new("order", "1", [1.0, 1e5], "n, cycles a turn, a whole number"),
+        Quantity::torque("T, its amplitude"),
+        Quantity::phase("phi, its phase at angle 0"),
     ],
     locked_to: &[LockedTo::WholeOrders],
     speed_exponent: Some(-2),

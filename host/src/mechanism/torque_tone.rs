@@ -27,9 +27,9 @@ pub const CARD: Card = Card {
     source: "Newton's law for the shaft, linear about its mean speed",
     twin: "torque_tone",
     parameters: &[
-        Quantity::new("f_hz", "Hz", FREQUENCIES_HZ, "f"),
-        Quantity::torque("T"),
-        Quantity::phase("phi, at the recording's time 0"),
+        Quantity::new("f_hz", "Hz", FREQUENCIES_HZ, "f, its frequency"),
+        Quantity::torque("T, its amplitude"),
+        Quantity::phase("phi, its phase at the recording's time 0"),
     ],
     locked_to: &[LockedTo::Frequency],
     speed_exponent: Some(0),

@@ -37,7 +37,12 @@ pub const CARD: Card = Card {
             [0.0, 1.0],
             "zeta, 1 is critical damping",
         ),
-        Quantity::new("inertia_share", "1", [1e-6, 0.999], "s, behind the spring"),
+        Quantity::new(
+            "inertia_share",
+            "1",
+            [1e-6, 0.999],
+            "s, share of the inertia behind the spring",
+        ),
     ],
     locked_to: &[LockedTo::FrequencyBand],
     speed_exponent: Some(0),

@@ -38,7 +38,12 @@ pub const CARD: Card = Card {
             RANGE,
             "xi where all channels have the same",
         ),
-        Quantity::new(OF_CHANNELS[0], "rad", RANGE, "xi of A"),
+        Quantity::new(
+            OF_CHANNELS[0],
+            "rad",
+            RANGE,
+            "xi of A, its falling edges against its rising ones",
+        ),
         Quantity::new(OF_CHANNELS[1], "rad", RANGE, "xi of B"),
         Quantity::new(OF_CHANNELS[2], "rad", RANGE, "xi of C"),
     ],

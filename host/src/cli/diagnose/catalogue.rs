@@ -57,7 +57,7 @@ fn card(mechanism: Mechanism) -> String {
     if mechanism != Mechanism::Unknown {
         row("Edges", &edge_classes.to_string());
         let size = speed_exponent.map_or_else(
-            || "no power of the speed".to_owned(),
+            || "no one power of the speed".to_owned(),
             |exponent| format!("speed^{exponent}"),
         );
         row("Size in angle", &size);
