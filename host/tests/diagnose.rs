@@ -208,7 +208,10 @@ fn what_a_diagnosis_can_name_is_printed_in_a_list_and_card_by_card() {
     }
     for (arguments, expected) in [
         ("--mechanisms gremlins", "'--mechanisms' alone prints"),
-        ("rig.csv --twin rig.toml --mechanisms", "cannot be used with"),
+        (
+            "rig.csv --twin rig.toml --mechanisms",
+            "cannot be used with",
+        ),
     ] {
         let output = workshop::quadcal(folder.path(), &format!("diagnose {arguments}"));
         assert_eq!(output.status.code(), Some(2), "{arguments}");

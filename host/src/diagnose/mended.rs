@@ -1,6 +1,6 @@
 //! A twin with a finding in it: it can be simulated, and should then explain the recording.
 
-use super::basis::{Basis, change_of};
+use super::basis::{Basis, change_of, channels};
 use super::estimate::Estimate;
 use crate::twin::{Channel, Twin};
 
@@ -46,6 +46,12 @@ impl Mended {
             self.add_basis(*basis, sizes);
             at += if own { count * recordings } else { count };
         }
+    }
+
+    /// Channels that its encoder has.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        channels(i64::from(self.twin.encoder.edges_per_line()))
     }
 
     fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {

@@ -100,6 +100,8 @@ fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
     all[channel.min(2)] += sizes[0];
     // No delay is negative: the others wait instead.
     let least = all.into_iter().fold(0.0, f64::min);
-    [skew.a_s, skew.b_s, skew.c_s] = all.map(|late| late - least);
+    let there = mended.channels();
+    all.iter_mut().take(there).for_each(|late| *late -= least);
+    [skew.a_s, skew.b_s, skew.c_s] = all;
     mended.twin.channel_skew = Some(skew);
 }

@@ -123,7 +123,9 @@ fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
     };
     let mut delay = mended.twin.edge_delay.unwrap_or_default();
     let each = [&mut delay.a, &mut delay.b, &mut delay.c];
-    for (number, one) in each.into_iter().enumerate() {
+    // Of channels that this encoder has.
+    let channels = mended.channels();
+    for (number, one) in each.into_iter().enumerate().take(channels) {
         if channel.is_some_and(|channel| channel != number) {
             continue;
         }

@@ -218,6 +218,35 @@ fn every_pattern_is_of_one_mechanism_that_names_its_numbers_and_puts_it_into_a_t
 }
 
 #[test]
+fn delays_are_those_of_channels_that_the_encoder_has() {
+    let late = [
+        (Basis::RiseLate { channel: None }, 2e-6),
+        (Basis::RiseLate { channel: None }, -2e-6),
+        (Basis::Late { channel: 1 }, 2e-6),
+        (Basis::Late { channel: 1 }, -2e-6),
+    ];
+    for (basis, size) in late {
+        let mut mended = Mended {
+            twin: rig(),
+            errors_rad: Vec::new(),
+        };
+        mended.add(&estimate(basis, size), 0, 1);
+        mended.twin.check().unwrap();
+        let [rise_less_fall, skew] = [
+            mended
+                .twin
+                .edge_delay
+                .map_or(0.0, |delay| delay.b.rise_s - delay.b.fall_s),
+            mended
+                .twin
+                .channel_skew
+                .map_or(0.0, |skew| skew.b_s - skew.a_s),
+        ];
+        assert_eq!(rise_less_fall + skew, size, "{basis:?}");
+    }
+}
+
+#[test]
 fn a_fit_with_a_number_that_no_rig_has_is_told() {
     let (quantity, value) = implausible(&estimate(Basis::Drift, 50.0)).unwrap();
     assert_eq!((quantity.name, value), ("fraction_per_s", 50.0));
