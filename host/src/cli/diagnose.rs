@@ -51,6 +51,11 @@ Two recordings at speeds a factor of two apart, or in both directions, tell most
 
 ";
 
+/// Both ways to call it.
+const USAGE: &str = "\
+quadcal diagnose [OPTIONS] --twin <TWIN> <REC>...
+       quadcal diagnose --mechanisms [ID]";
+
 /// As of all commands, but whatever the verdict is, it was reached.
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -60,7 +65,7 @@ Exit codes:
 
 /// Find what a twin lacks to explain its recordings, name it, and show that it fits
 #[derive(Debug, Args)]
-#[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
+#[command(after_help = [EXAMPLES, EXIT_CODES].concat(), override_usage = USAGE)]
 pub struct Diagnose {
     /// Recordings of one rig: native CSV, logic-analyser CSV, VCD, or one column of seconds
     #[arg(value_name = "REC", required_unless_present = "mechanisms")]

@@ -1,6 +1,7 @@
 //! Mechanisms that make another motion altogether: they are recognised before anything small is looked for.
 
 pub mod closed_loop;
+pub mod gains;
 pub mod rests;
 pub mod sampled;
 pub mod scan;
