@@ -58,7 +58,7 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
         rms_rad: s2.sqrt(),
         standard_error_rad: 0.5 * deviation * s2.sqrt(),
         score: most - (board.edges() as f64).ln(),
-        errors_rad: disc.solved(pulled, s2, &|_| true),
+        errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
     })
 }
 
@@ -76,6 +76,7 @@ pub fn comes_again(board: &Board, model: &Model, pattern: &Pattern) -> Vec<(f64,
         .zip(&model.left)
         .map(|(r, l)| with(r, l))
         .collect();
+    let spectrum = disc.spectrum(disc.own(&disc.folded(there.clone())));
     let early = |part: usize| 2 * part < PARTS;
     let late = |part: usize| 2 * part >= PARTS;
     let ways: [(&dyn Fn(usize) -> bool, &dyn Fn(usize) -> bool); 2] =
@@ -85,7 +86,8 @@ pub fn comes_again(board: &Board, model: &Model, pattern: &Pattern) -> Vec<(f64,
         let mut rows = there.clone();
         disc.keep(&mut rows, learned);
         let pulled = disc.own(&disc.folded(rows));
-        let errors = disc.solved(pulled, pattern.rms_rad * pattern.rms_rad, learned);
+        let prior = disc.prior(&spectrum, pattern.rms_rad * pattern.rms_rad);
+        let errors = disc.solved(pulled, &prior, learned);
         let mut foretold = disc.rows(&errors);
         disc.keep(&mut foretold, judged);
         let product = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
@@ -236,10 +238,25 @@ impl<'a> Disc<'a> {
         pull
     }
 
-    /// The errors that solve (A + 1/s^2) e = pull, with A of some parts alone.
-    fn solved(&self, pulled: Vec<f64>, s2: f64, kept: &dyn Fn(usize) -> bool) -> Vec<f64> {
+    /// Variance of each order: that of the white pattern, and as found where an order stands far out of it, as low orders do.
+    fn prior(&self, pulled: &[Complex<f64>], s2: f64) -> Vec<f64> {
+        const FAR: f64 = 12.0;
+        let each = pulled.iter().zip(&self.clear);
+        each.map(|(pulled, clear)| {
+            let z2 = pulled.norm_sqr() / (self.edges as f64 * clear);
+            if *clear > 0.0 && z2 > FAR * (1.0 + s2 * clear) {
+                z2 / clear
+            } else {
+                s2
+            }
+        })
+        .collect()
+    }
+
+    /// The errors that solve (A + 1/s^2) e = pull, with A of some parts alone and the variance s^2 of each order.
+    fn solved(&self, pulled: Vec<f64>, prior: &[f64], kept: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let share = (0..PARTS).filter(|part| kept(*part)).count() as f64 / PARTS as f64;
-        let weight = |m: usize| (share * self.clear[m] + 1.0 / s2).recip();
+        let weight = |m: usize| (share * self.clear[m] + 1.0 / prior[m]).recip();
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut errors = vec![0.0; self.edges];
         let mut left = pulled;
@@ -253,8 +270,9 @@ impl<'a> Disc<'a> {
             let mut rows = self.rows(&way);
             self.keep(&mut rows, kept);
             let mut answer = self.own(&self.folded(rows));
-            for (answer, way) in answer.iter_mut().zip(&way) {
-                *answer += way / s2;
+            let own = self.weighted(&way, &|m| 1.0 / prior[m]);
+            for (answer, own) in answer.iter_mut().zip(own) {
+                *answer += own;
             }
             let far = size / dot(&way, &answer);
             for at in 0..self.edges {

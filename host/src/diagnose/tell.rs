@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::basis::{Basis, Change, change_of};
 use super::beside::put_in;
 use super::board::Bench;
 use super::conclude::Name;
@@ -11,6 +10,7 @@ use super::diagnosis::{
     Verdict,
 };
 use super::named::parameters;
+use super::place::{place, text};
 use super::plots;
 use super::run::{Diagnosed, Recorded};
 use super::settle::Settled;
@@ -116,12 +116,14 @@ fn finding(settled: &Settled, name: &Name, parameters: BTreeMap<String, Paramete
     let mechanism = name.hypothesis.mechanism;
     let place = place(settled, name, &parameters);
     let mut look_alikes = name.alike.clone();
-    if mechanism == Mechanism::GearMesh && !look_alikes.contains(&Mechanism::Bearing) {
-        look_alikes.push(Mechanism::Bearing);
+    for told_by_rig in mechanism.card().told_by_rig {
+        if !look_alikes.contains(told_by_rig) {
+            look_alikes.push(*told_by_rig);
+        }
     }
     Finding {
         mechanism,
-        text: text(settled, name, &place),
+        text: text(name, &place),
         confidence: name.confidence,
         parameters,
         place,
@@ -178,7 +180,7 @@ fn disc(settled: &Settled) -> Option<Finding> {
     let half = 1.96 * pattern.standard_error_rad;
     let rms = Parameter {
         value: pattern.rms_rad,
-        unit: "rad".to_owned(),
+        unit: Mechanism::LineError.card().unit("rms_rad").to_owned(),
         ci95: Some([pattern.rms_rad - half, pattern.rms_rad + half]),
     };
     Some(Finding {
@@ -235,121 +237,5 @@ fn facts((one, bench): (&Recorded, &Bench)) -> RecordingFacts {
         anchored: one.track.anchored,
         stamp_rms_s: bench.noise.stamp_s,
         disturbed_s: one.track.slips.iter().map(|slip| slip.time_s).collect(),
-    }
-}
-
-const CHANNELS: [&str; 3] = ["A", "B", "C"];
-
-fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Parameter>) -> Place {
-    let mut place = Place::default();
-    let value = |name: &str| parameters.get(name).map(|p| p.value);
-    place.orders.extend(value("order"));
-    place
-        .frequencies_hz
-        .extend(value("f_hz").or(value("task_hz")));
-    place.times_s.extend(value("from_s"));
-    place.times_s.extend(value("until_s"));
-    if let Basis::Round { order } = name.hypothesis.bases[0]
-        && place.orders.is_empty()
-    {
-        place.orders.push(order);
-    }
-    let Some(first) = settled.given.benches.first() else {
-        return place;
-    };
-    let names = settled.class_names();
-    let hit: Vec<usize> = (0..first.seen.classes as usize)
-        .filter(|class| {
-            hits(
-                name.hypothesis.bases[0],
-                change_of(*class, first.seen.classes),
-            )
-        })
-        .collect();
-    if hit.len() < names.len() {
-        place.edge_classes = hit.iter().map(|class| names[*class].to_owned()).collect();
-    }
-    match name.hypothesis.bases[0] {
-        Basis::Bump {
-            angle_rad, channel, ..
-        } => {
-            place.angles_deg = vec![value("angle_rad").unwrap_or(angle_rad).to_degrees()];
-            place
-                .channels
-                .extend(channel.map(|c| CHANNELS[c].to_owned()));
-        }
-        Basis::LevelTone { channel, .. } => {
-            place
-                .channels
-                .extend(channel.map(|c| CHANNELS[c].to_owned()));
-        }
-        Basis::Shift { channel } | Basis::Late { channel } => {
-            place.channels.push(CHANNELS[channel].to_owned());
-        }
-        _ => {}
-    }
-    place
-}
-
-/// Whether a pattern is on an edge.
-fn hits(basis: Basis, change: Change) -> bool {
-    match basis {
-        Basis::Bump { channel, rises, .. } => {
-            channel.is_none_or(|c| c == change.channel) && rises.is_none_or(|r| r == change.rises)
-        }
-        Basis::LevelTone { channel, .. } => channel.is_none_or(|c| c == change.channel),
-        Basis::Width { channel } => !change.rises && channel.is_none_or(|c| c == change.channel),
-        Basis::RiseLate { channel } => change.rises && channel.is_none_or(|c| c == change.channel),
-        Basis::Shift { channel } | Basis::Late { channel } => channel == change.channel,
-        _ => true,
-    }
-}
-
-fn text(settled: &Settled, name: &Name, place: &Place) -> String {
-    let first = |list: &[f64]| list.first().copied().unwrap_or(0.0);
-    let (order, f_hz) = (first(&place.orders), first(&place.frequencies_hz));
-    let edges = if place.edge_classes.is_empty() {
-        "all edges alike".to_owned()
-    } else {
-        place.edge_classes.join(", ")
-    };
-    match name.hypothesis.bases[0] {
-        Basis::Round { .. } | Basis::Lagged { .. } => {
-            format!("order {order}, {edges}, the same angle at any speed")
-        }
-        Basis::TorqueOrder { .. } => {
-            format!("order {order:.4}, {edges}, smaller the faster it turns")
-        }
-        Basis::TorqueTone { .. } => format!("{f_hz:.4} Hz, {edges}"),
-        Basis::LevelTone { .. } => format!("{f_hz:.4} Hz, rising against falling edges ({edges})"),
-        Basis::Width { .. } => format!("{edges} against the others, the same angle throughout"),
-        Basis::RiseLate { .. } => {
-            "rising against falling edges, the same time throughout".to_owned()
-        }
-        Basis::Shift { .. } => format!("{edges} against the others, the same angle throughout"),
-        Basis::Late { .. } => format!("{edges} against the others, the same time throughout"),
-        Basis::LevelDrift { .. } => {
-            format!(
-                "rising against falling edges, from {:.3} s on",
-                first(&place.times_s)
-            )
-        }
-        Basis::Bump { .. } => format!(
-            "{edges}, at {:.2} degrees, once a turn",
-            first(&place.angles_deg)
-        ),
-        Basis::Load { .. } => match place.times_s.as_slice() {
-            [from, until] => format!("a push from {from:.4} to {until:.4} s"),
-            _ => "a push from beginning or to the end".to_owned(),
-        },
-        Basis::Drift => "the speed changes evenly from beginning to end".to_owned(),
-        Basis::Direction => "forward against reverse, all edges alike".to_owned(),
-        Basis::Coulomb | Basis::Viscous | Basis::Drag | Basis::Stribeck { .. } => {
-            "the course of the run-down".to_owned()
-        }
-        Basis::Task { .. } => {
-            let _ = settled;
-            format!("late captures at {f_hz:.3} Hz")
-        }
     }
 }

@@ -123,6 +123,32 @@ fn the_documentation_names_every_verdict_and_mechanism() {
     );
 }
 
+/// A row of the table of parameters, as the documentation writes it.
+fn row(mechanism: Mechanism) -> String {
+    let card = mechanism.card();
+    let numbers = card
+        .parameters
+        .iter()
+        .map(|one| format!("`{}` ({}): {}", one.name, one.unit, one.what));
+    let numbers = numbers.collect::<Vec<_>>().join("; ");
+    let twin = if card.twin.is_empty() {
+        String::new()
+    } else {
+        format!(" `{}`", card.twin)
+    };
+    format!("| `{mechanism}` | {numbers} |{twin} |")
+}
+
+#[test]
+fn the_documentation_has_the_parameters_of_each_mechanism() {
+    let missing: Vec<String> = Mechanism::ALL
+        .into_iter()
+        .map(row)
+        .filter(|row| !DOC.lines().any(|line| line == row))
+        .collect();
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+}
+
 #[test]
 fn the_json_reads_back_the_same() {
     let diagnosis = full().diagnosis;
