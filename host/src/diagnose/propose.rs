@@ -1,7 +1,7 @@
 //! What may be missing, going by what stands out of the residual.
 
 use super::basis::Basis;
-use super::board::{Board, Model};
+use super::board::{Bench, Board, Model};
 use super::hypothesis::{Hypothesis, of_rhythm, whatever_shows};
 use super::locate::{Among, Peak, peaks};
 use crate::mechanism::Rhythm;
@@ -19,7 +19,7 @@ pub fn propose(board: &Board, model: &Model) -> (Vec<Hypothesis>, f64) {
         strongest = strongest.max(found.first().map_or(0.0, |p| p.power / p.threshold));
         for peak in found.iter().take(4) {
             for hypothesis in of_peak(peak) {
-                if !all.contains(&hypothesis) {
+                if !all.contains(&hypothesis) && !of_classes(bench, &hypothesis) {
                     all.push(hypothesis);
                 }
             }
@@ -29,6 +29,18 @@ pub fn propose(board: &Board, model: &Model) -> (Vec<Hypothesis>, f64) {
         all.extend(whatever_shows(board));
     }
     (all, strongest)
+}
+
+/// Whether a rhythm of the disc comes round once a line: what all edges of a kind have has names of its own.
+fn of_classes(bench: &Bench, hypothesis: &Hypothesis) -> bool {
+    let seen = &bench.seen;
+    match hypothesis.bases.first() {
+        Some(Basis::Round { order }) if seen.classes > 1 => {
+            let lines = (seen.edges / seen.classes) as f64;
+            (order / lines).round() >= 1.0 && order % lines == 0.0
+        }
+        _ => false,
+    }
 }
 
 fn of_peak(peak: &Peak) -> Vec<Hypothesis> {

@@ -50,7 +50,7 @@ pub struct Searched {
 /// Searches; the noise of the board is set to what is found.
 #[must_use]
 pub fn search(board: &mut Board) -> Option<Searched> {
-    let mut searched = once(board)?;
+    let mut searched = once(board, false)?;
     for _ in 1..ROUNDS {
         let explained = searched.explained(board);
         if !board.refit_noise(&explained) {
@@ -58,7 +58,7 @@ pub fn search(board: &mut Board) -> Option<Searched> {
         }
         // The pattern that was taken off stays off.
         let pattern = searched.pattern.take();
-        searched = once(board)?;
+        searched = once(board, pattern.is_some())?;
         searched.pattern = merged(pattern, searched.pattern.take());
     }
     Some(searched)
@@ -77,7 +77,8 @@ fn merged(first: Option<Pattern>, second: Option<Pattern>) -> Option<Pattern> {
     }
 }
 
-fn once(board: &mut Board) -> Option<Searched> {
+/// Looks once, with the noise as it is; `learned` says that a pattern of the disc was learned from these recordings before.
+fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     let nuisances = board.nuisances();
     let mut found: Vec<Found> = Vec::new();
     let mut pattern: Option<Pattern> = None;
@@ -88,8 +89,8 @@ fn once(board: &mut Board) -> Option<Searched> {
     while found.len() < MOST {
         let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
-        if pattern.is_some() {
-            proposed = proposed.into_iter().map(|h| with_disc(h, board)).collect();
+        if learned || pattern.is_some() {
+            proposed = beside_disc(board, &model, &mut shelf, proposed);
         }
         proposed.extend(loads(board, &model));
         proposed.extend(defects(board, &model));
@@ -190,6 +191,29 @@ fn best(
         score: first.score,
         rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
     })
+}
+
+/// The same with what could be of the disc beside each; without those that the disc alone explains as well.
+fn beside_disc(
+    board: &Board,
+    model: &Model,
+    shelf: &mut Shelf,
+    proposed: Vec<Hypothesis>,
+) -> Vec<Hypothesis> {
+    let mut score = |hypothesis: Hypothesis| {
+        let columns = shelf.columns(board, &hypothesis);
+        weigh(board, model, hypothesis, columns).map(|weighed| weighed.score)
+    };
+    let each = proposed.into_iter().filter_map(|alone| {
+        let own = alone.bases.len();
+        let whole = with_disc(alone, board);
+        let Some(disc) = Hypothesis::by_all(whole.bases[own..].to_vec()) else {
+            return Some(whole);
+        };
+        let more = score(whole.clone())? - score(disc).unwrap_or(0.0).max(0.0);
+        (more > BEYOND).then_some(whole)
+    });
+    each.collect()
 }
 
 /// Whether it is a small part of a torque that the twin declares: how exactly that is known, and followed, is not this good.
