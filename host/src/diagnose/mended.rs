@@ -1,10 +1,13 @@
 //! A twin with a finding in it: it can be simulated, and should then explain the recording.
 
-use super::basis::{Basis, change_of};
+use super::basis::{Basis, change_of, channels};
+use super::board::Board;
+use super::disc::Pattern;
 use super::estimate::Estimate;
+use super::run::Recorded;
 use crate::twin::{
-    Bearing, Channel, ChannelSkew, EdgeDelay, Flank, Harmonic, Hysteresis, LoadStep, LocalDefect,
-    Ripple, SpeedDrift, ThresholdDrift, ThresholdRipple, TorqueTone, Twin,
+    Bearing, Channel, ChannelSkew, EdgeDelay, Errors, Flank, Harmonic, Hysteresis, LoadStep,
+    LocalDefect, Ripple, SpeedDrift, ThresholdDrift, ThresholdRipple, TorqueTone, Twin,
 };
 
 /// A twin being mended, and what its disc lacks: errors of each edge, rad.
@@ -39,6 +42,20 @@ impl Mended {
             self.add_basis(*basis, sizes);
             at += if own { count * recordings } else { count };
         }
+    }
+
+    /// Puts what the disc lacks into the twin, on top of the errors that it had; the whole list, where there is one.
+    pub fn list(&mut self, known: &[f64]) -> Option<Vec<f64>> {
+        if self.errors_rad.is_empty() {
+            return None;
+        }
+        let pairs = known.iter().zip(&self.errors_rad);
+        let list: Vec<f64> = pairs.map(|(known, more)| known + more).collect();
+        self.twin.errors = Errors {
+            list_rad: list.clone(),
+            ..Errors::default()
+        };
+        Some(list)
     }
 
     fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {
@@ -128,8 +145,10 @@ impl Mended {
             }
             Basis::RiseLate { channel: c } => {
                 let mut delay: EdgeDelay = twin.edge_delay.unwrap_or_default();
+                let there = channels(i64::from(twin.encoder.edges_per_line()));
                 for (number, one) in [&mut delay.a, &mut delay.b, &mut delay.c]
                     .into_iter()
+                    .take(there)
                     .enumerate()
                 {
                     if c.is_some_and(|c| c != number) {
@@ -146,8 +165,11 @@ impl Mended {
                 let mut skew: ChannelSkew = twin.channel_skew.unwrap_or_default();
                 let mut all = [skew.a_s, skew.b_s, skew.c_s];
                 all[c.min(2)] += sizes[0];
+                // No edge comes early: the others are late instead.
+                let there = channels(i64::from(twin.encoder.edges_per_line()));
                 let least = all.into_iter().fold(0.0, f64::min);
-                [skew.a_s, skew.b_s, skew.c_s] = all.map(|late| late - least);
+                all[..there].iter_mut().for_each(|late| *late -= least);
+                [skew.a_s, skew.b_s, skew.c_s] = all;
                 twin.channel_skew = Some(skew);
             }
             Basis::Bump {
@@ -209,3 +231,39 @@ impl Mended {
         self.errors_rad = all;
     }
 }
+
+/// The twins of a rig with a pattern of the disc and estimates in them, and the lists of errors where the disc needs one; `given` is
+/// the recordings against the twins as they are.
+#[must_use]
+pub fn twins(
+    rig: &[Recorded],
+    given: &Board,
+    pattern: Option<&Pattern>,
+    numbers: &[Estimate],
+) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
+    let each = rig.iter().enumerate().map(|(number, one)| {
+        let mut mended = Mended {
+            twin: one.twin.clone(),
+            errors_rad: pattern.map_or_else(Vec::new, |p| p.errors_rad.clone()),
+        };
+        for estimate in numbers {
+            mended.add(estimate, number, rig.len());
+        }
+        let list = mended.list(&given.benches[number].seen.errors);
+        (mended.twin, list)
+    });
+    each.unzip()
+}
+
+/// The recordings with other twins.
+#[must_use]
+pub fn with_twins(rig: &[Recorded], twins: &[Twin]) -> Vec<Recorded> {
+    let each = rig.iter().zip(twins).map(|(one, twin)| Recorded {
+        twin: twin.clone(),
+        ..one.clone()
+    });
+    each.collect()
+}
+
+#[cfg(test)]
+mod tests;

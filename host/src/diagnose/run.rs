@@ -5,8 +5,9 @@ use thiserror::Error;
 use super::beside::{of_events, of_motion, of_noise};
 use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
-use super::diagnosis::{Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
+use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
 use super::motion::{closed_loop, stick_slip};
+use super::next;
 use super::noise::{NoiseFinding, noise_findings};
 use super::prepare;
 use super::search::{Searched, search};
@@ -109,8 +110,10 @@ pub fn diagnose(
     found.extend(noise(&rig, &given, &board, &searched, &mut concluded));
     progress(0.8, "Simulating what was found");
     let settled = settle(&rig, &given, board, searched, concluded)?;
+    progress(0.9, "Simulating what to record next");
+    let next = next::recordings(&rig, &settled);
     progress(0.95, "Judging");
-    let diagnosed = tell(&rig, &settled, found);
+    let diagnosed = tell(&rig, &settled, &next, found);
     progress(1.0, "Done");
     Ok(diagnosed)
 }
@@ -178,6 +181,8 @@ fn alone(rig: &[Recorded], twins: Vec<Twin>, findings: Vec<Finding>) -> Diagnose
         rms_before_rad: 0.0,
         rms_after_rad: 0.0,
         floor_rad: 0.0,
+        slow: Band::default(),
+        edge_to_edge: Band::default(),
         whiteness_p_before: 0.0,
         whiteness_p: 0.0,
         held_out: HeldOut {
