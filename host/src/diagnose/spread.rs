@@ -13,6 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use super::bench::Bench;
 use super::board::{Board, PARTS};
 use super::seen::Seen;
+use super::shaft::Leap;
 
 /// Runs of the noise that the floor is the mean of.
 const RUNS: u64 = 4;
@@ -68,7 +69,9 @@ impl Spread {
 pub fn spread(board: &Board, left: &[Vec<f64>], parts: std::ops::Range<usize>) -> Spread {
     let mut sum = Spread::default();
     for (bench, left) in board.benches.iter().zip(left) {
-        sum.add(of_bench(bench, left.clone(), &parts));
+        let mut angles = left.clone();
+        bench.whitener().restore(&mut angles);
+        sum.add(of_bench(bench, left, &angles, &parts));
     }
     sum
 }
@@ -81,11 +84,43 @@ pub fn floor(board: &Board, parts: std::ops::Range<usize>) -> Spread {
         for run in 0..RUNS {
             let mut random = ChaCha8Rng::seed_from_u64(run);
             random.set_stream(number as u64);
-            let white = (0..bench.seen.len()).map(|_| normal(&mut random)).collect();
-            sum.add(of_bench(bench, white, &parts));
+            let angles = noise(bench, &mut random);
+            let white = bench.whitened(angles.clone());
+            sum.add(of_bench(bench, &white, &angles, &parts));
         }
     }
     sum
+}
+
+/// A run of a recording's noise: the shaft's wander as the filter has it (see [`super::kalman`]), and errors of stamps.
+fn noise(bench: &Bench, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let noise = bench.noise;
+    let (mut angle, mut drift) = (0.0, 0.0);
+    let mut speed: Option<f64> = None;
+    let each = bench.seen.readings.iter().map(|reading| {
+        let leap = Leap {
+            damping: reading.leap.damping + noise.forgets_per_s,
+            ..reading.leap
+        };
+        let h = leap.after_s;
+        // As fast or slow as the noise has made it until here; where nothing holds it, that is part of its mean speed.
+        let before = speed.unwrap_or_else(|| {
+            let usual = noise.acceleration / (2.0 * leap.damping);
+            if leap.damping > 0.0 {
+                usual.sqrt() * normal(random)
+            } else {
+                0.0
+            }
+        }) + reading.jolt.sqrt() * normal(random);
+        let (reach, stays) = leap.reach(h);
+        let (one, two) = (normal(random), normal(random));
+        let kick = (noise.acceleration * h).sqrt();
+        angle += reach * before + h * drift + kick * h * (0.5 * one + two / 12_f64.sqrt());
+        speed = Some(stays * before + kick * one);
+        drift += (noise.drift * h).sqrt() * normal(random);
+        angle + reading.speed * noise.stamp_s * normal(random)
+    });
+    each.collect()
 }
 
 /// Standard normal, by Box and Muller.
@@ -95,7 +130,12 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * (1.0 - one).ln()).sqrt() * (TAU * two).cos()
 }
 
-fn of_bench(bench: &Bench, mut white: Vec<f64>, parts: &std::ops::Range<usize>) -> Spread {
+fn of_bench(
+    bench: &Bench,
+    white: &[f64],
+    angles: &[f64],
+    parts: &std::ops::Range<usize>,
+) -> Spread {
     let range = bench.part(parts.start).start..bench.part((parts.end - 1).min(PARTS - 1)).end;
     let mut sum = Spread::default();
     let pairs = white.iter().zip(bench.deviations());
@@ -105,10 +145,9 @@ fn of_bench(bench: &Bench, mut white: Vec<f64>, parts: &std::ops::Range<usize>) 
             sum.step_count += 1.0;
         }
     }
-    bench.whitener().restore(&mut white);
-    let means = means(&bench.seen, &white);
+    let means = means(&bench.seen, angles);
     let there: Vec<(f64, f64, f64)> = range
-        .filter_map(|at| means[at].map(|mean| (bench.seen.times_s[at], mean, white[at] - mean)))
+        .filter_map(|at| means[at].map(|mean| (bench.seen.times_s[at], mean, angles[at] - mean)))
         .collect();
     Spread {
         fast: there.iter().map(|one| one.2 * one.2).sum(),

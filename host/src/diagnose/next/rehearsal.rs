@@ -65,7 +65,9 @@ impl<'a> Rehearsal<'a> {
         let tick_s = rig.first()?.track.tick_s;
         let mut twin = in_noise(twins.first()?, &first.law, first.noise, tick_s);
         // The disc is the same with another seed.
-        twin.errors.seed = twin.errors.seed.or(Some(twin.seed));
+        if twin.errors.position.is_some() {
+            twin.errors.seed = twin.errors.seed.or(Some(twin.seed));
+        }
         twin.faults = Faults::default();
         twin.timer.bits = 64;
         twin.timer.raw_captures = false;
