@@ -14,6 +14,7 @@ use super::search::{Searched, search};
 use super::settle::settle;
 use super::shown::Shown;
 use super::tell::{self, tell};
+use super::torques::in_torques;
 use super::track::Track;
 use crate::mechanism::Mechanism;
 use crate::sensor::SensorPlan;
@@ -87,13 +88,16 @@ pub fn diagnose(
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Diagnosed, DiagnoseError> {
     progress(0.05, "Simulating");
-    let mut found = of_events(rig);
-    // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
-    if let Some(motion) = stick_slip::recognised(rig) {
-        found.push(of_motion(&motion));
-        return Ok(alone(rig, motion.twins, found));
-    }
     let mut rig: Vec<Recorded> = rig.to_vec();
+    for one in &mut rig {
+        one.twin = in_torques(&one.twin);
+    }
+    let mut found = of_events(&rig);
+    // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
+    if let Some(motion) = stick_slip::recognised(&rig) {
+        found.push(of_motion(&motion));
+        return Ok(alone(&rig, motion.twins, found));
+    }
     let mut board = prepare::board(&rig)?;
     if let Some(motion) = closed_loop::recognised(&rig, &board) {
         found.push(of_motion(&motion));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::basis::{Basis, Change, change_of};
-use super::beside::put_in;
+use super::beside::{put_in, put_lost};
 use super::board::Bench;
 use super::conclude::Name;
 use super::diagnosis::{
@@ -50,8 +50,9 @@ pub fn tell(
     );
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
-    for twin in &mut twins {
+    for (twin, one) in twins.iter_mut().zip(rig) {
         put_in(twin, &beside);
+        put_lost(twin, &one.track);
     }
     findings.extend(beside);
     findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
