@@ -6,10 +6,10 @@ use crate::diagnose::bench::Bench;
 use crate::twin::{Drive, Duration, Step, Twin};
 
 /// Edges that a simulated recording has at the most, and turns at the least.
-const EDGES_MOST: f64 = 30_000.0;
-const TURNS_LEAST: f64 = 12.0;
+const EDGES_MOST: f64 = 20_000.0;
+const TURNS_LEAST: f64 = 8.0;
 /// Edges that a longer recording may have.
-const LONG_MOST: f64 = 90_000.0;
+const LONG_MOST: f64 = 60_000.0;
 /// How much more it must show to be worth more effort than another speed.
 const EFFORT: f64 = 2.0;
 

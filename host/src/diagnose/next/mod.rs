@@ -17,7 +17,7 @@ const DECIDES: f64 = 20.0;
 /// Difference beyond which there is no need for more.
 const ENOUGH: f64 = 1000.0;
 /// Candidates that are looked at closer.
-const CLOSER: usize = 3;
+const CLOSER: usize = 2;
 
 /// For each finding with a name, in their order, the recording that tells it from what these recordings allow as well; none where it is
 /// not ambiguous.
@@ -50,9 +50,12 @@ fn rehearsed(rig: &[Recorded], settled: &Settled, number: usize) -> Option<NextR
         .collect();
     tried.sort_by(|a, b| worth(&b.0, b.1).total_cmp(&worth(&a.0, a.1)));
     // The one that shows most whichever it is.
-    let closer = tried.into_iter().take(CLOSER).filter_map(|(one, _)| {
+    let closer = tried.into_iter().take(CLOSER).filter_map(|(one, first)| {
         let each = mechanisms.iter().enumerate().map(|(truth, mechanism)| {
-            let delta_bic = rehearsal.difference(&one, truth)?;
+            let delta_bic = match truth {
+                0 => first,
+                _ => rehearsal.difference(&one, truth)?,
+            };
             Some(Expected {
                 mechanism: *mechanism,
                 delta_bic,
