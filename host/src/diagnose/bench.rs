@@ -89,6 +89,17 @@ impl Bench {
         self.white = self.whitened(self.seen.angles.clone());
     }
 
+    /// Keeps so many of its first edges.
+    pub fn shorten(&mut self, edges: usize) {
+        let seen = &mut self.seen;
+        seen.places.truncate(edges);
+        seen.times_s.truncate(edges);
+        seen.speeds.truncate(edges);
+        seen.angles.truncate(edges);
+        seen.readings.truncate(edges);
+        self.set_noise(self.noise);
+    }
+
     /// A row of angles, white.
     #[must_use]
     pub fn whitened(&self, mut angles: Vec<f64>) -> Vec<f64> {

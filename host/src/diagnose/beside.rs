@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use super::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
 use super::events::{Event, events};
+use super::mend::FaultKind;
 use super::motion::MotionFinding;
 use super::noise::NoiseFinding;
 use super::run::Recorded;
+use super::track::Track;
 use crate::mechanism::Mechanism;
 use crate::twin::Twin;
 
@@ -166,3 +168,17 @@ pub fn put_in(twin: &mut Twin, findings: &[Finding]) {
         (finding.mechanism.card().handling.puts_in)(twin, &finding.parameters);
     }
 }
+
+/// Puts the edges that a recording lacks into its twin, as far as they are counted for certain.
+pub fn put_lost(twin: &mut Twin, track: &Track) {
+    let sure = track.faults.iter().take_while(|fault| !fault.doubtful);
+    let lost = sure.filter(|fault| fault.kind == FaultKind::Lost);
+    let numbers = lost.filter_map(|fault| Some((fault.number?, u64::from(fault.edges))));
+    let all = &mut twin.faults.lost_edges;
+    all.extend(numbers.flat_map(|(first, count)| first..first + count));
+    all.sort_unstable();
+    all.dedup();
+}
+
+#[cfg(test)]
+mod tests;

@@ -29,6 +29,8 @@ pub struct Name {
     pub runner_up: Option<(Mechanism, f64)>,
     /// Mechanisms as likely as not.
     pub alike: Vec<Mechanism>,
+    /// How those that leave a mark of their own would do it.
+    pub look_alikes: Vec<Hypothesis>,
     /// Probability among those weighed.
     pub confidence: f64,
 }
@@ -209,6 +211,12 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
         .filter(|one| score - one.1 < ALIKE)
         .map(|one| one.0.mechanism)
         .collect();
+    let mut look_alikes: Vec<Hypothesis> = Vec::new();
+    for (one, worse) in others.iter().filter(other) {
+        if score - worse < ALIKE && !look_alikes.iter().any(|l| l.mechanism == one.mechanism) {
+            look_alikes.push(one.clone());
+        }
+    }
     alike.sort_unstable();
     alike.dedup();
     let same = same_mark(&hypothesis);
@@ -225,6 +233,7 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
         score,
         runner_up,
         alike,
+        look_alikes,
         confidence: 1.0 / (1.0 + weights),
     }
 }

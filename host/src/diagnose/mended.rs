@@ -1,8 +1,11 @@
 //! A twin with a finding in it: it can be simulated, and should then explain the recording.
 
 use super::basis::{Basis, change_of, channels};
+use super::board::Board;
+use super::disc::Pattern;
 use super::estimate::Estimate;
-use crate::twin::{Channel, Twin};
+use super::run::Recorded;
+use crate::twin::{Channel, Errors, Twin};
 
 /// A twin being mended, and what its disc lacks: errors of each edge, rad.
 #[derive(Clone, Debug)]
@@ -54,6 +57,20 @@ impl Mended {
         channels(i64::from(self.twin.encoder.edges_per_line()))
     }
 
+    /// Puts what the disc lacks into the twin, on top of the errors that it had; the whole list, where there is one.
+    pub fn list(&mut self, known: &[f64]) -> Option<Vec<f64>> {
+        if self.errors_rad.is_empty() {
+            return None;
+        }
+        let pairs = known.iter().zip(&self.errors_rad);
+        let list: Vec<f64> = pairs.map(|(known, more)| known + more).collect();
+        self.twin.errors = Errors {
+            list_rad: list.clone(),
+            ..Errors::default()
+        };
+        Some(list)
+    }
+
     fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {
         (basis.mechanism().card().handling.mends)(self, basis, sizes);
     }
@@ -73,3 +90,39 @@ impl Mended {
         self.errors_rad = all;
     }
 }
+
+/// The twins of a rig with a pattern of the disc and estimates in them, and the lists of errors where the disc needs one; `given` is
+/// the recordings against the twins as they are.
+#[must_use]
+pub fn twins(
+    rig: &[Recorded],
+    given: &Board,
+    pattern: Option<&Pattern>,
+    numbers: &[Estimate],
+) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
+    let each = rig.iter().enumerate().map(|(number, one)| {
+        let mut mended = Mended {
+            twin: one.twin.clone(),
+            errors_rad: pattern.map_or_else(Vec::new, |p| p.errors_rad.clone()),
+        };
+        for estimate in numbers {
+            mended.add(estimate, number, rig.len());
+        }
+        let list = mended.list(&given.benches[number].seen.errors);
+        (mended.twin, list)
+    });
+    each.unzip()
+}
+
+/// The recordings with other twins.
+#[must_use]
+pub fn with_twins(rig: &[Recorded], twins: &[Twin]) -> Vec<Recorded> {
+    let each = rig.iter().zip(twins).map(|(one, twin)| Recorded {
+        twin: twin.clone(),
+        ..one.clone()
+    });
+    each.collect()
+}
+
+#[cfg(test)]
+mod tests;

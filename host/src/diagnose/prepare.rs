@@ -40,7 +40,11 @@ pub fn seen(one: &Recorded) -> Result<Seen, TwinError> {
     Seen::of(&track, one.plan, &one.twin)
 }
 
-fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
+/// One recording with the noise that its twin declares, else one found.
+///
+/// # Errors
+/// As [`board`].
+pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let turns = one.track.turns();
     let edges: usize = one.track.stretches.iter().map(|s| s.marks.len()).sum();
     if edges < EDGES_LEAST || turns < TURNS_LEAST {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::beside::put_in;
+use super::beside::{put_in, put_lost};
 use super::board::Bench;
 use super::conclude::Name;
 use super::diagnosis::{
@@ -18,15 +18,30 @@ use crate::mechanism::Mechanism;
 
 const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
 
-/// Everything that comes of what was settled.
+/// Everything that comes of what was settled; `next` are the recordings to make, one for each finding with a name, and `beside`
+/// findings that are no pattern.
 #[must_use]
-pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagnosed {
+pub fn tell(
+    rig: &[Recorded],
+    settled: &Settled,
+    next: &[Option<NextRecording>],
+    beside: Vec<Finding>,
+) -> Diagnosed {
     let mut findings: Vec<Finding> = settled
         .concluded
         .named
         .iter()
         .zip(&settled.estimates)
-        .map(|(name, estimate)| finding(settled, name, parameters(estimate)))
+        .enumerate()
+        .map(|(number, (name, estimate))| Finding {
+            next_recording: next.get(number).cloned().flatten(),
+            ..finding(
+                settled,
+                name,
+                settled.held.named.get(number),
+                parameters(estimate),
+            )
+        })
         .collect();
     let numbers: Vec<Finding> = findings.clone();
     one_disc(&mut findings);
@@ -35,8 +50,9 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
     );
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
-    for twin in &mut twins {
+    for (twin, one) in twins.iter_mut().zip(rig) {
         put_in(twin, &beside);
+        put_lost(twin, &one.track);
     }
     findings.extend(beside);
     findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
@@ -51,7 +67,7 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
         })
         .collect();
     let verdict = verdict(&findings);
-    let next = findings
+    let first_next = findings
         .iter()
         .find_map(|finding| finding.next_recording.clone());
     Diagnosed {
@@ -63,7 +79,7 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
             recordings: rig.iter().zip(&settled.given.benches).map(facts).collect(),
             fit: settled.fit,
             findings,
-            next_recording: next,
+            next_recording: first_next,
         },
         twins,
         error_lists: settled.error_lists.clone(),
@@ -112,7 +128,12 @@ pub fn summary(verdict: Verdict, findings: &[Finding]) -> String {
     }
 }
 
-fn finding(settled: &Settled, name: &Name, parameters: BTreeMap<String, Parameter>) -> Finding {
+fn finding(
+    settled: &Settled,
+    name: &Name,
+    held: Option<&Option<f64>>,
+    parameters: BTreeMap<String, Parameter>,
+) -> Finding {
     let mechanism = name.hypothesis.mechanism;
     let place = place(settled, name, &parameters);
     let mut look_alikes = name.alike.clone();
@@ -130,17 +151,14 @@ fn finding(settled: &Settled, name: &Name, parameters: BTreeMap<String, Paramete
         evidence: Evidence {
             delta_bic: name.score,
             p_value: p_value(settled, name.score),
-            held_out_rms_ratio: None,
+            held_out_rms_ratio: held.copied().flatten(),
             runner_up: name.runner_up.map(|(mechanism, delta_bic)| RunnerUp {
                 mechanism,
                 delta_bic,
             }),
         },
         look_alikes,
-        next_recording: (!name.alike.is_empty()).then(|| NextRecording {
-            text: mechanism.separated_by().to_owned(),
-            expected_delta_bic: None,
-        }),
+        next_recording: None,
     }
 }
 
@@ -195,7 +213,7 @@ fn disc(settled: &Settled) -> Option<Finding> {
         evidence: Evidence {
             delta_bic: pattern.score,
             p_value: p_value(settled, pattern.score),
-            held_out_rms_ratio: None,
+            held_out_rms_ratio: settled.held.disc,
             runner_up: None,
         },
         look_alikes: Vec::new(),
@@ -218,7 +236,7 @@ fn unknown(settled: &Settled) -> Option<Finding> {
         evidence: Evidence {
             delta_bic: nameless.squares,
             p_value: nameless.p_value,
-            held_out_rms_ratio: None,
+            held_out_rms_ratio: settled.held.nameless,
             runner_up: None,
         },
         look_alikes: Vec::new(),

@@ -14,8 +14,8 @@ use super::kalman::Reading;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
+use super::swing::{Torques, swing};
 use super::ties::Tie;
-use super::torques::{Torques, swing};
 use super::track::{Mark, Track};
 use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
