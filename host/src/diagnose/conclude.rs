@@ -4,7 +4,7 @@ use super::basis::Basis;
 use super::board::Board;
 
 use super::crowd::{Family, family, kin};
-use super::disc::{Pattern, comes_again};
+use super::disc::{Pattern, comes_again, put_back};
 use super::estimate::Estimate;
 use super::hypothesis::Hypothesis;
 use super::leftover::{Leftover, leftovers};
@@ -81,9 +81,8 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         .as_ref()
         .filter(|p| changes(board, searched, p));
     conclusion.pattern = searched.pattern.is_some() && changing.is_none();
-    let unknown_squares = odd_score
-        + left.map_or(0.0, |left| left.squares)
-        + changing.map_or(0.0, |pattern| pattern.score);
+    let changing = changing.map_or(0.0, |pattern| pattern.score) + searched.passing;
+    let unknown_squares = odd_score + left.map_or(0.0, |left| left.squares) + changing;
     for (number, found) in searched.found.iter().enumerate() {
         let part = unknown_squares > 0.0
             && found.score < 0.3 * unknown_squares
@@ -98,12 +97,12 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
     }
     conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
     conclusion.nameless = nameless(board, searched, &odd, left).or_else(|| {
-        changing.map(|pattern| Nameless {
+        (changing > 0.0).then(|| Nameless {
             text: "places of the disc, all edges alike; like line_error, but not the same in \
                    the first half as in the second"
                 .to_owned(),
-            squares: pattern.score,
-            p_value: (-0.5 * pattern.score).exp(),
+            squares: changing,
+            p_value: (-0.5 * changing).exp(),
             orders: Vec::new(),
             frequencies_hz: Vec::new(),
         })
@@ -115,7 +114,8 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
 fn changes(board: &Board, searched: &Searched, pattern: &Pattern) -> bool {
     const PART: f64 = 0.35;
     const SURE: f64 = 4.0;
-    let shares = comes_again(board, &searched.model, pattern);
+    let there = put_back(board, &searched.model, pattern);
+    let shares = comes_again(board, &there, pattern.rms_rad);
     shares
         .iter()
         .any(|(share, error)| (share - 1.0).abs() > PART + SURE * error)

@@ -62,31 +62,39 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
     })
 }
 
-/// Share of the pattern learned in some of the parts that comes again in the others, once each way, and its standard error: 1 where
-/// it is a disc's.
+/// What a model leaves together with a pattern that was taken off, white.
 #[must_use]
-pub fn comes_again(board: &Board, model: &Model, pattern: &Pattern) -> Vec<(f64, f64)> {
+pub fn put_back(board: &Board, model: &Model, pattern: &Pattern) -> Vec<Vec<f64>> {
+    let Some(disc) = Disc::of(board) else {
+        return model.left.clone();
+    };
+    let mut rows = disc.rows(&pattern.errors_rad);
+    for (row, left) in rows.iter_mut().zip(&model.left) {
+        for (value, left) in row.iter_mut().zip(left) {
+            *value += left;
+        }
+    }
+    rows
+}
+
+/// Share of the pattern learned in some of the parts of white rows that comes again in the others, once each way, and its standard
+/// error: 1 where it is a disc's.
+#[must_use]
+pub fn comes_again(board: &Board, there: &[Vec<f64>], rms_rad: f64) -> Vec<(f64, f64)> {
     let Some(disc) = Disc::of(board) else {
         return Vec::new();
     };
-    let whole = disc.rows(&pattern.errors_rad);
-    let with = |row: &Vec<f64>, left: &Vec<f64>| row.iter().zip(left).map(|(a, b)| a + b).collect();
-    let there: Vec<Vec<f64>> = whole
-        .iter()
-        .zip(&model.left)
-        .map(|(r, l)| with(r, l))
-        .collect();
-    let spectrum = disc.spectrum(disc.own(&disc.folded(there.clone())));
+    let spectrum = disc.spectrum(disc.own(&disc.folded(there.to_vec())));
+    let prior = disc.prior(&spectrum, rms_rad * rms_rad);
     let early = |part: usize| 2 * part < PARTS;
     let late = |part: usize| 2 * part >= PARTS;
     let ways: [(&dyn Fn(usize) -> bool, &dyn Fn(usize) -> bool); 2] =
         [(&early, &late), (&late, &early)];
     let mut shares = Vec::new();
     for (learned, judged) in ways {
-        let mut rows = there.clone();
+        let mut rows = there.to_vec();
         disc.keep(&mut rows, learned);
         let pulled = disc.own(&disc.folded(rows));
-        let prior = disc.prior(&spectrum, pattern.rms_rad * pattern.rms_rad);
         let errors = disc.solved(pulled, &prior, learned);
         let mut foretold = disc.rows(&errors);
         disc.keep(&mut foretold, judged);
@@ -97,7 +105,7 @@ pub fn comes_again(board: &Board, model: &Model, pattern: &Pattern) -> Vec<(f64,
         };
         let power = product(&foretold, &foretold);
         if power > 0.0 {
-            shares.push((product(&foretold, &there) / power, power.sqrt().recip()));
+            shares.push((product(&foretold, there) / power, power.sqrt().recip()));
         }
     }
     shares

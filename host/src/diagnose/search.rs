@@ -45,6 +45,8 @@ pub struct Searched {
     pub nuisances: usize,
     /// Strongest rhythm left, over what noise reaches.
     pub left: f64,
+    /// Score of a pattern of the disc that is there for a while only; 0 where there is none.
+    pub passing: f64,
 }
 
 /// Searches; the noise of the board is set to what is found.
@@ -86,6 +88,7 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     let mut model = board.fit(nuisances.clone())?;
     let mut left = 0.0;
     let mut patterns = 0;
+    let mut passing = 0.0;
     while found.len() < MOST {
         let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
@@ -103,6 +106,11 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         };
         if let Some(whole) = whole.filter(|whole| whole.score > score.max(BEYOND)) {
             patterns += 1;
+            if passes(board, &model, &whole) {
+                passing = whole.score;
+                patterns = PATTERNS;
+                continue;
+            }
             let before = squares(&model);
             board.take_off(&whole.errors_rad);
             model = board.fit(columns(&nuisances, &found))?;
@@ -137,7 +145,18 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         model,
         nuisances: nuisances.len(),
         left,
+        passing,
     })
+}
+
+/// Whether a pattern of the disc that is seen in one half hardly comes again in the other: it is none of the disc's.
+fn passes(board: &Board, model: &Model, pattern: &Pattern) -> bool {
+    const PART: f64 = 0.35;
+    let shares = disc::comes_again(board, &model.left, pattern.rms_rad);
+    !shares.is_empty()
+        && shares
+            .iter()
+            .all(|(share, error)| share + 3.0 * error < PART)
 }
 
 /// Sum of squares that is left.
