@@ -27,6 +27,9 @@ pub struct Pattern {
     pub errors_rad: Vec<f64>,
 }
 
+/// Which parts of the recordings count.
+type Kept<'a> = &'a dyn Fn(usize) -> bool;
+
 /// Steps of the conjugate gradients at the most.
 const STEPS: usize = 60;
 /// Squares that they may leave.
@@ -88,8 +91,7 @@ pub fn comes_again(board: &Board, there: &[Vec<f64>], rms_rad: f64) -> Vec<(f64,
     let prior = disc.prior(&spectrum, rms_rad * rms_rad);
     let early = |part: usize| 2 * part < PARTS;
     let late = |part: usize| 2 * part >= PARTS;
-    let ways: [(&dyn Fn(usize) -> bool, &dyn Fn(usize) -> bool); 2] =
-        [(&early, &late), (&late, &early)];
+    let ways: [(Kept<'_>, Kept<'_>); 2] = [(&early, &late), (&late, &early)];
     let mut shares = Vec::new();
     for (learned, judged) in ways {
         let mut rows = there.to_vec();
