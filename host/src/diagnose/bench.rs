@@ -10,6 +10,9 @@ pub const PARTS: usize = 10;
 /// Parts that parameters are fitted on when the others judge.
 pub const FITTED: usize = 7;
 
+/// Evidence, as twice a difference of logarithms of likelihood, that torque noise is held and not white, or the other way round.
+const SURELY: f64 = 12.0;
+
 /// One recording.
 #[derive(Clone, Debug)]
 pub struct Bench {
@@ -29,6 +32,8 @@ pub struct Bench {
     pub free_speed: bool,
     /// Mean speed, rad/s, either way.
     pub mean_speed: f64,
+    /// Time for which torque noise would be held, s, if it were.
+    hold_s: f64,
     whitener: Whitener,
     /// The residual, white.
     pub white: Vec<f64>,
@@ -43,10 +48,12 @@ impl Bench {
         declared: Option<ShaftNoise>,
         least_stamp_s: f64,
         free_speed: bool,
+        hold_s: f64,
     ) -> Self {
         let noise = declared.unwrap_or_else(|| first_guess(&seen, &law, least_stamp_s));
         let mut bench = Self {
             mean_speed: seen.mean_speed(),
+            hold_s,
             seen,
             law,
             noise,
@@ -73,13 +80,28 @@ impl Bench {
         } else {
             Free::All
         };
-        noise_fit::fit(
-            &self.seen.readings,
-            angles,
-            self.least_stamp_s,
-            self.noise,
-            free,
-        )
+        let readings = &self.seen.readings;
+        let from = |start| noise_fit::fit(readings, angles, self.least_stamp_s, start, free);
+        let noise = from(self.noise);
+        if self.declared.is_some() || free == Free::All || self.hold_s == 0.0 {
+            return noise;
+        }
+        // Whether the torque is white or held shows where stamps are good against what it does within an interval.
+        let interval_s = self.seen.seconds() / self.seen.len() as f64;
+        let swung2 = noise.acceleration * interval_s.powi(3) / 3.0;
+        if (noise.stamp_s * self.mean_speed).powi(2) > 4.0 * swung2 {
+            return noise;
+        }
+        let other = from(ShaftNoise {
+            hold_s: if noise.hold_s > 0.0 { 0.0 } else { self.hold_s },
+            ..noise
+        });
+        let cost = |noise| noise_fit::cost(readings, angles, noise);
+        if cost(other) < cost(noise) - SURELY {
+            other
+        } else {
+            noise
+        }
     }
 
     /// Takes another noise.
@@ -146,5 +168,6 @@ fn first_guess(seen: &Seen, law: &ShaftLaw, least_stamp_s: f64) -> ShaftNoise {
             0.0
         },
         forgets_per_s: if unheld { speed } else { 0.0 },
+        hold_s: 0.0,
     }
 }

@@ -5,6 +5,7 @@
 //! error. The innovations of the Kalman filter are white and of known variance, whatever the speed does and wherever edges are
 //! missing; a pattern that goes through the same filter can be held against them by plain least squares.
 
+use super::hold::Way;
 use super::shaft::Leap;
 
 /// Size of the noise.
@@ -18,6 +19,8 @@ pub struct ShaftNoise {
     pub drift: f64,
     /// Damping on top of the twin's, 1/s: what a twin does not say.
     pub forgets_per_s: f64,
+    /// Time for which a torque is held, on a grid from time 0, s; 0 where it is white. Where it is held, nothing drifts.
+    pub hold_s: f64,
 }
 
 /// One edge as the filter sees it.
@@ -27,6 +30,8 @@ pub struct Reading {
     pub leap: Leap,
     /// Speed here, rad/s, either way.
     pub speed: f64,
+    /// When it came, s.
+    pub at_s: f64,
     /// Whether the angle does not go on from the edge before: the count was disturbed.
     pub fresh: bool,
 }
@@ -39,9 +44,7 @@ pub struct Whitener {
 
 #[derive(Clone, Copy, Debug)]
 struct Gain {
-    /// What stays of the angle, angle from speed, speed from angle, what stays of the speed.
-    turn: [f64; 4],
-    after_s: f64,
+    way: Way,
     gain: [f64; 3],
     /// 1 / standard deviation of the innovation; 0 where the edge only sets the filter.
     scale: f64,
@@ -60,7 +63,9 @@ impl Whitener {
         let unknown_speed = 0.01 * speed * speed;
         // Upper triangle of the covariance: yy, yv, ym, vv, vm, mm.
         let mut p = [1e2, 0.0, 0.0, unknown_speed, 0.0, 0.0];
-        if noise.drift > 0.0 {
+        if noise.hold_s > 0.0 {
+            p[5] = noise.acceleration / noise.hold_s;
+        } else if noise.drift > 0.0 {
             p[5] = unknown_speed;
         }
         let mut settling = 0;
@@ -72,16 +77,14 @@ impl Whitener {
                     damping: reading.leap.damping + noise.forgets_per_s,
                     ..reading.leap
                 };
-                let h = leap.after_s;
-                let (reach, stays) = leap.reach(h);
-                let turn = [1.0, reach, 0.0, stays];
+                let (way, spread) = Way::of(leap, reading.at_s, noise, p);
                 if at == 0 || reading.fresh {
                     p[0] = 1e2;
                     p[1] = 0.0;
                     p[2] = 0.0;
                     settling = if at == 0 { SETTLES } else { 1 };
                 } else {
-                    p = grown(p, turn, leap, noise);
+                    p = spread;
                 }
                 let stamp = noise.stamp_s * reading.speed;
                 let own = stamp * stamp + 1e-30;
@@ -103,8 +106,7 @@ impl Whitener {
                     inverse.sqrt()
                 };
                 Gain {
-                    turn,
-                    after_s: h,
+                    way,
                     gain,
                     scale,
                     fresh: at == 0 || reading.fresh,
@@ -124,8 +126,7 @@ impl Whitener {
     pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
         let [mut y, mut v, mut m] = [0.0; 3];
         for (angle, step) in angles.iter_mut().zip(&self.steps[first..]) {
-            let [a, b, c, d] = step.turn;
-            (y, v) = (a * y + b * v + step.after_s * m, c * y + d * v);
+            (y, v, m) = step.way.on(y, v, m);
             if step.fresh {
                 y = 0.0;
             }
@@ -145,12 +146,7 @@ impl Whitener {
                 *value * step.scale + step.gain[0] * y + step.gain[1] * v + step.gain[2] * m;
             *value = innovation;
             let expected = if step.fresh { 0.0 } else { y - innovation };
-            let [a, b, c, d] = step.turn;
-            (y, v, m) = (
-                a * expected + c * v,
-                b * expected + d * v,
-                m + step.after_s * expected,
-            );
+            (y, v, m) = step.way.back(expected, v, m);
         }
     }
 
@@ -158,8 +154,7 @@ impl Whitener {
     pub fn restore(&self, white: &mut [f64]) {
         let [mut y, mut v, mut m] = [0.0; 3];
         for (value, step) in white.iter_mut().zip(&self.steps) {
-            let [a, b, c, d] = step.turn;
-            (y, v) = (a * y + b * v + step.after_s * m, c * y + d * v);
+            (y, v, m) = step.way.on(y, v, m);
             if step.fresh {
                 y = 0.0;
             }
@@ -221,51 +216,25 @@ fn narrower(n: &mut [f64; 6], step: &Gain) -> f64 {
     if step.fresh {
         (yy, yv, ym) = (0.0, 0.0, 0.0);
     }
-    let [a, b, c, d] = step.turn;
-    let t = step.after_s;
+    let Way {
+        reach: b,
+        stays: d,
+        angle: c,
+        speed: e,
+        keeps: k,
+    } = step.way;
+    let (cy, cv, cm) = (
+        c * yy + e * yv + k * ym,
+        c * yv + e * vv + k * vm,
+        c * ym + e * vm + k * mm,
+    );
     *n = [
-        a * a * yy + 2.0 * a * c * yv + c * c * vv,
-        a * b * yy + (a * d + b * c) * yv + c * d * vv,
-        a * (t * yy + ym) + c * (t * yv + vm),
+        yy,
+        b * yy + d * yv,
+        cy,
         b * b * yy + 2.0 * b * d * yv + d * d * vv,
-        b * (t * yy + ym) + d * (t * yv + vm),
-        t * t * yy + 2.0 * t * ym + mm,
+        b * cy + d * cv,
+        c * cy + e * cv + k * cm,
     ];
     precision
-}
-
-/// Covariance at the next edge: upper triangle.
-#[allow(clippy::many_single_char_names)]
-fn grown(p: [f64; 6], turn: [f64; 4], leap: Leap, noise: ShaftNoise) -> [f64; 6] {
-    let [yy, yv, ym, vv, vm, mm] = p;
-    let [a, b, c, d] = turn;
-    let t = leap.after_s;
-    // Edges are dense against the forgetting, so the noise of a step is that of free motion, damped.
-    let x = leap.damping * t;
-    let q = noise.acceleration;
-    let (q_yy, q_yv, q_vv) = (
-        q * t * t * t / 3.0 * (-0.75 * x).exp(),
-        q * t * t / 2.0 * (-x).exp(),
-        q * t
-            * if x < 0.05 {
-                1.0 - x
-            } else {
-                -(-2.0 * x).exp_m1() / (2.0 * x)
-            },
-    );
-    let (d_mm, d_ym, d_yy) = (
-        noise.drift * t,
-        noise.drift * t * t / 2.0,
-        noise.drift * t * t * t / 3.0,
-    );
-    let (ry, rv) = (a * yy + b * yv + t * ym, a * yv + b * vv + t * vm);
-    let rm = a * ym + b * vm + t * mm;
-    [
-        a * ry + b * rv + t * rm + q_yy + d_yy,
-        c * ry + d * rv + q_yv,
-        rm + d_ym,
-        c * c * yy + 2.0 * c * d * yv + d * d * vv + q_vv,
-        c * ym + d * vm,
-        mm + d_mm,
-    ]
 }

@@ -17,6 +17,7 @@ pub mod diagnosis;
 pub mod disc;
 pub mod estimate;
 pub mod events;
+pub mod hold;
 pub mod hypothesis;
 pub mod index;
 pub mod judge;

@@ -23,7 +23,6 @@ pub fn fit(
     start: ShaftNoise,
     free: Free,
 ) -> ShaftNoise {
-    let parts = parts(readings.len());
     let least2 = least_stamp_s * least_stamp_s;
     let over = |stamp_s: f64| (stamp_s * stamp_s - least2).max(1e-4 * least2).sqrt();
     let of = |logs: &[f64]| ShaftNoise {
@@ -31,19 +30,9 @@ pub fn fit(
         stamp_s: (logs[1].exp().powi(2) + least2).sqrt(),
         drift: logs.get(2).map_or(0.0, |log| log.exp()),
         forgets_per_s: logs.get(3).map_or(start.forgets_per_s, |log| log.exp()),
+        hold_s: start.hold_s,
     };
-    let cost = |logs: &[f64]| {
-        let noise = of(logs);
-        let mut sum = 0.0;
-        for part in &parts {
-            let whitener = Whitener::new(&readings[part.clone()], noise);
-            let mut white = angles[part.clone()].to_vec();
-            whitener.whiten(&mut white);
-            // Innovations far out are events, not noise: they count less.
-            sum += white.iter().map(|w| robust(*w)).sum::<f64>() + whitener.log_variance();
-        }
-        sum
-    };
+    let cost = |logs: &[f64]| cost(readings, angles, of(logs));
     let mut first = vec![start.acceleration.ln(), over(start.stamp_s).ln()];
     if free == Free::All {
         first.extend([
@@ -52,6 +41,20 @@ pub fn fit(
         ]);
     }
     of(&simplex(&cost, &first, 1.0))
+}
+
+/// How unlikely a residual is with a noise: twice the logarithm, less what hangs on nothing.
+#[must_use]
+pub fn cost(readings: &[Reading], angles: &[f64], noise: ShaftNoise) -> f64 {
+    let parts = parts(readings.len()).into_iter();
+    let each = parts.map(|part| {
+        let whitener = Whitener::new(&readings[part.clone()], noise);
+        let mut white = angles[part].to_vec();
+        whitener.whiten(&mut white);
+        // Innovations far out are events, not noise: they count less.
+        white.iter().map(|w| robust(*w)).sum::<f64>() + whitener.log_variance()
+    });
+    each.sum()
 }
 
 /// Parts of a recording that the noise is fitted on.

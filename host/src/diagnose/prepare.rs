@@ -1,11 +1,14 @@
 //! From recordings and twins to what is searched.
 
+use std::f64::consts::TAU;
+
 use super::board::{Bench, Board};
 use super::kalman::ShaftNoise;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
 use super::shaft::ShaftLaw;
 use super::ties;
+use crate::sim::NOISE_STEPS;
 use crate::twin::{Drive, Noise, Twin, TwinError};
 
 /// Edges that a recording needs, and turns.
@@ -83,7 +86,14 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         one.twin.drive,
         Drive::Constant { .. } | Drive::SpeedLoop { .. }
     );
-    let mut bench = Bench::new(seen, law, declared, least_stamp_s, free_speed);
+    let mut bench = Bench::new(
+        seen,
+        law,
+        declared,
+        least_stamp_s,
+        free_speed,
+        hold_s(&one.twin, &law),
+    );
     ties::decide(&mut bench);
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
@@ -106,5 +116,22 @@ fn declared(twin: &Twin, law: &ShaftLaw, least_stamp_s: f64) -> Option<ShaftNois
         stamp_s: least_stamp_s.hypot(twin.timer.jitter_s),
         drift: 0.0,
         forgets_per_s: 0.0,
+        hold_s: hold_s(twin, law),
     })
+}
+
+/// Time for which a twin holds each value of its torque noise, s, as the simulator does: one interval at the nominal speed, where it
+/// does not say; 0 where nothing turns.
+fn hold_s(twin: &Twin, law: &ShaftLaw) -> f64 {
+    let nominal = twin.drive.nominal_rad_s().abs();
+    let interval_s = TAU / (twin.encoder.grid_edges() as f64 * nominal);
+    let hold_s = match twin.noise {
+        Some(Noise::White { hold_s, .. }) => hold_s.unwrap_or(interval_s),
+        Some(Noise::SpeedWander { hold_s, .. }) => {
+            let coarsest = 1.0 / (NOISE_STEPS * law.damping(0.0, nominal));
+            hold_s.unwrap_or(interval_s.min(coarsest))
+        }
+        None => interval_s,
+    };
+    if hold_s.is_finite() { hold_s } else { 0.0 }
 }

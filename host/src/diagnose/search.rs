@@ -14,6 +14,8 @@ use super::weigh::{Shelf, Weighed, weigh};
 const MOST: usize = 12;
 /// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
 pub const BEYOND: f64 = 60.0;
+/// Part of a large error of the disc that a linear model may leave over.
+const SLIGHT: f64 = 1e-3;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
@@ -229,8 +231,9 @@ fn beside_disc(
         let Some(disc) = Hypothesis::by_all(whole.bases[own..].to_vec()) else {
             return Some(whole);
         };
-        let more = score(whole.clone())? - score(disc).unwrap_or(0.0).max(0.0);
-        (more > BEYOND).then_some(whole)
+        let disc = score(disc).unwrap_or(0.0).max(0.0);
+        let more = score(whole.clone())? - disc;
+        (more > BEYOND + SLIGHT * disc).then_some(whole)
     });
     each.collect()
 }

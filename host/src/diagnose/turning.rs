@@ -72,6 +72,7 @@ impl Seen {
                     damping: law.damping(mark.time_s, speed.abs()),
                 },
                 speed: speed.abs(),
+                at_s: mark.time_s,
                 fresh,
             });
         }

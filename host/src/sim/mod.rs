@@ -44,6 +44,7 @@ use crate::recording::Header;
 use crate::twin::{Duration, Twin, TwinError};
 
 pub use event::{Class, Event, Truth};
+pub use plant::NOISE_STEPS;
 
 use capture::Capture;
 use crossing::Crossing;

@@ -9,7 +9,7 @@ use super::tone::Tone;
 use crate::twin::{self, Drive, Twin};
 
 /// Steps of the noise grid in one correlation time, at least.
-const NOISE_STEPS: f64 = 50.0;
+pub const NOISE_STEPS: f64 = 50.0;
 
 /// Constants of the equation of motion, all divided by the inertia.
 #[derive(Clone, Copy, Debug)]

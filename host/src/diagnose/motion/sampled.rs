@@ -95,6 +95,7 @@ impl Sampled {
                     damping: self.damping,
                 },
                 speed: self.speeds[edge],
+                at_s: self.times_s[edge],
                 fresh,
             };
             before = edge;
