@@ -1,0 +1,186 @@
+//! From edge to edge: what stays of angle and speed, and what the torque's noise adds.
+//!
+//! A twin's torque noise is held constant over each step of a time grid. Where stamps are good and edges few, it shows that the
+//! torque of an edge's interval goes on into the next, so the held torque is a state of the filter. Where a twin says nothing of its
+//! noise the torque is white, and the state is the mean speed's drift.
+
+use super::kalman::ShaftNoise;
+use super::shaft::Leap;
+
+/// How angle y, speed v and the third state m (held acceleration or drift of the speed) go on: y + b v + c m, d v + e m, k m.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// Angle from speed.
+    pub reach: f64,
+    /// What stays of the speed.
+    pub stays: f64,
+    /// Angle from the third state.
+    pub angle: f64,
+    /// Speed from the third state.
+    pub speed: f64,
+    /// What stays of the third state.
+    pub keeps: f64,
+}
+
+/// Upper triangle of the covariance of y, v, m: yy, yv, ym, vv, vm, mm.
+pub type Spread = [f64; 6];
+
+/// Steps of the grid in an interval from which on the noise in between is as good as white.
+const MANY: f64 = 6.0;
+
+impl Way {
+    /// The way of one interval that ends at a time, and the covariance at its end.
+    #[must_use]
+    pub fn of(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Self, Spread) {
+        if noise.hold_s > 0.0 {
+            held(leap, ends_s, noise, before)
+        } else {
+            let (reach, stays) = leap.reach(leap.after_s);
+            let way = Self {
+                reach,
+                stays,
+                angle: leap.after_s,
+                speed: 0.0,
+                keeps: 1.0,
+            };
+            (way, stirred(way.spread(before), leap, noise))
+        }
+    }
+
+    /// Angle, speed and third state at its end.
+    #[must_use]
+    pub fn on(self, y: f64, v: f64, m: f64) -> (f64, f64, f64) {
+        (
+            y + self.reach * v + self.angle * m,
+            self.stays * v + self.speed * m,
+            self.keeps * m,
+        )
+    }
+
+    /// The transposed of [`Self::on`].
+    #[must_use]
+    pub fn back(self, y: f64, v: f64, m: f64) -> (f64, f64, f64) {
+        (
+            y,
+            self.reach * y + self.stays * v,
+            self.angle * y + self.speed * v + self.keeps * m,
+        )
+    }
+
+    /// A push held over a time.
+    fn pushed(leap: Leap, after_s: f64) -> Self {
+        let (reach, stays) = leap.reach(after_s);
+        let x = leap.damping * after_s;
+        Self {
+            reach,
+            stays,
+            angle: if x.abs() < 1e-3 {
+                0.5 * after_s * after_s * (1.0 - x / 3.0)
+            } else {
+                (after_s - reach) / leap.damping
+            },
+            speed: reach,
+            keeps: 1.0,
+        }
+    }
+
+    /// This way and then another.
+    fn then(self, next: Self) -> Self {
+        Self {
+            reach: self.reach + next.reach * self.stays,
+            stays: next.stays * self.stays,
+            angle: self.angle + next.reach * self.speed + next.angle * self.keeps,
+            speed: next.stays * self.speed + next.speed * self.keeps,
+            keeps: next.keeps * self.keeps,
+        }
+    }
+
+    /// The covariance at its end, without noise.
+    fn spread(self, before: Spread) -> Spread {
+        let [yy, yv, ym, vv, vm, mm] = before;
+        let Self {
+            reach: b,
+            stays: d,
+            angle: c,
+            speed: e,
+            keeps: k,
+        } = self;
+        let (ry, rv, rm) = (
+            yy + b * yv + c * ym,
+            yv + b * vv + c * vm,
+            ym + b * vm + c * mm,
+        );
+        [
+            ry + b * rv + c * rm,
+            d * rv + e * rm,
+            k * rm,
+            d * d * vv + 2.0 * d * e * vm + e * e * mm,
+            k * (d * vm + e * mm),
+            k * k * mm,
+        ]
+    }
+}
+
+/// A new torque: nothing of the old one stays.
+fn renewed(mut spread: Spread, noise: ShaftNoise) -> Spread {
+    spread[2] = 0.0;
+    spread[4] = 0.0;
+    spread[5] = noise.acceleration / noise.hold_s;
+    spread
+}
+
+fn held(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Way, Spread) {
+    let hold = noise.hold_s;
+    let starts_s = ends_s - leap.after_s;
+    let next = ((starts_s / hold).floor() + 1.0) * hold;
+    if next >= ends_s {
+        let way = Way::pushed(leap, leap.after_s);
+        return (way, way.spread(before));
+    }
+    let steps = ((ends_s - next) / hold).floor();
+    let mut way = Way::pushed(leap, next - starts_s);
+    let mut spread = renewed(way.spread(before), noise);
+    // The torque that was held until here is over.
+    way.keeps = 0.0;
+    let mut go = |after_s: f64, spread: &mut Spread| {
+        let part = Way::pushed(leap, after_s);
+        *spread = part.spread(*spread);
+        way = way.then(part);
+    };
+    if steps > MANY {
+        let between = Leap {
+            after_s: steps * hold,
+            ..leap
+        };
+        spread[5] = 0.0;
+        go(between.after_s, &mut spread);
+        spread = renewed(stirred(spread, between, noise), noise);
+    } else {
+        for _ in 0..steps as usize {
+            go(hold, &mut spread);
+            spread = renewed(spread, noise);
+        }
+    }
+    go((ends_s - next - steps * hold).max(0.0), &mut spread);
+    (way, spread)
+}
+
+/// What white noise adds over an interval.
+#[allow(clippy::many_single_char_names)]
+fn stirred(mut spread: Spread, leap: Leap, noise: ShaftNoise) -> Spread {
+    let t = leap.after_s;
+    // Edges are dense against the forgetting, so the noise of a step is that of free motion, damped.
+    let x = leap.damping * t;
+    let q = noise.acceleration;
+    let fading = if x < 0.05 {
+        1.0 - x
+    } else {
+        -(-2.0 * x).exp_m1() / (2.0 * x)
+    };
+    spread[0] += q * t * t * t / 3.0 * (-0.75 * x).exp() + noise.drift * t * t * t / 3.0;
+    spread[1] += q * t * t / 2.0 * (-x).exp();
+    spread[2] += noise.drift * t * t / 2.0;
+    spread[3] += q * t * fading;
+    spread[5] += noise.drift * t;
+    spread
+}
