@@ -34,6 +34,8 @@ pub struct Reading {
     pub at_s: f64,
     /// Whether the angle does not go on from the edge before: the count was disturbed.
     pub fresh: bool,
+    /// Whether nothing is known of angle and speed: edges before it were left out.
+    pub anew: bool,
 }
 
 /// The filter's gains along a row of edges, which depend on times only: so one run serves every pattern.
@@ -50,6 +52,8 @@ struct Gain {
     scale: f64,
     /// Whether the angle starts anew.
     fresh: bool,
+    /// Whether all does.
+    anew: bool,
 }
 
 /// Edges after a fresh start that only set the filter.
@@ -62,12 +66,13 @@ impl Whitener {
         let speed = readings.iter().map(|r| r.speed).fold(0.0, f64::max);
         let unknown_speed = 0.01 * speed * speed;
         // Upper triangle of the covariance: yy, yv, ym, vv, vm, mm.
-        let mut p = [1e2, 0.0, 0.0, unknown_speed, 0.0, 0.0];
+        let mut start = [1e2, 0.0, 0.0, unknown_speed, 0.0, 0.0];
         if noise.hold_s > 0.0 {
-            p[5] = noise.acceleration / noise.hold_s;
+            start[5] = noise.acceleration / noise.hold_s;
         } else if noise.drift > 0.0 {
-            p[5] = unknown_speed;
+            start[5] = unknown_speed;
         }
+        let mut p = start;
         let mut settling = 0;
         let steps = readings
             .iter()
@@ -78,11 +83,12 @@ impl Whitener {
                     ..reading.leap
                 };
                 let (way, spread) = Way::of(leap, reading.at_s, noise, p);
-                if at == 0 || reading.fresh {
-                    p[0] = 1e2;
-                    p[1] = 0.0;
-                    p[2] = 0.0;
-                    settling = if at == 0 { SETTLES } else { 1 };
+                if at == 0 || reading.anew {
+                    p = start;
+                    settling = SETTLES;
+                } else if reading.fresh {
+                    (p[0], p[1], p[2]) = (1e2, 0.0, 0.0);
+                    settling = 1;
                 } else {
                     p = spread;
                 }
@@ -109,7 +115,8 @@ impl Whitener {
                     way,
                     gain,
                     scale,
-                    fresh: at == 0 || reading.fresh,
+                    fresh: reading.fresh,
+                    anew: at == 0 || reading.anew,
                 }
             })
             .collect();
@@ -127,7 +134,9 @@ impl Whitener {
         let [mut y, mut v, mut m] = [0.0; 3];
         for (angle, step) in angles.iter_mut().zip(&self.steps[first..]) {
             (y, v, m) = step.way.on(y, v, m);
-            if step.fresh {
+            if step.anew {
+                (y, v, m) = (0.0, 0.0, 0.0);
+            } else if step.fresh {
                 y = 0.0;
             }
             let innovation = *angle - y;
@@ -145,6 +154,10 @@ impl Whitener {
             let innovation =
                 *value * step.scale + step.gain[0] * y + step.gain[1] * v + step.gain[2] * m;
             *value = innovation;
+            if step.anew {
+                (y, v, m) = (0.0, 0.0, 0.0);
+                continue;
+            }
             let expected = if step.fresh { 0.0 } else { y - innovation };
             (y, v, m) = step.way.back(expected, v, m);
         }
@@ -155,7 +168,9 @@ impl Whitener {
         let [mut y, mut v, mut m] = [0.0; 3];
         for (value, step) in white.iter_mut().zip(&self.steps) {
             (y, v, m) = step.way.on(y, v, m);
-            if step.fresh {
+            if step.anew {
+                (y, v, m) = (0.0, 0.0, 0.0);
+            } else if step.fresh {
                 y = 0.0;
             }
             let innovation = if step.scale > 0.0 {
@@ -211,6 +226,10 @@ fn narrower(n: &mut [f64; 6], step: &Gain) -> f64 {
         ym * g + vm * h + mm * k,
     );
     let precision = s2 + g * ny + h * nv + k * nm;
+    if step.anew {
+        *n = [0.0; 6];
+        return precision;
+    }
     // What the angle says itself is taken off the angle's part.
     let (mut yy, mut yv, mut ym) = (yy - 2.0 * ny + precision, yv - nv, ym - nm);
     if step.fresh {

@@ -17,7 +17,7 @@ use super::still::Still;
 use super::swing::{Torques, swing};
 use super::ties::Tie;
 use super::track::{Mark, Track};
-use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
+use crate::twin::{Drive, RiseFall, SeenSpeed, SpeedLoop, Twin};
 
 /// The shaft's course at the time of each mark: angle and speed, rad and rad/s; none where it is not known.
 type Course = Vec<Option<(f64, f64)>>;
@@ -40,6 +40,8 @@ impl Seen {
             None => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
+        let slow = too_slow(twin, law, &course);
+        let mut anew = false;
         // What nothing holds goes at its own speed, not at the twin's.
         let measured = if law.held() {
             Vec::new()
@@ -50,6 +52,10 @@ impl Seen {
             let Some((angle, speed)) = there else {
                 continue;
             };
+            if speed.abs() < slow {
+                anew = true;
+                continue;
+            }
             let speed = measured.get(at).copied().flatten().unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
@@ -74,6 +80,7 @@ impl Seen {
                 speed: speed.abs(),
                 at_s: mark.time_s,
                 fresh,
+                anew: std::mem::take(&mut anew),
             });
         }
         // The counts of recording and twin may be whole turns apart.
@@ -159,6 +166,39 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     known.push((Basis::Direction, vec![play]));
     known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
     known
+}
+
+/// Speed below which the twin's ripple shapes the course itself, rad/s: a small swing about it says nothing there. A drive that turns
+/// the shaft round against more than the ripple never lets it.
+fn too_slow(twin: &Twin, law: &ShaftLaw, course: &Course) -> f64 {
+    /// How much more energy the shaft is to have than a ripple can take.
+    const OVER: f64 = 25.0;
+    /// How much stronger than the drive ripple is to be to hold the shaft for a while.
+    const HOLDS: f64 = 4.0;
+    /// Part of the top speed that is never too slow.
+    const PART: f64 = 0.3;
+    let slows = match twin.drive {
+        Drive::Ramp {
+            from_r_min,
+            to_r_min,
+            over_s,
+        } => (to_r_min - from_r_min).abs() * (TAU / 60.0) / over_s,
+        Drive::RunDown { .. } => twin.friction_n_m(0.0).abs() / law.inertia,
+        _ => return 0.0,
+    };
+    let ripples: Vec<(f64, f64)> = twin
+        .ripple
+        .iter()
+        .chain(&twin.gear_mesh)
+        .filter_map(|ripple| Some((ripple.order, ripple.torque_n_m?.abs() / law.inertia)))
+        .collect();
+    if ripples.iter().map(|(_, push)| push).sum::<f64>() < HOLDS * slows {
+        return 0.0;
+    }
+    let thrown: f64 = ripples.iter().map(|(order, push)| push / order).sum();
+    let speeds = course.iter().flatten().map(|(_, speed)| speed.abs());
+    let top = speeds.fold(0.0, f64::max);
+    (OVER * thrown).sqrt().min(PART * top)
 }
 
 /// The twin's shaft without disturbance, by the cubic through four of its edges.

@@ -97,6 +97,7 @@ impl Sampled {
                 speed: self.speeds[edge],
                 at_s: self.times_s[edge],
                 fresh,
+                anew: false,
             };
             before = edge;
             reading
