@@ -29,6 +29,7 @@ pub mod motion;
 pub mod named;
 pub mod noise;
 pub mod noise_fit;
+mod pairs;
 pub mod plots;
 pub mod prepare;
 pub mod propose;

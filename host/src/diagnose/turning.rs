@@ -275,8 +275,8 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
     each.collect()
 }
 
-/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; none where the
-/// direction does not hold for so long.
+/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; from edge to edge
+/// where the direction does not hold for so long.
 fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
     const FINE: i64 = 240;
     let step = TAU / track.edges as f64;
@@ -294,7 +294,14 @@ fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
             let way = (marks[until].0.place - marks[from].0.place) as f64 * step;
             let time = marks[until].0.time_s - marks[from].0.time_s;
             let straight = way.abs() > 0.9 * (until - from) as f64 * step && until > from;
-            (straight && time > 0.0).then(|| way / time)
+            if straight && time > 0.0 {
+                return Some(way / time);
+            }
+            // Where it turns round, from edge to edge.
+            let before = at.checked_sub(1).map(|before| marks[before].0)?;
+            let time = marks[at].0.time_s - before.time_s;
+            let way = (marks[at].0.place - before.place) as f64 * step;
+            (time > 0.0 && way != 0.0).then(|| way / time)
         })
         .collect()
 }
