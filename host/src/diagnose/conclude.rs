@@ -81,6 +81,13 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         }
         conclusion.named.push(name(board, searched, number));
     }
+    if let Some(pattern) = &searched.pattern {
+        let part = left.is_some_and(|left| kin(left.among) == Family::Alike)
+            || odd
+                .iter()
+                .any(|o| family(&searched.found[*o]) == Family::Alike);
+        conclusion.pattern = !(part && pattern.score < 0.3 * unknown_squares);
+    }
     conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
     conclusion.nameless = nameless(board, searched, &odd, left);
     conclusion

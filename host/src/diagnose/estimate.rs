@@ -74,8 +74,7 @@ fn widened(board: &Board, model: &Model) -> Vec<f64> {
     const CHANCE: f64 = 3.5;
     let count = model.columns.len();
     // What each part adds to each number: as it is, and the variance that noise gives it.
-    let (mut sum, mut noise, mut noise2) =
-        (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+    let (mut sum, mut noise, mut noise2) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for (at, bench) in board.benches.iter().enumerate() {
         for part in 0..PARTS {
             let range = bench.part(part);
@@ -107,7 +106,11 @@ fn widened(board: &Board, model: &Model) -> Vec<f64> {
             let parts = noise[i] * noise[i] / noise2[i];
             let ratio = sum[i] / noise[i];
             let seldom = 1.0 + CHANCE * (2.0 / parts).sqrt();
-            if ratio.is_finite() && ratio > seldom { ratio } else { 1.0 }
+            if ratio.is_finite() && ratio > seldom {
+                ratio
+            } else {
+                1.0
+            }
         })
         .collect()
 }

@@ -2,6 +2,7 @@
 
 use super::board::{Board, Column, FITTED, Model, PARTS};
 use super::diagnosis::{Fit, HeldOut};
+use super::disc::pattern_in;
 use super::search::Searched;
 
 /// Sums over the edges of some parts.
@@ -54,22 +55,38 @@ fn held_out(board: &Board, before: &Model, searched: &Searched) -> HeldOut {
         reducible_removed: None,
     };
     let columns = &searched.model.columns;
-    if columns.is_empty() {
+    // The disc's pattern as some turns show it.
+    let without_pattern = |parts: std::ops::Range<usize>| {
+        let mut board = board.clone();
+        let rest = board.with_sizes(columns, &searched.model.sizes);
+        let pattern = searched.pattern.as_ref();
+        let pattern = pattern.and_then(|_| pattern_in(&board, &rest, parts));
+        if let Some(pattern) = &pattern {
+            board.take_off(&pattern.errors_rad);
+        }
+        (board, pattern.map_or(0.0, |pattern| pattern.numbers))
+    };
+    if columns.is_empty() && searched.pattern.is_none() {
         return none;
     }
-    let early = board.cut(columns, 0..FITTED);
-    let last = board.cut(columns, late.clone());
+    let (first, _) = without_pattern(0..FITTED);
+    let (second, of_pattern) = without_pattern(late.clone());
     let nuisances: Vec<Column> = columns[..searched.nuisances].to_vec();
     // What was never there in the turns before can't be foretold.
-    let (Some(fitted), Some(best)) = (board.fit(early), board.fit(last)) else {
+    let (Some(fitted), Some(best)) = (
+        first.fit(board.cut(columns, 0..FITTED)),
+        second.fit(board.cut(columns, late.clone())),
+    ) else {
         return none;
     };
     let alone = board.fit(board.cut(&nuisances, late.clone()));
-    let foretold = board.with_sizes(columns, &fitted.sizes);
-    let is = sums(board, &foretold, late.clone());
-    let at_best = sums(board, &board.with_sizes(columns, &best.sizes), late.clone());
-    let without = alone.map(|alone| sums(board, &board.with_sizes(&nuisances, &alone.sizes), late));
-    let numbers = (columns.len() - searched.nuisances) as f64;
+    let of = |board: &Board, columns: &[Column], sizes: &nalgebra::DVector<f64>| {
+        sums(board, &board.with_sizes(columns, sizes), late.clone())
+    };
+    let is = of(&first, columns, &fitted.sizes);
+    let at_best = of(&second, columns, &best.sizes);
+    let without = alone.map(|alone| of(board, &nuisances, &alone.sizes));
+    let numbers = (columns.len() - searched.nuisances) as f64 + of_pattern;
     let reducible = without.map_or(0.0, |without| without.white - at_best.white - numbers);
     let lost = is.white - at_best.white - numbers;
     HeldOut {
@@ -84,13 +101,11 @@ fn sums(board: &Board, model: &Model, parts: std::ops::Range<usize>) -> Sums {
     let mut sums = Sums::default();
     for (bench, left) in board.benches.iter().zip(&model.left) {
         let range = bench.part(parts.start).start..bench.part(parts.end - 1).end;
-        for (deviation, white) in bench
-            .deviations()
-            .zip(left)
-            .skip(range.start)
-            .take(range.len())
-        {
-            let Some(deviation) = deviation else { continue };
+        let edges = bench.deviations().zip(left).enumerate();
+        for (at, (deviation, white)) in edges.skip(range.start).take(range.len()) {
+            let Some(deviation) = deviation.filter(|_| !bench.seen.follows(at)) else {
+                continue;
+            };
             sums.white += white * white;
             sums.rad += (white * deviation).powi(2);
             sums.floor += deviation * deviation;

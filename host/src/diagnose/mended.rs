@@ -12,8 +12,22 @@ use crate::twin::{
 pub struct Mended {
     /// The twin.
     pub twin: Twin,
-    /// What is added to its disc's errors; empty where nothing is.
+    /// What is added to its disc's errors, for each edge of the recording; empty where nothing is.
     pub errors_rad: Vec<f64>,
+    /// Edges a turn of the recording: of a wheel's tooth it may have one.
+    pub edges: usize,
+    /// Its edge classes.
+    pub classes: usize,
+}
+
+/// Whether a finding goes into the list of a disc's errors, edge by edge.
+#[must_use]
+pub fn listed(basis: Basis) -> bool {
+    match basis {
+        Basis::Round { order } => order.fract() == 0.0 && order > 2.0,
+        Basis::Width { .. } | Basis::Shift { .. } => true,
+        _ => false,
+    }
 }
 
 /// Channel of a number.
@@ -75,7 +89,9 @@ impl Mended {
                         phase_rad: (-c).atan2(s),
                     })
                 };
-                let listed = twin.errors.csv.is_some() || !twin.errors.list_rad.is_empty();
+                let listed = twin.errors.csv.is_some()
+                    || !twin.errors.list_rad.is_empty()
+                    || !self.errors_rad.is_empty();
                 match order {
                     1.0 if !listed => twin.errors.eccentricity = harmonic(twin.errors.eccentricity),
                     2.0 if !listed => twin.errors.tilt = harmonic(twin.errors.tilt),
@@ -196,8 +212,7 @@ impl Mended {
 
     /// Adds errors of the disc by angle, channel and kind of edge.
     fn add_disc(&mut self, error: impl Fn(f64, usize, bool) -> f64) {
-        let edges = self.twin.encoder.grid_edges() as usize;
-        let classes = self.twin.encoder.edges_per_line() as usize;
+        let (edges, classes) = (self.edges, self.classes);
         let mut all = std::mem::take(&mut self.errors_rad);
         all.resize(edges, 0.0);
         for (edge, sum) in all.iter_mut().enumerate() {

@@ -33,6 +33,7 @@ mod pairs;
 pub mod plots;
 pub mod prepare;
 pub mod propose;
+pub mod pushed;
 pub mod refine;
 mod repair;
 pub mod rivals;

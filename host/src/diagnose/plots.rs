@@ -59,7 +59,9 @@ fn rad(bench: &Bench, model: &Model, number: usize) -> Vec<f64> {
 
 fn in_time(bench: &Bench, model: &Model, number: usize) -> Line {
     let rad = rad(bench, model, number);
-    cells(bench.seen.times_s.iter().copied().zip(rad.iter().copied()))
+    let each = bench.seen.times_s.iter().copied().zip(rad.iter().copied());
+    let there = each.enumerate().filter(|(at, _)| !bench.seen.follows(*at));
+    cells(there.map(|(_, point)| point))
 }
 
 fn in_orders(bench: &Bench, model: &Model, number: usize) -> (Line, f64) {

@@ -60,7 +60,15 @@ fn of_peak(peak: &Peak) -> Vec<Hypothesis> {
 
 /// What happens slowly, once or by speed.
 fn slow(board: &Board) -> Vec<Hypothesis> {
-    let mut all = vec![Hypothesis::of(Mechanism::SpeedDrift, Basis::Drift)];
+    let mut all = Vec::new();
+    let driven = |bench: &super::board::Bench| {
+        bench
+            .law
+            .driven(bench.seen.times_s.first().copied().unwrap_or(0.0))
+    };
+    if board.benches.iter().any(driven) {
+        all.push(Hypothesis::of(Mechanism::SpeedDrift, Basis::Drift));
+    }
     let off = |law: &ShaftLaw| !law.driven(f64::MAX);
     if board.benches.iter().any(|bench| off(&bench.law)) {
         let top = board.benches[0].seen.speed_range();

@@ -127,6 +127,11 @@ fn alternatives(board: &Board, found: &Found) -> Vec<Hypothesis> {
             &|c| Basis::Shift { channel: c },
             1,
         )],
+        Some(Basis::Coulomb | Basis::Viscous | Basis::Drag) => {
+            [Basis::Coulomb, Basis::Viscous, Basis::Drag]
+                .map(|basis| with(Mechanism::Friction, basis))
+                .into()
+        }
         Some(Basis::Load { .. }) => vec![with(Mechanism::SpeedDrift, Basis::Drift)],
         _ => Vec::new(),
     }

@@ -7,7 +7,7 @@ use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
 use super::judge;
 use super::leftover::leftovers;
-use super::mended::Mended;
+use super::mended::{Mended, listed};
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};
@@ -50,6 +50,8 @@ pub fn settle(
     searched: Searched,
     concluded: Conclusion,
 ) -> Result<Settled, DiagnoseError> {
+    let mut searched = searched;
+    searched.pattern = searched.pattern.filter(|_| concluded.pattern);
     let mut given = given.clone();
     for (bench, found) in given.benches.iter_mut().zip(&board.benches) {
         bench.set_noise(found.noise);
@@ -69,6 +71,11 @@ pub fn settle(
             let Ok(mut next) = prepare::board(&rig) else {
                 break;
             };
+            // Edges are compared one by one, so the mended twin has to go wherever the given one goes.
+            let mut pairs = next.benches.iter().zip(&again.benches);
+            if pairs.any(|(next, again)| next.seen.len() != again.seen.len()) {
+                break;
+            }
             for (bench, found) in next.benches.iter_mut().zip(&again.benches) {
                 bench.set_noise(found.noise);
             }
@@ -257,12 +264,18 @@ fn mended(
 ) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
     let (mut twins, mut lists) = (Vec::new(), Vec::new());
     for (number, one) in rig.iter().enumerate() {
+        let edges = one.track.edges as usize;
         let mut mended = Mended {
             twin: one.twin.clone(),
             errors_rad: Vec::new(),
+            edges,
+            classes: one.track.classes as usize,
         };
+        let mut bases = numbers.iter().flat_map(|n| &n.hypothesis.bases);
         if let Some(pattern) = &searched.pattern {
             mended.errors_rad.clone_from(&pattern.errors_rad);
+        } else if bases.any(|basis| listed(*basis)) {
+            mended.errors_rad = vec![0.0; edges];
         }
         for estimate in numbers {
             mended.add(estimate, number, rig.len());
@@ -276,8 +289,10 @@ fn mended(
             sum.collect::<Vec<f64>>()
         });
         if let Some(list) = &list {
+            // Of a wheel recorded with one edge of each tooth the other goes along.
+            let each = (one.twin.encoder.grid_edges() as usize / edges).max(1);
             mended.twin.errors = Errors {
-                list_rad: list.clone(),
+                list_rad: list.iter().flat_map(|e| vec![*e; each]).collect(),
                 ..Errors::default()
             };
         }

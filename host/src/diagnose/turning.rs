@@ -11,6 +11,7 @@ use quadcal::edge::Direction;
 
 use super::basis::Basis;
 use super::kalman::Reading;
+use super::pushed;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
@@ -19,7 +20,7 @@ use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
 /// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
 /// none where it is not known.
-type Course = Vec<Option<(f64, f64, f64)>>;
+pub(super) type Course = Vec<Option<(f64, f64, f64)>>;
 
 impl Seen {
     /// Compares a recording with its twin.
@@ -30,13 +31,16 @@ impl Seen {
             .flat_map(|stretch| stretch.marks.iter().map(|mark| (*mark, stretch.direction)))
             .collect();
         let step = TAU / track.edges as f64;
-        let course = match twin.speed_loop() {
-            Some(model) => looped(&marks, track, twin, &model),
-            None => undisturbed(&marks, still, step),
+        let pushed = pushed::course(&marks, track, twin);
+        self.pushed = pushed.is_some();
+        let course = match (twin.speed_loop(), pushed) {
+            (Some(model), _) => looped(&marks, track, twin, &model),
+            (None, Some(pushed)) => pushed,
+            (None, None) => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
-        // What nothing holds goes at its own speed, not at the twin's.
-        let measured = if law.held() {
+        // What nothing holds, or something else pushes, goes at its own speed, not at the twin's.
+        let measured = if law.held() && !self.pushed {
             Vec::new()
         } else {
             speeds(&marks, track)
@@ -51,7 +55,11 @@ impl Seen {
                 let apart = (mark.place - last.0.place) * direction;
                 last.1 != *direction || (1..=track.classes).contains(&apart)
             };
-            let fresh = !before.as_ref().is_none_or(near) && !track.anchored;
+            let lost = !before.as_ref().is_none_or(near) && !track.anchored;
+            // The course starts anew with every push.
+            let last = self.readings.last();
+            let begins = self.pushed && jolt > 0.0 && last.is_none_or(|last| last.jolt == 0.0);
+            let fresh = lost || begins;
             before = Some((*mark, *direction));
             let edge = (mark.place + still.origin - still.shift).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
@@ -275,9 +283,9 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
     each.collect()
 }
 
-/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; from edge to edge
-/// where the direction does not hold for so long.
-fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
+/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; over a few
+/// edges where the direction does not hold for so long.
+pub(super) fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
     const FINE: i64 = 240;
     let step = TAU / track.edges as f64;
     let lines = track.edges / track.classes;
@@ -297,11 +305,12 @@ fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
             if straight && time > 0.0 {
                 return Some(way / time);
             }
-            // Where it turns round, from edge to edge.
-            let before = at.checked_sub(1).map(|before| marks[before].0)?;
-            let time = marks[at].0.time_s - before.time_s;
-            let way = (marks[at].0.place - before.place) as f64 * step;
-            (time > 0.0 && way != 0.0).then(|| way / time)
+            // Where it turns round, as far as it gets in a few edges.
+            let few = &marks[at.saturating_sub(2)..(at + 3).min(marks.len())];
+            let places = few.iter().map(|(mark, _)| mark.place);
+            let way = places.clone().max()? - places.min()?;
+            let time = few.last()?.0.time_s - few.first()?.0.time_s;
+            (time > 0.0 && way > 0).then(|| way as f64 * step / time)
         })
         .collect()
 }
