@@ -10,6 +10,9 @@ use super::search::{BEYOND, Found};
 use super::weigh::{Shelf, weigh};
 use crate::mechanism::Mechanism;
 
+/// Share of what a pair explains that goes with either of the two; where one does nearly all of it, they are no pair.
+const NEEDED: f64 = 0.3;
+
 /// The pair that explains most on top of a model, if it beats a score and each of the two is needed beside the other.
 #[must_use]
 pub fn pair(board: &Board, model: &Model, shelf: &mut Shelf, beats: f64) -> Option<[Found; 2]> {
@@ -34,7 +37,7 @@ pub fn pair(board: &Board, model: &Model, shelf: &mut Shelf, beats: f64) -> Opti
             let rest = rest.chain(shelf.columns(board, other)).collect();
             let columns = shelf.columns(board, one);
             let weighed = weigh(board, &board.fit(rest)?, one.clone(), columns)?;
-            (weighed.score > BEYOND).then_some(Found {
+            (weighed.score > BEYOND.max(NEEDED * score)).then_some(Found {
                 hypothesis: weighed.hypothesis,
                 columns: weighed.columns,
                 score: weighed.score,
