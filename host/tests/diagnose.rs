@@ -181,3 +181,41 @@ fn everything_asked_for_is_written() {
     let printed = done(at, "diagnose rig.csv --twin rig.toml --json -");
     assert_eq!(json(&printed)["recordings"][0]["file"], "rig.csv");
 }
+
+#[test]
+fn what_a_diagnosis_can_name_is_printed_in_a_list_and_card_by_card() {
+    let folder = bench();
+    let list = done(folder.path(), "diagnose --mechanisms");
+    let ids: Vec<&str> = list
+        .lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    assert_eq!(ids.len(), 28);
+    for id in ids {
+        let card = done(folder.path(), &format!("diagnose --mechanisms {id}"));
+        assert!(card.starts_with(&format!("{id}: ")), "{card}");
+        assert!(card.contains("\nPhysics ") && card.contains("\nTold apart by "));
+    }
+    let card = done(folder.path(), "diagnose --mechanisms edge_delay");
+    for part in [
+        "Equation         e = -w (d_rise - d_fall) on rising levels, 0 on falling ones\n",
+        "Size in angle    speed^1\n",
+        "In the twin      edge_delay\n",
+        "Look-alikes      width_error, threshold_drift\n",
+        "  b.rise_less_fall_s  s  -0.05 to 0.05     the same of B\n",
+    ] {
+        assert!(card.contains(part), "{part}\n{card}");
+    }
+    for (arguments, expected) in [
+        ("--mechanisms gremlins", "'--mechanisms' alone prints"),
+        (
+            "rig.csv --twin rig.toml --mechanisms",
+            "cannot be used with",
+        ),
+    ] {
+        let output = workshop::quadcal(folder.path(), &format!("diagnose {arguments}"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.contains(expected), "{message}");
+    }
+}

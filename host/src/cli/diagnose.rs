@@ -1,5 +1,6 @@
 //! `quadcal diagnose`: what a twin lacks to explain its recordings.
 
+mod catalogue;
 mod encoder;
 mod facts;
 mod new_twins;
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::diagnose::run::{self, DiagnoseError, Diagnosed};
+use crate::mechanism::Mechanism;
 use crate::report::Report;
 use crate::reports;
 
@@ -32,6 +34,8 @@ Examples:
   quadcal diagnose slow.csv fast.csv --twin slow.toml --twin fast.toml --json -
   quadcal diagnose one.csv two.csv three.csv --twin rig.toml           one twin for all
   quadcal diagnose hub.csv --twin hall.toml                            Hall sensors
+  quadcal diagnose --mechanisms                                        what it can name
+  quadcal diagnose --mechanisms bearing                                what is known of one
 
 The twin says what is known of the rig: encoder, shaft, drive, noise (quadcal simulate --keys). What
 it lacks is searched in every coordinate in which physics leaves a mark, named, fitted on the
@@ -47,6 +51,11 @@ Two recordings at speeds a factor of two apart, or in both directions, tell most
 
 ";
 
+/// Both ways to call it.
+const USAGE: &str = "\
+quadcal diagnose [OPTIONS] --twin <TWIN> <REC>...
+       quadcal diagnose --mechanisms [ID]";
+
 /// As of all commands, but whatever the verdict is, it was reached.
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -56,14 +65,27 @@ Exit codes:
 
 /// Find what a twin lacks to explain its recordings, name it, and show that it fits
 #[derive(Debug, Args)]
-#[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
+#[command(after_help = [EXAMPLES, EXIT_CODES].concat(), override_usage = USAGE)]
 pub struct Diagnose {
     /// Recordings of one rig: native CSV, logic-analyser CSV, VCD, or one column of seconds
-    #[arg(value_name = "REC", required = true)]
+    #[arg(value_name = "REC", required_unless_present = "mechanisms")]
     recordings: Vec<PathBuf>,
     /// Twin that should explain the recordings: once for all, or once for each in the same order
-    #[arg(long = "twin", value_name = "TWIN", required = true)]
+    #[arg(
+        long = "twin",
+        value_name = "TWIN",
+        required_unless_present = "mechanisms"
+    )]
     twins: Vec<PathBuf>,
+    /// Print what a diagnosis can name, or one mechanism's card, and do nothing else
+    #[arg(
+        long,
+        value_name = "ID",
+        num_args = 0..=1,
+        value_parser = catalogue::mechanism,
+        conflicts_with_all = ["recordings", "twins", "write_twin"]
+    )]
+    mechanisms: Option<Option<Mechanism>>,
     #[command(flatten)]
     reading: ReadingArgs,
     /// Write the twin with the findings in it; of several recordings the others' get a number (new-2.toml)
@@ -86,6 +108,9 @@ fn file(text: &str) -> Result<PathBuf, String> {
 impl Diagnose {
     /// Diagnoses and writes everything that was asked for; nothing is written before all of it is known.
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
+        if let Some(one) = self.mechanisms {
+            return Target::Stdout.write(catalogue::text(one).as_bytes());
+        }
         self.spare()?;
         let named = Named {
             recordings: &self.recordings,

@@ -27,6 +27,8 @@ pub struct Bench {
     pub torques: Vec<(f64, f64)>,
     /// Whether the mean speed is the recording's own, so that a steady push says nothing.
     pub free_speed: bool,
+    /// Mean speed, rad/s, either way.
+    pub mean_speed: f64,
     whitener: Whitener,
     /// The residual, white.
     pub white: Vec<f64>,
@@ -44,6 +46,7 @@ impl Bench {
     ) -> Self {
         let noise = declared.unwrap_or_else(|| first_guess(&seen, &law, least_stamp_s));
         let mut bench = Self {
+            mean_speed: seen.mean_speed(),
             seen,
             law,
             noise,
@@ -84,6 +87,17 @@ impl Bench {
         self.noise = noise;
         self.whitener = Whitener::new(&self.seen.readings, noise);
         self.white = self.whitened(self.seen.angles.clone());
+    }
+
+    /// Keeps so many of its first edges.
+    pub fn shorten(&mut self, edges: usize) {
+        let seen = &mut self.seen;
+        seen.places.truncate(edges);
+        seen.times_s.truncate(edges);
+        seen.speeds.truncate(edges);
+        seen.angles.truncate(edges);
+        seen.readings.truncate(edges);
+        self.set_noise(self.noise);
     }
 
     /// A row of angles, white.

@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use super::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
 use super::events::{Event, events};
+use super::mend::FaultKind;
 use super::motion::MotionFinding;
 use super::noise::NoiseFinding;
 use super::pushed::{Push, pushes};
 use super::run::Recorded;
+use super::track::Track;
 use crate::mechanism::Mechanism;
-use crate::twin::{CaptureLatency, IndexSlip, TorsionalResonance, Twin};
+use crate::twin::Twin;
 
 const NORMAL_95: f64 = 1.959_964;
 
@@ -20,6 +22,11 @@ fn parameter(value: f64, standard_error: f64, unit: &str) -> Parameter {
         unit: unit.to_owned(),
         ci95: (half.is_finite() && half > 0.0).then_some([value - half, value + half]),
     }
+}
+
+/// A number that is known exactly.
+fn number(mechanism: Mechanism, name: &str, value: f64) -> Parameter {
+    parameter(value, 0.0, mechanism.card().unit(name))
 }
 
 /// A finding without a place yet.
@@ -44,10 +51,11 @@ fn plain(mechanism: Mechanism, text: String, delta_bic: f64) -> Finding {
 /// Another motion as a finding.
 #[must_use]
 pub fn of_motion(motion: &MotionFinding) -> Finding {
-    let named = motion
-        .parameters
-        .iter()
-        .map(|(name, value, error, unit)| ((*name).to_owned(), parameter(*value, *error, unit)));
+    let card = motion.mechanism.card();
+    let named = motion.parameters.iter().map(|(name, value, error)| {
+        let parameter = parameter(*value, *error, card.unit(name));
+        ((*name).to_owned(), parameter)
+    });
     Finding {
         parameters: named.collect(),
         ..plain(motion.mechanism, motion.text.clone(), motion.delta_bic)
@@ -81,7 +89,7 @@ pub fn of_pushes(rig: &[Recorded]) -> Option<Finding> {
     );
     let mut finding = plain(Mechanism::LoadStep, text, EVENT);
     let parameters = [
-        ("count", parameter(count, 0.0, "1")),
+        ("count", number(Mechanism::LoadStep, "count", count)),
         (
             "torque_n_m",
             parameter(mean, (square / count).sqrt(), "N m"),
@@ -123,9 +131,10 @@ pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
             ),
         };
         let mut finding = plain(mechanism, text, EVENT * own.len() as f64);
-        finding
-            .parameters
-            .insert("count".to_owned(), parameter(own.len() as f64, 0.0, "1"));
+        finding.parameters.insert(
+            "count".to_owned(),
+            number(mechanism, "count", own.len() as f64),
+        );
         finding.place.times_s = own.iter().map(|event| event.time_s).collect();
         let mut channels: Vec<usize> = own.iter().filter_map(|event| event.channel).collect();
         channels.sort_unstable();
@@ -146,14 +155,13 @@ pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
         );
         let mut finding = plain(Mechanism::IndexSlip, text, EVENT);
         let at = Parameter {
-            value: slip.time_s,
-            unit: "s".to_owned(),
             ci95: Some(slip.between_s),
+            ..number(Mechanism::IndexSlip, "at_s", slip.time_s)
         };
         finding.parameters.insert("at_s".to_owned(), at);
         finding.parameters.insert(
             "edges".to_owned(),
-            parameter(f64::from(slip.edges), 0.0, "1"),
+            number(Mechanism::IndexSlip, "edges", f64::from(slip.edges)),
         );
         finding.place.times_s = vec![slip.time_s];
         found.push(finding);
@@ -171,9 +179,10 @@ pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
             value = one.value.hypot(twin.timer.jitter_s);
             error *= one.value / value;
         }
+        let unit = noise.mechanism.card().unit(one.name);
         finding
             .parameters
-            .insert(one.name.to_owned(), parameter(value, error, one.unit));
+            .insert(one.name.to_owned(), parameter(value, error, unit));
     }
     finding
         .place
@@ -197,43 +206,20 @@ pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
 /// Puts findings that are no pattern into a twin.
 pub fn put_in(twin: &mut Twin, findings: &[Finding]) {
     for finding in findings {
-        let value = |name: &str| finding.parameters.get(name).map(|p| p.value);
-        match finding.mechanism {
-            Mechanism::TimestampJitter => {
-                twin.timer.jitter_s = value("jitter_s").unwrap_or(twin.timer.jitter_s).max(0.0);
-            }
-            Mechanism::CaptureLatency => {
-                twin.capture_latency = Some(CaptureLatency {
-                    mean_s: value("mean_s").map(|mean| mean.max(0.0)),
-                    task_hz: value("task_hz"),
-                    busy_s: value("busy_s"),
-                    phase_s: value("phase_s"),
-                });
-            }
-            Mechanism::TorsionalResonance => {
-                if let (Some(f_hz), Some(damping_ratio), Some(inertia_share)) = (
-                    value("f_hz"),
-                    value("damping_ratio"),
-                    value("inertia_share"),
-                ) {
-                    twin.torsional_resonance = Some(TorsionalResonance {
-                        f_hz,
-                        damping_ratio: damping_ratio.clamp(0.0, 1.0),
-                        inertia_share,
-                        load_psd_n2_m2_s: None,
-                        load_hold_s: None,
-                    });
-                }
-            }
-            Mechanism::IndexSlip => {
-                if let (Some(at_s), Some(edges)) = (value("at_s"), value("edges")) {
-                    twin.index_slip.push(IndexSlip {
-                        at_s,
-                        edges: edges.round() as i32,
-                    });
-                }
-            }
-            _ => {}
-        }
+        (finding.mechanism.card().handling.puts_in)(twin, &finding.parameters);
     }
 }
+
+/// Puts the edges that a recording lacks into its twin, as far as they are counted for certain.
+pub fn put_lost(twin: &mut Twin, track: &Track) {
+    let sure = track.faults.iter().take_while(|fault| !fault.doubtful);
+    let lost = sure.filter(|fault| fault.kind == FaultKind::Lost);
+    let numbers = lost.filter_map(|fault| Some((fault.number?, u64::from(fault.edges))));
+    let all = &mut twin.faults.lost_edges;
+    all.extend(numbers.flat_map(|(first, count)| first..first + count));
+    all.sort_unstable();
+    all.dedup();
+}
+
+#[cfg(test)]
+mod tests;

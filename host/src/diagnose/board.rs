@@ -1,5 +1,7 @@
 //! All recordings of a rig, white, and the columns that a pattern has in them.
 
+use std::sync::OnceLock;
+
 use super::basis::Basis;
 
 pub use super::bench::{Bench, FITTED, PARTS};
@@ -16,6 +18,8 @@ pub struct Board {
     pub benches: Vec<Bench>,
     /// Whether angles mean the same in all recordings.
     pub tied: bool,
+    /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise.
+    pub(super) clear: OnceLock<Vec<f64>>,
 }
 
 impl Board {
@@ -114,6 +118,13 @@ impl Board {
             for at in 0..bench.seen.len() {
                 bench.seen.angles[at] -= errors_rad[bench.seen.edge(at)];
             }
+            // Where the shaft is when an edge comes is known better now.
+            let count = bench.seen.edges as usize;
+            bench.seen.errors.resize(count, 0.0);
+            for (known, more) in bench.seen.errors.iter_mut().zip(errors_rad) {
+                *known += more;
+            }
+            bench.seen.swing();
             bench.set_noise(bench.noise);
         }
     }
@@ -138,6 +149,7 @@ impl Board {
                 || far(noise.stamp_s, bench.noise.stamp_s)
             {
                 bench.set_noise(noise);
+                self.clear = OnceLock::new();
                 changed = true;
             }
         }

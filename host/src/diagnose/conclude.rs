@@ -2,13 +2,19 @@
 
 use super::basis::Basis;
 use super::board::Board;
+
+use super::crowd::{Family, family, kin};
+use super::disc::{Pattern, comes_again, put_back};
+use super::estimate::Estimate;
 use super::hypothesis::Hypothesis;
 use super::leftover::{Leftover, leftovers};
-use super::locate::Among;
+use super::named::implausible;
 use super::rivals::{ALIKE, rivals, same_mark};
 use super::search::{BEYOND, Found, Searched};
 use super::steady::steadiness;
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Quantity};
+
+pub use super::crowd::{crowd, cycles_a_turn};
 
 /// A finding with a name.
 #[derive(Clone, Debug)]
@@ -23,6 +29,8 @@ pub struct Name {
     pub runner_up: Option<(Mechanism, f64)>,
     /// Mechanisms as likely as not.
     pub alike: Vec<Mechanism>,
+    /// How those that leave a mark of their own would do it.
+    pub look_alikes: Vec<Hypothesis>,
     /// Probability among those weighed.
     pub confidence: f64,
 }
@@ -68,7 +76,13 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         ..Conclusion::default()
     };
     // Beside something that has no name, small findings of the same kind of edges are parts of it.
-    let unknown_squares = odd_score + left.map_or(0.0, |left| left.squares);
+    let changing = searched
+        .pattern
+        .as_ref()
+        .filter(|p| changes(board, searched, p));
+    conclusion.pattern = searched.pattern.is_some() && changing.is_none();
+    let changing = changing.map_or(0.0, |pattern| pattern.score) + searched.passing;
+    let unknown_squares = odd_score + left.map_or(0.0, |left| left.squares) + changing;
     for (number, found) in searched.found.iter().enumerate() {
         let part = unknown_squares > 0.0
             && found.score < 0.3 * unknown_squares
@@ -86,11 +100,32 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
             || odd
                 .iter()
                 .any(|o| family(&searched.found[*o]) == Family::Alike);
-        conclusion.pattern = !(part && pattern.score < 0.3 * unknown_squares);
+        conclusion.pattern &= !(part && pattern.score < 0.3 * unknown_squares);
     }
     conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
-    conclusion.nameless = nameless(board, searched, &odd, left);
+    conclusion.nameless = nameless(board, searched, &odd, left).or_else(|| {
+        (changing > 0.0).then(|| Nameless {
+            text: "places of the disc, all edges alike; like line_error, but not the same in \
+                   the first half as in the second"
+                .to_owned(),
+            squares: changing,
+            p_value: (-0.5 * changing).exp(),
+            orders: Vec::new(),
+            frequencies_hz: Vec::new(),
+        })
+    });
     conclusion
+}
+
+/// Whether a pattern of the disc learned in one half is not that of the other.
+fn changes(board: &Board, searched: &Searched, pattern: &Pattern) -> bool {
+    const PART: f64 = 0.35;
+    const SURE: f64 = 4.0;
+    let there = put_back(board, &searched.model, pattern);
+    let shares = comes_again(board, &there, pattern.rms_rad);
+    shares
+        .iter()
+        .any(|(share, error)| (share - 1.0).abs() > PART + SURE * error)
 }
 
 /// What is left and matters beside what was found.
@@ -107,80 +142,6 @@ fn worst<'a>(left: &'a [Leftover], searched: &Searched) -> Option<&'a Leftover> 
     })
 }
 
-/// Edges that a finding shows on: alike or against each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Family {
-    Alike,
-    Level,
-    Channel,
-    Place,
-}
-
-fn family(found: &Found) -> Family {
-    match found.hypothesis.bases.first() {
-        Some(
-            Basis::LevelTone { .. }
-            | Basis::LevelDrift { .. }
-            | Basis::Width { .. }
-            | Basis::RiseLate { .. },
-        ) => Family::Level,
-        Some(Basis::Shift { .. } | Basis::Late { .. }) => Family::Channel,
-        Some(Basis::Bump { .. }) => Family::Place,
-        _ => Family::Alike,
-    }
-}
-
-fn kin(among: Among) -> Family {
-    match among {
-        Among::All => Family::Alike,
-        Among::Level | Among::LevelOf(_) => Family::Level,
-        Among::Channel(_) => Family::Channel,
-    }
-}
-
-/// Cycles a turn of a hypothesis' rhythm, at the first recording's mean speed where it goes along time.
-#[must_use]
-pub fn cycles_a_turn(board: &Board, hypothesis: &Hypothesis) -> Option<f64> {
-    let rhythm = hypothesis.rhythm()?;
-    let turning = board.benches.first()?.seen.mean_speed() / std::f64::consts::TAU;
-    Some(match hypothesis.bases.first()? {
-        Basis::TorqueTone { .. } | Basis::LevelTone { .. } => rhythm / turning,
-        _ => rhythm,
-    })
-}
-
-/// Rhythms that are too near each other to be mechanisms of their own: a rhythm that changes shows so.
-#[must_use]
-pub fn crowd(board: &Board, found: &[Found]) -> Vec<usize> {
-    let turns = board
-        .benches
-        .iter()
-        .map(|b| b.seen.turns())
-        .fold(1.0, f64::max);
-    let turning =
-        board.benches.first().map_or(1.0, |b| b.seen.mean_speed()) / std::f64::consts::TAU;
-    let place = |found: &Found| -> Option<(Family, f64, bool)> {
-        let rhythm = found.hypothesis.rhythm()?;
-        let cycles = match found.hypothesis.bases.first()? {
-            Basis::TorqueTone { .. } | Basis::LevelTone { .. } => rhythm / turning,
-            _ => rhythm,
-        };
-        Some((family(found), cycles, found.hypothesis.whole()))
-    };
-    let rhythms: Vec<Option<(Family, f64, bool)>> = found.iter().map(place).collect();
-    let near = |one: &(Family, f64, bool)| {
-        let near = rhythms.iter().flatten().filter(|other| {
-            let close = (other.1 - one.1).abs() < (15.0 / turns).max(0.06 * one.1);
-            other.0 == one.0 && close && !(other.2 && one.2)
-        });
-        // A whole order is not near itself here.
-        near.count() + usize::from(one.2)
-    };
-    (0..found.len())
-        .filter(|number| rhythms[*number].as_ref().is_some_and(|one| near(one) >= 3))
-        .collect()
-}
-
 /// Findings that only resemble a mechanism: not the same from beginning to end, or one of a crowd.
 fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
     let mut odd: Vec<usize> = searched
@@ -193,6 +154,7 @@ fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
         .map(|(number, _)| number)
         .collect();
     odd.extend(crowd(board, &searched.found));
+    odd.extend((0..searched.found.len()).filter(|number| no_rigs(searched, *number).is_some()));
     let drifts = |found: &Found| {
         matches!(
             found.hypothesis.bases.first(),
@@ -210,6 +172,24 @@ fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
     odd.sort_unstable();
     odd.dedup();
     odd
+}
+
+/// The number of a finding that no rig has, if one is.
+fn no_rigs(searched: &Searched, number: usize) -> Option<(&'static Quantity, f64)> {
+    let columns = |found: &Found| found.columns.len();
+    let before: usize = searched.found[..number].iter().map(columns).sum();
+    let (from, count) = (
+        searched.nuisances + before,
+        columns(&searched.found[number]),
+    );
+    let model = &searched.model;
+    let covariance = model.covariance.view((from, from), (count, count));
+    implausible(&Estimate {
+        hypothesis: searched.found[number].hypothesis.clone(),
+        sizes: model.sizes.as_slice()[from..from + count].to_vec(),
+        searched: Vec::new(),
+        covariance: covariance.into_owned(),
+    })
 }
 
 fn name(board: &Board, searched: &Searched, number: usize) -> Name {
@@ -238,22 +218,29 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
         .filter(|one| score - one.1 < ALIKE)
         .map(|one| one.0.mechanism)
         .collect();
+    let mut look_alikes: Vec<Hypothesis> = Vec::new();
+    for (one, worse) in others.iter().filter(other) {
+        if score - worse < ALIKE && !look_alikes.iter().any(|l| l.mechanism == one.mechanism) {
+            look_alikes.push(one.clone());
+        }
+    }
     alike.sort_unstable();
     alike.dedup();
     let same = same_mark(&hypothesis);
-    alike.extend(same.iter().filter(|m| **m != hypothesis.mechanism));
+    alike.extend(same);
     let weights: f64 = others
         .iter()
         .filter(other)
         .map(|one| (0.5 * (one.1 - score)).exp())
         .sum::<f64>()
-        + same.len().saturating_sub(1) as f64;
+        + same.len() as f64;
     Name {
         number,
         hypothesis,
         score,
         runner_up,
         alike,
+        look_alikes,
         confidence: 1.0 / (1.0 + weights),
     }
 }
@@ -274,12 +261,7 @@ fn nameless(
         let mut orders: Vec<f64> = Vec::new();
         for number in odd {
             let hypothesis = &searched.found[*number].hypothesis;
-            if let Some(rhythm) = hypothesis.rhythm() {
-                orders.push(match hypothesis.bases.first() {
-                    Some(Basis::TorqueTone { .. } | Basis::LevelTone { .. }) => rhythm / turning,
-                    _ => rhythm,
-                });
-            }
+            orders.extend(cycles_a_turn(board, hypothesis));
         }
         orders.sort_by(f64::total_cmp);
         let bounds: Vec<f64> = match (orders.first(), orders.last()) {
@@ -294,12 +276,16 @@ fn nameless(
             Family::Channel => "channel against channel",
             _ => "all edges alike",
         };
-        let text = match bounds.as_slice() {
-            [] => format!("{edges}; like {resembles}, but not the same throughout"),
-            [one] => format!(
+        let text = match (no_rigs(searched, *strongest), bounds.as_slice()) {
+            (Some((quantity, value)), _) => format!(
+                "{edges}; like {resembles}, but no rig has its {} of {value:.3e} {}",
+                quantity.name, quantity.unit
+            ),
+            (None, []) => format!("{edges}; like {resembles}, but not the same throughout"),
+            (None, [one]) => format!(
                 "{edges}, around order {one:.2}; like {resembles}, but not the same throughout"
             ),
-            [low, high, ..] => format!(
+            (None, [low, high, ..]) => format!(
                 "{edges}, orders {low:.2} to {high:.2}: a rhythm that is none of turn or time"
             ),
         };

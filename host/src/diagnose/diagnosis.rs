@@ -64,21 +64,37 @@ pub struct RecordingFacts {
     pub disturbed_s: Vec<f64>,
 }
 
-/// Agreement. What is measured is how far each edge comes from where twin and the edges before it let it expect.
+/// Agreement: how far edges stand away from the twin's course, less its mean over a turn to either side. An error that comes
+/// again each turn keeps its size in that; what is slower stands apart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// RMS with the twin as it was given, rad.
     pub rms_before_rad: f64,
     /// RMS with the findings in the twin, rad.
     pub rms_after_rad: f64,
-    /// RMS of the noise alone, rad.
+    /// RMS that the noise alone would have, rad.
     pub floor_rad: f64,
+    /// What is slower than two turns, beside a straight line in time.
+    pub slow: Band,
+    /// How far each edge comes from where the edges before it and the noise of the shaft let it expect.
+    pub edge_to_edge: Band,
     /// Probability that what is left is noise, before the findings.
     pub whiteness_p_before: f64,
     /// The same with them.
     pub whiteness_p: f64,
     /// Fitted on the turns before, judged on the last ones of each recording.
     pub held_out: HeldOut,
+}
+
+/// Another part of the residual.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Band {
+    /// RMS with the twin as it was given, rad.
+    pub rms_before_rad: f64,
+    /// RMS with the findings in the twin, rad.
+    pub rms_after_rad: f64,
+    /// RMS that the noise alone would have, rad.
+    pub floor_rad: f64,
 }
 
 /// Agreement on turns that the parameters were not fitted on.
@@ -88,7 +104,7 @@ pub struct HeldOut {
     pub rms_before_rad: f64,
     /// RMS with the findings in the twin, rad.
     pub rms_after_rad: f64,
-    /// RMS of the noise alone, rad.
+    /// RMS that the noise alone would have, rad.
     pub floor_rad: f64,
     /// Share of what the findings could remove on these turns at best that they did remove; none without findings that can be judged.
     pub reducible_removed: Option<f64>,
@@ -175,6 +191,18 @@ pub struct RunnerUp {
 pub struct NextRecording {
     /// What to do, in a sentence.
     pub text: String,
-    /// Schwarz's criterion by which the mechanisms would differ, as simulated; none where no simulation can show it.
+    /// Schwarz's criterion by which the mechanisms would differ, as simulated, whichever of them it is: the least; none where no
+    /// simulation can show it.
     pub expected_delta_bic: Option<f64>,
+    /// By how much they would differ if it is this mechanism or that.
+    pub expected: Vec<Expected>,
+}
+
+/// What a recording would show.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Expected {
+    /// The mechanism that is simulated.
+    pub mechanism: Mechanism,
+    /// Schwarz's criterion of the best of the others less its own.
+    pub delta_bic: f64,
 }

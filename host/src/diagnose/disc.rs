@@ -3,15 +3,16 @@
 //! With white errors of variance s^2 the pattern is white over the orders m as well. What is left of the residual pulls at order m
 //! with z_m, of variance 1 from noise alone and 1 + s^2 l_m with the pattern, l_m being how clearly order m shows through the
 //! noise: the logarithm of the likelihood ratio is the sum of |z|^2 g / (1 + g) - ln(1 + g) with g = s^2 l, largest over s. The
-//! pattern's mean given the recording is g / (1 + g) of what each order pulls (Wiener).
+//! pattern's mean given the recording solves (A + 1/s^2) e = pull, A being how edges show through the noise: by conjugate gradients,
+//! started from g / (1 + g) of what each order pulls (Wiener).
 
-use std::ops::Range;
+use std::sync::Arc;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
+use super::bench::Bench;
 use super::board::{Board, Model, PARTS};
-use super::scan::pull;
 
 /// A pattern and how likely it is.
 #[derive(Clone, Debug)]
@@ -26,63 +27,123 @@ pub struct Pattern {
     pub errors_rad: Vec<f64>,
     /// Standard error of each of them, rad.
     pub edge_error_rad: f64,
-    /// How many numbers the recordings settle of it.
-    pub numbers: f64,
 }
 
 /// Edges that a pattern needs.
 const EDGES_LEAST: usize = 4;
 
+/// Steps of the conjugate gradients at the most.
+const STEPS: usize = 60;
+/// Squares that they may leave.
+const NEAR: f64 = 0.3;
+
 /// The pattern that a model leaves; orders that another mechanism may own are left to it.
 #[must_use]
 pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
-    pattern_in(board, model, 0..PARTS)
-}
-
-/// The same, going by some parts of the recordings only.
-#[must_use]
-pub fn pattern_in(board: &Board, model: &Model, parts: Range<usize>) -> Option<Pattern> {
-    let first = board.benches.first()?;
-    let edges = first.seen.edges as usize;
-    let lines = edges / first.seen.classes as usize;
-    if edges < EDGES_LEAST || (board.benches.len() > 1 && !board.tied) || first.seen.turns() < 3.0 {
-        return None;
-    }
-    let mut planner = RealFftPlanner::<f64>::new();
-    let forward = planner.plan_fft_forward(edges);
-    let spectrum = |mut row: Vec<f64>| -> Vec<Complex<f64>> {
-        let mut output = forward.make_output_vec();
-        let _ = forward.process(&mut row, &mut output);
-        output
-    };
-    let clear = clearness(board, edges, &parts, &spectrum);
-    let pulled = spectrum(pull(board, model, parts));
-    // What is the same for all edges of a class has names of its own.
-    let own = |order: usize| {
-        order != 0 && (lines == 0 || !order.is_multiple_of(lines)) && 2 * order <= edges
-    };
-    // From edge to edge there and back is one number, not two.
-    let weight = |order: usize| if 2 * order == edges { 0.5 } else { 1.0 };
-    let orders: Vec<usize> = (0..pulled.len())
-        .filter(|order| own(*order) && clear[*order] > 0.0)
-        .collect();
-    let modes: Vec<(f64, f64, f64)> = orders
+    let disc = Disc::of(board)?;
+    let pulled = disc.own(&disc.folded(model.left.clone()));
+    let spectrum = disc.spectrum(pulled.clone());
+    let modes: Vec<Mode> = disc
+        .orders
         .iter()
-        .map(|&m| {
-            let z2 = pulled[m].norm_sqr() / (edges as f64 * clear[m]);
-            (z2, clear[m], weight(m))
+        .map(|&m| Mode {
+            squares: spectrum[m].norm_sqr() / (disc.edges as f64 * disc.clear[m]),
+            clear: disc.clear[m],
+            weight: disc.weight(m),
         })
         .collect();
+    let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
+    let edge_variance = shares.sum::<f64>() / disc.edges as f64;
+    let (log_s2, most, bend) = likeliest(&modes)?;
+    let s2 = log_s2.exp();
+    // -bend is twice the information on ln s^2.
+    let deviation = if bend < 0.0 {
+        (2.0 / -bend).sqrt()
+    } else {
+        f64::INFINITY
+    };
+    Some(Pattern {
+        rms_rad: s2.sqrt(),
+        standard_error_rad: 0.5 * deviation * s2.sqrt(),
+        score: most - (board.edges() as f64).ln(),
+        errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
+        edge_error_rad: edge_variance.sqrt(),
+    })
+}
+
+/// What a model leaves together with a pattern that was taken off, white.
+#[must_use]
+pub fn put_back(board: &Board, model: &Model, pattern: &Pattern) -> Vec<Vec<f64>> {
+    let Some(disc) = Disc::of(board) else {
+        return model.left.clone();
+    };
+    let mut rows = disc.rows(&pattern.errors_rad);
+    for (row, left) in rows.iter_mut().zip(&model.left) {
+        for (value, left) in row.iter_mut().zip(left) {
+            *value += left;
+        }
+    }
+    rows
+}
+
+/// Share of the pattern learned in some of the parts of white rows that comes again in the others, once each way, and its standard
+/// error: 1 where it is a disc's.
+#[must_use]
+pub fn comes_again(board: &Board, there: &[Vec<f64>], rms_rad: f64) -> Vec<(f64, f64)> {
+    let Some(disc) = Disc::of(board) else {
+        return Vec::new();
+    };
+    let spectrum = disc.spectrum(disc.own(&disc.folded(there.to_vec())));
+    let prior = disc.prior(&spectrum, rms_rad * rms_rad);
+    let early = |part: usize| 2 * part < PARTS;
+    let late = |part: usize| 2 * part >= PARTS;
+    type Half<'a> = &'a dyn Fn(usize) -> bool;
+    let ways: [(Half<'_>, Half<'_>); 2] = [(&early, &late), (&late, &early)];
+    let mut shares = Vec::new();
+    for (learned, judged) in ways {
+        let mut rows = there.to_vec();
+        disc.keep(&mut rows, learned);
+        let pulled = disc.own(&disc.folded(rows));
+        let errors = disc.solved(pulled, &prior, learned);
+        let mut foretold = disc.rows(&errors);
+        disc.keep(&mut foretold, judged);
+        let product = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
+            let rows = a.iter().zip(b);
+            rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>())
+                .sum()
+        };
+        let power = product(&foretold, &foretold);
+        if power > 0.0 {
+            shares.push((product(&foretold, there) / power, power.sqrt().recip()));
+        }
+    }
+    shares
+}
+
+/// An order's pull.
+#[derive(Clone, Copy, Debug)]
+struct Mode {
+    /// Its square over what noise alone makes of it.
+    squares: f64,
+    /// How clearly it shows.
+    clear: f64,
+    /// 1, or 0.5 where it is one number, not two.
+    weight: f64,
+}
+
+/// The variance, as a logarithm, that makes the orders' pulls most likely; twice the logarithm of their likelihood ratio there, and
+/// how it bends.
+fn likeliest(modes: &[Mode]) -> Option<(f64, f64, f64)> {
     let likelihood = |log_s2: f64| {
         let s2 = log_s2.exp();
-        let each = modes.iter().map(|(z2, l, weight)| {
-            let g = s2 * l;
-            weight * (z2 * g / (1.0 + g) - g.ln_1p())
+        let each = modes.iter().map(|mode| {
+            let g = s2 * mode.clear;
+            mode.weight * (mode.squares * g / (1.0 + g) - g.ln_1p())
         });
         2.0 * each.sum::<f64>()
     };
     let middle = {
-        let mut ls: Vec<f64> = modes.iter().map(|mode| mode.1).collect();
+        let mut ls: Vec<f64> = modes.iter().map(|mode| mode.clear).collect();
         ls.sort_by(f64::total_cmp);
         -ls.get(ls.len() / 2)?.ln()
     };
@@ -97,64 +158,212 @@ pub fn pattern_in(board: &Board, model: &Model, parts: Range<usize>) -> Option<P
     let side = 0.1;
     let bend =
         (likelihood(best.0 - side) - 2.0 * best.1 + likelihood(best.0 + side)) / (side * side);
-    let s2 = best.0.exp();
-    let mut shrunk: Vec<Complex<f64>> = vec![Complex::new(0.0, 0.0); pulled.len()];
-    let (mut edge_variance, mut numbers) = (0.0, 0.0);
-    for &m in &orders {
-        let g = s2 * clear[m];
-        shrunk[m] = pulled[m] * (g / (1.0 + g) / clear[m] / edges as f64);
-        numbers += 2.0 * weight(m) * g / (1.0 + g);
-        edge_variance += 2.0 * weight(m) / (clear[m] * edges as f64);
-    }
-    let inverse = planner.plan_fft_inverse(edges);
-    let mut errors_rad = inverse.make_output_vec();
-    let _ = inverse.process(&mut shrunk, &mut errors_rad);
-    // -bend is twice the information on ln s^2.
-    let deviation = if bend < 0.0 {
-        (2.0 / -bend).sqrt()
-    } else {
-        f64::INFINITY
-    };
-    Some(Pattern {
-        rms_rad: s2.sqrt(),
-        standard_error_rad: 0.5 * deviation * s2.sqrt(),
-        score: best.1 - (board.edges() as f64).ln(),
-        errors_rad,
-        edge_error_rad: edge_variance.sqrt(),
-        numbers,
-    })
+    Some((best.0, best.1, bend))
 }
 
-/// How clearly each order shows: the answer of the pull to one edge of each kind, over the orders.
-fn clearness(
-    board: &Board,
+/// The disc as the recordings show it.
+struct Disc<'a> {
+    board: &'a Board,
     edges: usize,
-    parts: &Range<usize>,
-    spectrum: &dyn Fn(Vec<f64>) -> Vec<Complex<f64>>,
-) -> Vec<f64> {
-    let classes = board.benches[0].seen.classes as usize;
-    let mut clear = vec![0.0; edges / 2 + 1];
-    let tried = [edges / 3, edges / 3 + edges / 2];
-    for start in tried {
-        for class in 0..classes {
-            let one = (start / classes * classes + class) % edges;
-            let mut answer = vec![0.0; edges];
-            for bench in &board.benches {
+    classes: usize,
+    /// Orders that are the pattern's.
+    orders: Vec<usize>,
+    /// How clearly each order shows.
+    clear: Vec<f64>,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl<'a> Disc<'a> {
+    fn of(board: &'a Board) -> Option<Self> {
+        let first = board.benches.first()?;
+        let edges = first.seen.edges as usize;
+        let classes = first.seen.classes as usize;
+        let lines = edges / classes;
+        if edges < EDGES_LEAST
+            || (board.benches.len() > 1 && !board.tied)
+            || first.seen.turns() < 3.0
+        {
+            return None;
+        }
+        let mut planner = RealFftPlanner::<f64>::new();
+        let mut disc = Self {
+            board,
+            edges,
+            classes,
+            orders: Vec::new(),
+            clear: Vec::new(),
+            forward: planner.plan_fft_forward(edges),
+            inverse: planner.plan_fft_inverse(edges),
+        };
+        disc.clear = board.clear.get_or_init(|| disc.clearness()).clone();
+        // What is the same for all edges of a class has names of its own.
+        let own = |order: usize| {
+            order != 0 && (lines == 0 || !order.is_multiple_of(lines)) && 2 * order <= edges
+        };
+        disc.orders = (0..disc.clear.len())
+            .filter(|order| own(*order) && disc.clear[*order] > 0.0)
+            .collect();
+        Some(disc)
+    }
+
+    /// From edge to edge there and back is one number, not two.
+    fn weight(&self, order: usize) -> f64 {
+        if 2 * order == self.edges { 0.5 } else { 1.0 }
+    }
+
+    fn spectrum(&self, mut row: Vec<f64>) -> Vec<Complex<f64>> {
+        let mut output = self.forward.make_output_vec();
+        let _ = self.forward.process(&mut row, &mut output);
+        output
+    }
+
+    /// What orders of the pattern's own make of a row, each times a weight.
+    fn weighted(&self, row: &[f64], weight: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        let spectrum = self.spectrum(row.to_vec());
+        let mut kept = vec![Complex::new(0.0, 0.0); spectrum.len()];
+        for &m in &self.orders {
+            kept[m] = spectrum[m] * (weight(m) / self.edges as f64);
+        }
+        let mut output = self.inverse.make_output_vec();
+        let _ = self.inverse.process(&mut kept, &mut output);
+        output
+    }
+
+    /// Without the orders that are not the pattern's.
+    fn own(&self, row: &[f64]) -> Vec<f64> {
+        self.weighted(row, &|_| 1.0)
+    }
+
+    /// Errors of the edges as rows of the recordings, white.
+    fn rows(&self, errors: &[f64]) -> Vec<Vec<f64>> {
+        let benches = self.board.benches.iter();
+        benches
+            .map(|bench| {
                 let seen = &bench.seen;
-                let mut row: Vec<f64> = (0..seen.len())
-                    .map(|at| if seen.edge(at) == one { 1.0 } else { 0.0 })
-                    .collect();
-                row = bench.whitened(row);
-                bench.cut(&mut row, parts);
-                bench.transposed(&mut row);
-                for (at, value) in row.iter().enumerate() {
-                    answer[(seen.edge(at) + edges - one) % edges] += value;
-                }
-            }
-            for (sum, value) in clear.iter_mut().zip(spectrum(answer)) {
-                *sum += value.re / (tried.len() * classes) as f64;
+                let error = |at| {
+                    if shows(bench, at) {
+                        errors[seen.edge(at)]
+                    } else {
+                        0.0
+                    }
+                };
+                bench.whitened((0..seen.len()).map(error).collect())
+            })
+            .collect()
+    }
+
+    /// Zero outside of some parts.
+    fn keep(&self, rows: &mut [Vec<f64>], kept: &dyn Fn(usize) -> bool) {
+        for (bench, row) in self.board.benches.iter().zip(rows) {
+            for part in (0..PARTS).filter(|part| !kept(*part)) {
+                row[bench.part(part)].fill(0.0);
             }
         }
     }
-    clear
+
+    /// How strongly rows pull at every edge.
+    fn folded(&self, rows: Vec<Vec<f64>>) -> Vec<f64> {
+        let mut pull = vec![0.0; self.edges];
+        for (bench, mut row) in self.board.benches.iter().zip(rows) {
+            bench.transposed(&mut row);
+            for (at, value) in row.iter().enumerate().filter(|(at, _)| shows(bench, *at)) {
+                pull[bench.seen.edge(at)] += value;
+            }
+        }
+        pull
+    }
+
+    /// Variance of each order: that of the white pattern, and as found where an order stands far out of it, as low orders do.
+    fn prior(&self, pulled: &[Complex<f64>], s2: f64) -> Vec<f64> {
+        const FAR: f64 = 12.0;
+        let each = pulled.iter().zip(&self.clear);
+        each.map(|(pulled, clear)| {
+            let z2 = pulled.norm_sqr() / (self.edges as f64 * clear);
+            if *clear > 0.0 && z2 > FAR * (1.0 + s2 * clear) {
+                z2 / clear
+            } else {
+                s2
+            }
+        })
+        .collect()
+    }
+
+    /// The errors that solve (A + 1/s^2) e = pull, with A of some parts alone and the variance s^2 of each order.
+    fn solved(&self, pulled: Vec<f64>, prior: &[f64], kept: &dyn Fn(usize) -> bool) -> Vec<f64> {
+        let share = (0..PARTS).filter(|part| kept(*part)).count() as f64 / PARTS as f64;
+        let weight = |m: usize| (share * self.clear[m] + 1.0 / prior[m]).recip();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut errors = vec![0.0; self.edges];
+        let mut left = pulled;
+        let mut nearer = self.weighted(&left, &weight);
+        let mut way = nearer.clone();
+        let mut size = dot(&left, &nearer);
+        for _ in 0..STEPS {
+            if size < NEAR {
+                break;
+            }
+            let mut rows = self.rows(&way);
+            self.keep(&mut rows, kept);
+            let mut answer = self.own(&self.folded(rows));
+            let own = self.weighted(&way, &|m| 1.0 / prior[m]);
+            for (answer, own) in answer.iter_mut().zip(own) {
+                *answer += own;
+            }
+            let far = size / dot(&way, &answer);
+            for at in 0..self.edges {
+                errors[at] += far * way[at];
+                left[at] -= far * answer[at];
+            }
+            nearer = self.weighted(&left, &weight);
+            let now = dot(&left, &nearer);
+            let turn = now / size;
+            size = now;
+            for (way, nearer) in way.iter_mut().zip(&nearer) {
+                *way = nearer + turn * *way;
+            }
+        }
+        errors
+    }
+
+    /// How clearly each order shows: the answer of the pull to one edge of each kind, over the orders.
+    fn clearness(&self) -> Vec<f64> {
+        let mut clear = vec![0.0; self.edges / 2 + 1];
+        let tried = [self.edges / 3, self.edges / 3 + self.edges / 2];
+        for start in tried {
+            for class in 0..self.classes {
+                let one = (start / self.classes * self.classes + class) % self.edges;
+                let mut alone = vec![0.0; self.edges];
+                alone[one] = 1.0;
+                let mut answer = self.folded(self.rows(&alone));
+                answer.rotate_left(one);
+                for (sum, value) in clear.iter_mut().zip(self.spectrum(answer)) {
+                    *sum += value.re / (tried.len() * self.classes) as f64;
+                }
+            }
+        }
+        // Few edges were tried; how clearly edges show in the mean is known exactly.
+        let mut mean = 0.0;
+        for bench in &self.board.benches {
+            let each = bench.whitener().precisions().into_iter().enumerate();
+            mean += each
+                .filter(|(at, _)| shows(bench, *at))
+                .map(|(_, precision)| precision)
+                .sum::<f64>()
+                / self.edges as f64;
+        }
+        let tried_mean = clear.iter().sum::<f64>() / clear.len() as f64;
+        if tried_mean > 0.0 {
+            clear
+                .iter_mut()
+                .for_each(|clear| *clear *= mean / tried_mean);
+        }
+        clear
+    }
+}
+
+/// Whether an edge counts: near a standstill few edges would outweigh all others, and the shaft's own way there is rough.
+fn shows(bench: &Bench, at: usize) -> bool {
+    const SLOW: f64 = 0.2;
+    bench.seen.speeds[at].abs() >= SLOW * bench.mean_speed
 }

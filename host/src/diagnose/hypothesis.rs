@@ -2,7 +2,7 @@
 
 use super::basis::{Basis, channels};
 use super::board::{Board, Column};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Rhythm};
 
 /// What may be missing in the twin.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,19 @@ impl Hypothesis {
             mechanism,
             bases: vec![basis],
         }
+    }
+
+    /// Of one pattern, by the name that this has.
+    #[must_use]
+    pub fn by(basis: Basis) -> Self {
+        Self::of(basis.mechanism(), basis)
+    }
+
+    /// Of patterns together, by the name of the first; none of none.
+    #[must_use]
+    pub fn by_all(bases: Vec<Basis>) -> Option<Self> {
+        let mechanism = bases.first()?.mechanism();
+        Some(Self { mechanism, bases })
     }
 
     /// Its columns in all recordings.
@@ -90,91 +103,27 @@ fn searched(basis: Basis) -> usize {
         }
         Basis::TorqueTone { .. } | Basis::LevelTone { .. } | Basis::Stribeck { .. } => 1,
         Basis::LevelDrift { .. } | Basis::Bump { .. } | Basis::Load { .. } => 2,
-        Basis::Task { .. } => 3,
         _ => 0,
     }
 }
 
-/// What is the same for all edges of a class: widths, shifts and delays.
+/// What is tried whatever the residual shows.
 #[must_use]
-pub fn of_classes(classes: i64) -> Vec<Hypothesis> {
-    let channels = channels(classes);
-    let mut all = Vec::new();
-    if classes < 2 {
-        return all;
-    }
-    let each = |basis: &dyn Fn(usize) -> Basis, from: usize| (from..channels).map(basis).collect();
-    all.push(Hypothesis::of(
-        Mechanism::WidthError,
-        Basis::Width { channel: None },
-    ));
-    all.push(Hypothesis::of(
-        Mechanism::EdgeDelay,
-        Basis::RiseLate { channel: None },
-    ));
-    if channels > 1 {
-        all.push(Hypothesis {
-            mechanism: Mechanism::WidthError,
-            bases: each(&|c| Basis::Width { channel: Some(c) }, 0),
-        });
-        all.push(Hypothesis {
-            mechanism: Mechanism::EdgeDelay,
-            bases: each(&|c| Basis::RiseLate { channel: Some(c) }, 0),
-        });
-        all.push(Hypothesis {
-            mechanism: Mechanism::QuadratureError,
-            bases: each(&|c| Basis::Shift { channel: c }, 1),
-        });
-        all.push(Hypothesis {
-            mechanism: Mechanism::ChannelSkew,
-            bases: each(&|c| Basis::Late { channel: c }, 1),
-        });
-    }
-    all
+pub fn whatever_shows(board: &Board) -> Vec<Hypothesis> {
+    let all = Mechanism::ALL.into_iter();
+    all.flat_map(|mechanism| (mechanism.card().handling.proposed)(board))
+        .collect()
 }
 
-/// What may make a rhythm of all edges alike, at so many cycles a turn and Hz; each known to within `within` cycles a turn.
+/// What may make a rhythm of all edges alike.
 #[must_use]
-pub fn of_rhythm(order: f64, f_hz: f64, within: f64) -> Vec<Hypothesis> {
-    let mut all = Vec::new();
-    let whole = order.round();
-    if whole > 0.0 && (order - whole).abs() < within {
-        let geometry = if whole == 1.0 {
-            Mechanism::Eccentricity
-        } else if whole == 2.0 {
-            Mechanism::DiscTilt
-        } else {
-            Mechanism::LineError
-        };
-        all.push(Hypothesis::of(geometry, Basis::Round { order: whole }));
-        all.push(Hypothesis::of(
-            Mechanism::TorqueRipple,
-            Basis::TorqueOrder { order: whole },
-        ));
-    }
-    if whole > 0.0 && (order - whole).abs() < 0.3 * within {
-        all.push(Hypothesis::of(
-            Mechanism::TorqueTone,
-            Basis::TorqueTone { f_hz },
-        ));
-        return all;
-    }
-    // A hair off a whole number, so that it is known as searched for.
-    let order = if order.fract() == 0.0 {
-        order + 1e-9
-    } else {
-        order
-    };
-    all.push(Hypothesis::of(Mechanism::Bearing, Basis::Round { order }));
-    all.push(Hypothesis::of(
-        Mechanism::GearMesh,
-        Basis::TorqueOrder { order },
-    ));
-    all.push(Hypothesis::of(
-        Mechanism::TorqueTone,
-        Basis::TorqueTone { f_hz },
-    ));
-    all
+pub fn of_rhythm(rhythm: Rhythm) -> Vec<Hypothesis> {
+    let all = Mechanism::ALL.into_iter();
+    all.filter_map(|mechanism| {
+        let basis = (mechanism.card().handling.of_rhythm)(rhythm)?;
+        Some(Hypothesis::of(mechanism, basis))
+    })
+    .collect()
 }
 
 /// The same where the disc's pattern is not known either: what could be of the disc is fitted beside it.
@@ -184,20 +133,9 @@ pub fn with_disc(mut hypothesis: Hypothesis, board: &Board) -> Hypothesis {
         return hypothesis;
     };
     let channels = channels(first.seen.classes);
-    match hypothesis.bases.first() {
-        Some(Basis::TorqueOrder { order }) if order.fract() == 0.0 => {
-            let round = Basis::Round { order: *order };
-            hypothesis.bases.push(round);
-        }
-        Some(Basis::RiseLate { .. } | Basis::Late { .. }) => {
-            hypothesis
-                .bases
-                .extend((0..channels).map(|c| Basis::Width { channel: Some(c) }));
-            hypothesis
-                .bases
-                .extend((1..channels).map(|c| Basis::Shift { channel: c }));
-        }
-        _ => {}
+    if let Some(first) = hypothesis.bases.first().copied() {
+        let beside = hypothesis.mechanism.card().handling.beside;
+        hypothesis.bases.extend(beside(first, channels));
     }
     hypothesis
 }

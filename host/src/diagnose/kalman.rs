@@ -122,8 +122,13 @@ impl Whitener {
     /// Whitens a row of angles, one an edge, in place: what comes out has unit variance if it is this noise; edges that only set
     /// the filter come out as zero.
     pub fn whiten(&self, angles: &mut [f64]) {
+        self.whiten_from(0, angles);
+    }
+
+    /// Whitens a row of angles that begins at an edge, nothing before, in place.
+    pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
         let [mut y, mut v, mut m] = [0.0; 3];
-        for (angle, step) in angles.iter_mut().zip(&self.steps) {
+        for (angle, step) in angles.iter_mut().zip(&self.steps[first..]) {
             let [a, b, c, d] = step.turn;
             (y, v) = (a * y + b * v + step.after_s * m, c * y + d * v);
             if step.fresh {

@@ -29,6 +29,8 @@ pub struct Fault {
     pub ticks: u64,
     /// Edges missing from the recording, or rows too many.
     pub edges: u32,
+    /// Edges of the recording before the first one lost, lost ones included; none where they were not counted.
+    pub number: Option<u64>,
     /// Channel of it.
     pub channel: usize,
     /// Whether the count may be wrong after it.

@@ -1,11 +1,12 @@
 //! A twin with a finding in it: it can be simulated, and should then explain the recording.
 
-use super::basis::{Basis, change_of};
+use super::basis::{Basis, change_of, channels};
+use super::board::Board;
+use super::disc::Pattern;
 use super::estimate::Estimate;
-use crate::twin::{
-    Bearing, Channel, ChannelSkew, EdgeDelay, Flank, Harmonic, Hysteresis, LoadStep, LocalDefect,
-    Ripple, SpeedDrift, ThresholdDrift, ThresholdRipple, TorqueTone, Twin,
-};
+use super::run::Recorded;
+use crate::mechanism::Mechanism;
+use crate::twin::{Channel, Errors, Twin};
 
 /// A twin being mended, and what its disc lacks: errors of each edge, rad.
 #[derive(Clone, Debug)]
@@ -21,18 +22,26 @@ pub struct Mended {
 }
 
 /// Whether a finding goes into the list of a disc's errors, edge by edge.
-#[must_use]
-pub fn listed(basis: Basis) -> bool {
-    match basis {
-        Basis::Round { order } => order.fract() == 0.0 && order > 2.0,
-        Basis::Width { .. } | Basis::Shift { .. } => true,
-        _ => false,
-    }
+fn is_listed(basis: Basis) -> bool {
+    matches!(
+        basis.mechanism(),
+        Mechanism::LineError | Mechanism::WidthError | Mechanism::QuadratureError
+    )
 }
 
 /// Channel of a number.
-fn channel(number: usize) -> Channel {
+#[must_use]
+pub fn channel(number: usize) -> Channel {
     [Channel::A, Channel::B, Channel::C][number.min(2)]
+}
+
+/// Amplitude and phase with which sin(x + phase) makes sizes of cos and sin.
+#[must_use]
+pub fn wave(sizes: &[f64]) -> (f64, f64) {
+    match sizes {
+        [cos, sin] => (cos.hypot(*sin), cos.atan2(*sin)),
+        _ => (sizes[0], 0.0),
+    }
 }
 
 impl Mended {
@@ -55,163 +64,34 @@ impl Mended {
         }
     }
 
-    fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {
-        let twin = &mut self.twin;
-        let amplitude = if sizes.len() == 2 {
-            sizes[0].hypot(sizes[1])
-        } else {
-            sizes[0]
-        };
-        let phase_rad = if sizes.len() == 2 {
-            sizes[0].atan2(sizes[1])
-        } else {
-            0.0
-        };
-        let torque = |order: f64| Ripple {
-            order,
-            phase_rad,
-            torque_n_m: Some(amplitude),
-            speed_fraction: None,
-        };
-        match basis {
-            Basis::Round { order } if order.fract() == 0.0 => {
-                let harmonic = |old: Option<Harmonic>| {
-                    // amplitude sin(order theta - phase)
-                    let (s, c) = old.map_or((0.0, 0.0), |h| {
-                        (
-                            h.amplitude_rad * h.phase_rad.cos(),
-                            -h.amplitude_rad * h.phase_rad.sin(),
-                        )
-                    });
-                    let (s, c) = (s + sizes[1], c + sizes[0]);
-                    Some(Harmonic {
-                        amplitude_rad: s.hypot(c),
-                        phase_rad: (-c).atan2(s),
-                    })
-                };
-                let listed = twin.errors.csv.is_some()
-                    || !twin.errors.list_rad.is_empty()
-                    || !self.errors_rad.is_empty();
-                match order {
-                    1.0 if !listed => twin.errors.eccentricity = harmonic(twin.errors.eccentricity),
-                    2.0 if !listed => twin.errors.tilt = harmonic(twin.errors.tilt),
-                    _ => self.add_disc(|theta, _, _| {
-                        let (sin, cos) = (order * theta).sin_cos();
-                        sizes[0] * cos + sizes[1] * sin
-                    }),
-                }
-            }
-            Basis::Round { order } => twin.bearing.push(Bearing {
-                order,
-                phase_rad,
-                torque_n_m: None,
-                speed_fraction: None,
-                runout_rad: Some(amplitude),
-            }),
-            Basis::TorqueOrder { order } if order.fract() == 0.0 => twin.ripple.push(torque(order)),
-            Basis::TorqueOrder { order } => twin.gear_mesh.push(torque(order)),
-            Basis::TorqueTone { f_hz } => twin.torque_tone.push(TorqueTone {
-                f_hz,
-                phase_rad,
-                torque_n_m: Some(amplitude),
-                speed_fraction: None,
-            }),
-            Basis::LevelTone { f_hz, channel: c } => {
-                twin.threshold_ripple = Some(ThresholdRipple {
-                    f_hz,
-                    phase_rad,
-                    angle_rad: amplitude,
-                    channel: c.map(channel),
-                });
-            }
-            Basis::LevelDrift { from_s, tau_s } => {
-                twin.threshold_drift = Some(ThresholdDrift {
-                    angle_rad: amplitude,
-                    tau_s,
-                    from_s: from_s.max(0.0),
-                    channel: None,
-                });
-            }
-            Basis::Width { channel: c } => self.add_disc(|_, channel, rises| {
-                if !rises && c.is_none_or(|c| c == channel) {
-                    sizes[0]
-                } else {
-                    0.0
-                }
-            }),
-            Basis::Shift { channel: c } => {
-                self.add_disc(|_, channel, _| if c == channel { sizes[0] } else { 0.0 });
-            }
-            Basis::RiseLate { channel: c } => {
-                let mut delay: EdgeDelay = twin.edge_delay.unwrap_or_default();
-                for (number, one) in [&mut delay.a, &mut delay.b, &mut delay.c]
-                    .into_iter()
-                    .enumerate()
-                {
-                    if c.is_some_and(|c| c != number) {
-                        continue;
-                    }
-                    // Only the difference shows: no delay is negative.
-                    let difference = one.rise_s - one.fall_s + sizes[0];
-                    one.rise_s = difference.max(0.0);
-                    one.fall_s = (-difference).max(0.0);
-                }
-                twin.edge_delay = Some(delay);
-            }
-            Basis::Late { channel: c } => {
-                let mut skew: ChannelSkew = twin.channel_skew.unwrap_or_default();
-                let mut all = [skew.a_s, skew.b_s, skew.c_s];
-                all[c.min(2)] += sizes[0];
-                let least = all.into_iter().fold(0.0, f64::min);
-                [skew.a_s, skew.b_s, skew.c_s] = all.map(|late| late - least);
-                twin.channel_skew = Some(skew);
-            }
-            Basis::Bump {
-                angle_rad,
-                width_rad,
-                channel: c,
-                rises,
-            } => twin.local_defect.push(LocalDefect {
-                angle_rad: angle_rad.rem_euclid(std::f64::consts::TAU),
-                width_rad,
-                error_rad: sizes[0],
-                channel: c.map(channel),
-                edge: rises.map(|rises| if rises { Flank::Rise } else { Flank::Fall }),
-            }),
-            Basis::Load { from_s, until_s } => twin.load_step.push(LoadStep {
-                torque_n_m: sizes[0],
-                from_s: from_s.max(0.0),
-                until_s: until_s.is_finite().then_some(until_s),
-            }),
-            Basis::Drift => {
-                twin.speed_drift = Some(SpeedDrift {
-                    fraction_per_s: Some(sizes[0]),
-                    fraction: None,
-                    tau_s: None,
-                });
-            }
-            Basis::Coulomb => twin.shaft.coulomb_n_m = (twin.shaft.coulomb_n_m + sizes[0]).max(0.0),
-            Basis::Viscous => {
-                twin.shaft.viscous_n_m_s = (twin.shaft.viscous_n_m_s + sizes[0]).max(0.0);
-            }
-            Basis::Drag => twin.shaft.drag_n_m_s2 = (twin.shaft.drag_n_m_s2 + sizes[0]).max(0.0),
-            Basis::Stribeck { rad_s } => {
-                twin.shaft.stribeck_n_m = (twin.shaft.stribeck_n_m + sizes[0]).max(0.0);
-                twin.shaft.stribeck_rad_s = rad_s;
-            }
-            Basis::Direction => {
-                let old = twin.hysteresis.map_or(0.0, |h| h.angle_rad);
-                twin.hysteresis = Some(Hysteresis {
-                    angle_rad: (old + sizes[0]).max(0.0),
-                    channel: None,
-                });
-            }
-            Basis::Task { .. } | Basis::Lagged { .. } => {}
-        }
+    /// Channels that its encoder has.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        channels(i64::from(self.twin.encoder.edges_per_line()))
     }
 
-    /// Adds errors of the disc by angle, channel and kind of edge.
-    fn add_disc(&mut self, error: impl Fn(f64, usize, bool) -> f64) {
+    /// Puts what the disc lacks into the twin, on top of the errors that it had; the whole list, where there is one.
+    pub fn list(&mut self, known: &[f64]) -> Option<Vec<f64>> {
+        if self.errors_rad.is_empty() {
+            return None;
+        }
+        let pairs = known.iter().zip(&self.errors_rad);
+        let list: Vec<f64> = pairs.map(|(known, more)| known + more).collect();
+        // Of a wheel recorded with one edge of each tooth the other goes along.
+        let each = (self.twin.encoder.grid_edges() as usize / self.edges).max(1);
+        self.twin.errors = Errors {
+            list_rad: list.iter().flat_map(|e| vec![*e; each]).collect(),
+            ..Errors::default()
+        };
+        Some(list)
+    }
+
+    fn add_basis(&mut self, basis: Basis, sizes: &[f64]) {
+        (basis.mechanism().card().handling.mends)(self, basis, sizes);
+    }
+
+    /// Adds errors of the disc by angle, channel and whether the edge rises.
+    pub fn add_disc(&mut self, error: impl Fn(f64, usize, bool) -> f64) {
         let (edges, classes) = (self.edges, self.classes);
         let mut all = std::mem::take(&mut self.errors_rad);
         all.resize(edges, 0.0);
@@ -224,3 +104,48 @@ impl Mended {
         self.errors_rad = all;
     }
 }
+
+/// The twins of a rig with a pattern of the disc and estimates in them, and the lists of errors where the disc needs one; `given` is
+/// the recordings against the twins as they are.
+#[must_use]
+pub fn twins(
+    rig: &[Recorded],
+    given: &Board,
+    pattern: Option<&Pattern>,
+    numbers: &[Estimate],
+) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
+    let each = rig.iter().enumerate().map(|(number, one)| {
+        let edges = one.track.edges as usize;
+        let mut bases = numbers.iter().flat_map(|n| &n.hypothesis.bases);
+        let errors_rad = match pattern {
+            Some(pattern) => pattern.errors_rad.clone(),
+            None if bases.any(|basis| is_listed(*basis)) => vec![0.0; edges],
+            None => Vec::new(),
+        };
+        let mut mended = Mended {
+            twin: one.twin.clone(),
+            errors_rad,
+            edges,
+            classes: one.track.classes as usize,
+        };
+        for estimate in numbers {
+            mended.add(estimate, number, rig.len());
+        }
+        let list = mended.list(&given.benches[number].seen.errors);
+        (mended.twin, list)
+    });
+    each.unzip()
+}
+
+/// The recordings with other twins.
+#[must_use]
+pub fn with_twins(rig: &[Recorded], twins: &[Twin]) -> Vec<Recorded> {
+    let each = rig.iter().zip(twins).map(|(one, twin)| Recorded {
+        twin: twin.clone(),
+        ..one.clone()
+    });
+    each.collect()
+}
+
+#[cfg(test)]
+mod tests;

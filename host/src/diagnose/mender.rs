@@ -30,6 +30,8 @@ pub(super) struct Mender {
     pub widths: Vec<f64>,
     pub kept: Vec<Kept>,
     pub faults: Vec<Fault>,
+    /// Edges that were lost and put in.
+    pub lost: u64,
     /// Levels to be taken out again: from row, to row, bit.
     pub flips: Vec<(usize, usize, u8)>,
     /// Rows to be left out.
@@ -64,6 +66,7 @@ impl Mender {
             edges,
             widths,
             faults: Vec::new(),
+            lost: 0,
             flips: Vec::new(),
             dropped: Vec::new(),
             untimed: Vec::new(),
@@ -127,6 +130,8 @@ impl Mender {
                 kind: FaultKind::Lost,
                 ticks: last.ticks + (after - last.ticks) / 2,
                 edges: 1,
+                // The row is the index's, near enough at this edge's own time.
+                number: Some(before as u64 + self.lost),
                 channel: self.code.channel(last.state, next.way),
                 doubtful: false,
             });
@@ -195,6 +200,7 @@ impl Mender {
                 kind: FaultKind::Extra,
                 ticks: self.edges[from].ticks,
                 edges: 2,
+                number: None,
                 channel: bit.trailing_zeros() as usize,
                 doubtful: false,
             });
@@ -225,9 +231,11 @@ impl Mender {
             kind: FaultKind::Lost,
             ticks: last.ticks + each as u64,
             edges: u32::try_from(edges - 1).unwrap_or(0),
+            number: Some(self.kept.len() as u64 + self.lost),
             channel: self.code.channel(last.state, next.way),
             doubtful,
         });
+        self.lost += u64::try_from(edges - 1).unwrap_or(0);
     }
 
     /// Levels that can't be, where nothing tells how they came about: the shorter way, else on as before.
@@ -239,6 +247,7 @@ impl Mender {
                 kind: FaultKind::Extra,
                 ticks: edge.ticks,
                 edges: 1,
+                number: None,
                 channel: 0,
                 doubtful: true,
             });

@@ -8,7 +8,6 @@ use super::board::{Board, Model};
 use super::hypothesis::Hypothesis;
 use super::search::{BEYOND, Found};
 use super::weigh::{Shelf, weigh};
-use crate::mechanism::Mechanism;
 
 /// Share of what a pair explains that goes with either of the two; where one does nearly all of it, they are no pair.
 const NEEDED: f64 = 0.3;
@@ -59,27 +58,23 @@ fn pairs(classes: i64) -> Vec<[Hypothesis; 2]> {
         return Vec::new();
     }
     let channels = channels(classes);
-    let each = |mechanism, basis: &dyn Fn(usize) -> Basis, from: usize| Hypothesis {
-        mechanism,
-        bases: (from..channels).map(basis).collect(),
+    let of = |delays: Vec<Basis>, discs: Vec<Basis>| {
+        Some([Hypothesis::by_all(delays)?, Hypothesis::by_all(discs)?])
     };
-    let mut all = vec![[
-        Hypothesis::of(Mechanism::EdgeDelay, Basis::RiseLate { channel: None }),
-        Hypothesis::of(Mechanism::WidthError, Basis::Width { channel: None }),
-    ]];
+    let each = |basis: &dyn Fn(usize) -> Basis, from: usize| (from..channels).map(basis).collect();
+    let mut all = vec![of(
+        vec![Basis::RiseLate { channel: None }],
+        vec![Basis::Width { channel: None }],
+    )];
     if channels > 1 {
-        let late = |c| Basis::RiseLate { channel: Some(c) };
-        let width = |c| Basis::Width { channel: Some(c) };
-        all.push([
-            each(Mechanism::EdgeDelay, &late, 0),
-            each(Mechanism::WidthError, &width, 0),
-        ]);
-        let late = |channel| Basis::Late { channel };
-        let shift = |channel| Basis::Shift { channel };
-        all.push([
-            each(Mechanism::ChannelSkew, &late, 1),
-            each(Mechanism::QuadratureError, &shift, 1),
-        ]);
+        all.push(of(
+            each(&|c| Basis::RiseLate { channel: Some(c) }, 0),
+            each(&|c| Basis::Width { channel: Some(c) }, 0),
+        ));
+        all.push(of(
+            each(&|channel| Basis::Late { channel }, 1),
+            each(&|channel| Basis::Shift { channel }, 1),
+        ));
     }
-    all
+    all.into_iter().flatten().collect()
 }

@@ -158,7 +158,7 @@ type Coordinate<'a> = Box<dyn Fn(usize) -> f64 + 'a>;
 fn coordinate<'a>(bench: &'a Bench, finding: &Finding, basis: Basis) -> (String, Coordinate<'a>) {
     let seen = &bench.seen;
     match basis {
-        Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. } | Basis::Task { f_hz, .. } => (
+        Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. } => (
             format!("phase at {f_hz:.4} Hz, degrees"),
             Box::new(move |at| 360.0 * (seen.times_s[at] * f_hz).rem_euclid(1.0)),
         ),

@@ -5,6 +5,7 @@ use super::kalman::ShaftNoise;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
 use super::shaft::ShaftLaw;
+use super::ties;
 use crate::twin::{Drive, Noise, Twin, TwinError};
 
 /// Edges that a recording needs, and turns.
@@ -23,6 +24,7 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
     Ok(Board {
         benches: benches?,
         tied,
+        clear: std::sync::OnceLock::new(),
     })
 }
 
@@ -38,7 +40,11 @@ pub fn seen(one: &Recorded) -> Result<Seen, TwinError> {
     Seen::of(&track, one.plan, &one.twin)
 }
 
-fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
+/// One recording with the noise that its twin declares, else one found.
+///
+/// # Errors
+/// As [`board`].
+pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let turns = one.track.turns();
     let edges: usize = one.track.stretches.iter().map(|s| s.marks.len()).sum();
     if edges < EDGES_LEAST || turns < TURNS_LEAST {
@@ -78,6 +84,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         Drive::Constant { .. } | Drive::SpeedLoop { .. }
     );
     let mut bench = Bench::new(seen, law, declared, least_stamp_s, free_speed);
+    ties::decide(&mut bench);
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
         .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))

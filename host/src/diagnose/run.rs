@@ -5,14 +5,16 @@ use thiserror::Error;
 use super::beside::{of_events, of_motion, of_noise, of_pushes};
 use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
-use super::diagnosis::{Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
+use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
 use super::motion::{closed_loop, stick_slip};
+use super::next;
 use super::noise::{NoiseFinding, noise_findings};
 use super::prepare;
 use super::search::{Searched, search};
 use super::settle::settle;
 use super::shown::Shown;
 use super::tell::{self, tell};
+use super::torques::in_torques;
 use super::track::Track;
 use crate::mechanism::Mechanism;
 use crate::sensor::SensorPlan;
@@ -86,14 +88,17 @@ pub fn diagnose(
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Diagnosed, DiagnoseError> {
     progress(0.05, "Simulating");
-    let mut found = of_events(rig);
-    // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
-    if let Some(motion) = stick_slip::recognised(rig) {
-        found.push(of_motion(&motion));
-        return Ok(alone(rig, motion.twins, found));
-    }
-    found.extend(of_pushes(rig));
     let mut rig: Vec<Recorded> = rig.to_vec();
+    for one in &mut rig {
+        one.twin = in_torques(&one.twin);
+    }
+    let mut found = of_events(&rig);
+    // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
+    if let Some(motion) = stick_slip::recognised(&rig) {
+        found.push(of_motion(&motion));
+        return Ok(alone(&rig, motion.twins, found));
+    }
+    found.extend(of_pushes(&rig));
     let mut board = prepare::board(&rig)?;
     if let Some(motion) = closed_loop::recognised(&rig, &board) {
         found.push(of_motion(&motion));
@@ -110,8 +115,10 @@ pub fn diagnose(
     found.extend(noise(&rig, &given, &board, &searched, &mut concluded));
     progress(0.8, "Simulating what was found");
     let settled = settle(&rig, &given, board, searched, concluded)?;
+    progress(0.9, "Simulating what to record next");
+    let next = next::recordings(&rig, &settled);
     progress(0.95, "Judging");
-    let diagnosed = tell(&rig, &settled, found);
+    let diagnosed = tell(&rig, &settled, &next, found);
     progress(1.0, "Done");
     Ok(diagnosed)
 }
@@ -179,6 +186,8 @@ fn alone(rig: &[Recorded], twins: Vec<Twin>, findings: Vec<Finding>) -> Diagnose
         rms_before_rad: 0.0,
         rms_after_rad: 0.0,
         floor_rad: 0.0,
+        slow: Band::default(),
+        edge_to_edge: Band::default(),
         whiteness_p_before: 0.0,
         whiteness_p: 0.0,
         held_out: HeldOut {

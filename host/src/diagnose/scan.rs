@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::basis::{Basis, channels};
-use super::board::{Bench, Board, Model, PARTS};
+use super::board::{Bench, Board, Model};
 use super::hypothesis::Hypothesis;
 use crate::mechanism::Mechanism;
 
@@ -71,7 +71,7 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
     if edges < 24 || (board.benches.len() > 1 && !board.tied) {
         return Vec::new();
     }
-    let pull = pull(board, model, 0..PARTS);
+    let pull = pull(board, model);
     let step = TAU / edges as f64;
     let mut kinds: Vec<(Option<usize>, Option<bool>)> = vec![(None, None)];
     if classes > 1 {
@@ -131,9 +131,9 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
     best.into_iter().map(|(_, hypothesis)| hypothesis).collect()
 }
 
-/// How strongly what is left in some parts pulls at every edge of the disc: the gradient of the sum of squares.
+/// How strongly what is left pulls at every edge of the disc: the gradient of the sum of squares.
 #[must_use]
-pub fn pull(board: &Board, model: &Model, parts: std::ops::Range<usize>) -> Vec<f64> {
+pub fn pull(board: &Board, model: &Model) -> Vec<f64> {
     let edges = board
         .benches
         .first()
@@ -141,7 +141,6 @@ pub fn pull(board: &Board, model: &Model, parts: std::ops::Range<usize>) -> Vec<
     let mut pull = vec![0.0; edges];
     for (bench, left) in board.benches.iter().zip(&model.left) {
         let mut back = left.clone();
-        bench.cut(&mut back, &parts);
         bench.transposed(&mut back);
         for (at, value) in back.iter().enumerate() {
             pull[bench.seen.edge(at)] += value;

@@ -46,12 +46,14 @@ pub struct Searched {
     pub nuisances: usize,
     /// Strongest rhythm left, over what noise reaches.
     pub left: f64,
+    /// Score of a pattern of the disc that is there for a while only; 0 where there is none.
+    pub passing: f64,
 }
 
 /// Searches; the noise of the board is set to what is found.
 #[must_use]
 pub fn search(board: &mut Board) -> Option<Searched> {
-    let mut searched = once(board)?;
+    let mut searched = once(board, false)?;
     for _ in 1..ROUNDS {
         let explained = searched.explained(board);
         if !board.refit_noise(&explained) {
@@ -59,7 +61,7 @@ pub fn search(board: &mut Board) -> Option<Searched> {
         }
         // The pattern that was taken off stays off.
         let pattern = searched.pattern.take();
-        searched = once(board)?;
+        searched = once(board, pattern.is_some())?;
         searched.pattern = merged(pattern, searched.pattern.take());
     }
     Some(searched)
@@ -78,7 +80,8 @@ fn merged(first: Option<Pattern>, second: Option<Pattern>) -> Option<Pattern> {
     }
 }
 
-fn once(board: &mut Board) -> Option<Searched> {
+/// Looks once, with the noise as it is; `learned` says that a pattern of the disc was learned from these recordings before.
+fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     let nuisances = board.nuisances();
     let mut found: Vec<Found> = Vec::new();
     let mut pattern: Option<Pattern> = None;
@@ -86,11 +89,12 @@ fn once(board: &mut Board) -> Option<Searched> {
     let mut model = board.fit(nuisances.clone())?;
     let mut left = 0.0;
     let mut patterns = 0;
+    let mut passing = 0.0;
     while found.len() < MOST {
         let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
-        if pattern.is_some() {
-            proposed = proposed.into_iter().map(|h| with_disc(h, board)).collect();
+        if learned || pattern.is_some() {
+            proposed = beside_disc(board, &model, &mut shelf, proposed);
         }
         proposed.extend(loads(board, &model));
         proposed.extend(defects(board, &model));
@@ -111,6 +115,11 @@ fn once(board: &mut Board) -> Option<Searched> {
         };
         if let Some(whole) = whole.filter(|whole| whole.score > score.max(BEYOND)) {
             patterns += 1;
+            if passes(board, &model, &whole) {
+                passing = whole.score;
+                patterns = PATTERNS;
+                continue;
+            }
             let before = squares(&model);
             board.take_off(&whole.errors_rad);
             model = board.fit(columns(&nuisances, &found))?;
@@ -145,7 +154,18 @@ fn once(board: &mut Board) -> Option<Searched> {
         model,
         nuisances: nuisances.len(),
         left,
+        passing,
     })
+}
+
+/// Whether a pattern of the disc that is seen in one half hardly comes again in the other: it is none of the disc's.
+fn passes(board: &Board, model: &Model, pattern: &Pattern) -> bool {
+    const PART: f64 = 0.35;
+    let shares = disc::comes_again(board, &model.left, pattern.rms_rad);
+    !shares.is_empty()
+        && shares
+            .iter()
+            .all(|(share, error)| share + 3.0 * error < PART)
 }
 
 /// Sum of squares that is left.
@@ -184,7 +204,7 @@ fn best(
             one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64),
         );
         let again = kinds.iter().filter(|k| **k == kind).count();
-        if one.score < 0.3 * top || again >= 1 || closer.len() >= 6 {
+        if one.score < 0.5 * top || again >= 1 || closer.len() >= 6 {
             continue;
         }
         kinds.push(kind);
@@ -199,6 +219,29 @@ fn best(
         score: first.score,
         rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
     })
+}
+
+/// The same with what could be of the disc beside each; without those that the disc alone explains as well.
+fn beside_disc(
+    board: &Board,
+    model: &Model,
+    shelf: &mut Shelf,
+    proposed: Vec<Hypothesis>,
+) -> Vec<Hypothesis> {
+    let mut score = |hypothesis: Hypothesis| {
+        let columns = shelf.columns(board, &hypothesis);
+        weigh(board, model, hypothesis, columns).map(|weighed| weighed.score)
+    };
+    let each = proposed.into_iter().filter_map(|alone| {
+        let own = alone.bases.len();
+        let whole = with_disc(alone, board);
+        let Some(disc) = Hypothesis::by_all(whole.bases[own..].to_vec()) else {
+            return Some(whole);
+        };
+        let more = score(whole.clone())? - score(disc).unwrap_or(0.0).max(0.0);
+        (more > BEYOND).then_some(whole)
+    });
+    each.collect()
 }
 
 /// Whether it is a small part of a torque that the twin declares: how exactly that is known, and followed, is not this good.

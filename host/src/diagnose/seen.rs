@@ -9,6 +9,8 @@ use std::f64::consts::TAU;
 use super::kalman::Reading;
 use super::shaft::ShaftLaw;
 use super::still::Still;
+use super::swing::Torques;
+use super::ties::Tie;
 use super::track::Track;
 use crate::sensor::SensorPlan;
 use crate::twin::{Twin, TwinError};
@@ -22,7 +24,7 @@ pub struct Seen {
     pub classes: i64,
     /// By how much a place is ahead of the twin's number of its edge: Hall sensors are counted by the state that they come to.
     pub shift: i64,
-    /// Errors of the twin's disc, rad, for every edge of the grid.
+    /// Errors of the disc that are known, rad, for every edge of the grid: the twin's, and what was learned since.
     pub errors: Vec<f64>,
     /// Where each edge is on the grid, turns counted through.
     pub places: Vec<i64>,
@@ -36,6 +38,11 @@ pub struct Seen {
     pub readings: Vec<Reading>,
     /// Whether the shaft is pushed now and then by what the twin does not have (see [`super::pushed`]).
     pub pushed: bool,
+    /// Samples of a speed loop that may have seen an edge or not.
+    pub ties: Vec<Tie>,
+    /// The twin's torques, and the angles that they give, rad.
+    pub(super) torques: Torques,
+    pub(super) swings: Vec<f64>,
 }
 
 impl Seen {
@@ -54,47 +61,70 @@ impl Seen {
             ..Self::default()
         };
         seen.compare(track, twin, &still, &law);
-        if !track.anchored {
-            seen.align();
+        if track.anchored {
+            seen.take_off(twin, &law);
+        } else {
+            seen.align(twin, &law);
         }
         Ok(seen)
     }
 
-    /// Without an index the start says which edge is the first, give or take a line: the known errors fit best where they belong.
-    fn align(&mut self) {
+    /// Without an index the start says which edge is the first, give or take a line: what the twin knows of the turn fits best where
+    /// it belongs.
+    fn align(&mut self, twin: &Twin, law: &ShaftLaw) {
         const LINES: i64 = 3;
-        if self.errors.iter().all(|error| *error == 0.0) {
+        // Evidence that moves the start, as a difference of logarithms of likelihood.
+        const SURE: f64 = 15.0;
+        let moved = |lines: i64| {
+            let mut moved = self.clone();
+            moved.shift_by(lines * self.classes);
+            moved.take_off(twin, law);
+            moved
+        };
+        let here = moved(0);
+        let usual = here.roughness();
+        let turned = twin.ripple.len() + twin.gear_mesh.len() + twin.bearing.len() > 0;
+        if !turned && self.errors.iter().all(|error| *error == 0.0) {
+            *self = here;
             return;
         }
+        let others = (-LINES..=LINES).filter(|lines| *lines != 0).map(moved);
+        let best = others.min_by(|a, b| a.roughness().total_cmp(&b.roughness()));
+        *self = match best {
+            Some(best) if 0.5 * self.len() as f64 * (usual / best.roughness()).ln() > SURE => best,
+            _ => here,
+        };
+    }
+
+    /// Moves the count of edges against the disc.
+    fn shift_by(&mut self, edges: i64) {
         let error = |place: i64| {
             let edge = (place - self.shift).rem_euclid(self.edges);
             self.errors.get(edge as usize).copied().unwrap_or(0.0)
         };
-        let roughness = |lines: i64| -> f64 {
-            let moved = |at: usize| {
-                let place = self.places[at];
-                self.angles[at] + error(place) - error(place + lines * self.classes)
-            };
-            let steps = (1..self.len().min(20_000)).map(|at| moved(at) - moved(at - 1));
-            steps.map(|step| step * step).sum()
-        };
-        let each = (-LINES..=LINES).map(|lines| (lines, roughness(lines)));
-        let Some((lines, least)) = each.min_by(|a, b| a.1.total_cmp(&b.1)) else {
-            return;
-        };
-        if lines == 0 || least > 0.8 * roughness(0) {
-            return;
-        }
-        let shift = lines * self.classes;
         let moves: Vec<f64> = self
             .places
             .iter()
-            .map(|place| error(*place) - error(place + shift))
+            .map(|place| error(*place) - error(*place + edges))
             .collect();
         for ((angle, place), by) in self.angles.iter_mut().zip(&mut self.places).zip(moves) {
             *angle += by;
-            *place += shift;
+            *place += edges;
         }
+    }
+
+    /// Sum of squares by which edges are off the straight way between their neighbours: a speed that is off does not show.
+    fn roughness(&self) -> f64 {
+        let off = |at: usize| {
+            let (before, after) = (self.times_s[at - 1], self.times_s[at + 1]);
+            let share = (self.times_s[at] - before) / (after - before).max(f64::MIN_POSITIVE);
+            self.angles[at] - (1.0 - share) * self.angles[at - 1] - share * self.angles[at + 1]
+        };
+        let whole = (1..self.len().saturating_sub(1)).filter(|at| {
+            // Where it turns round or the count was lost, neighbours are none.
+            self.places[at + 1].abs_diff(self.places[at - 1]) == 2
+        });
+        whole.map(off).map(|off| off * off).sum()
     }
 
     /// Edges compared.

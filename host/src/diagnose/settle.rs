@@ -5,13 +5,13 @@ use super::board::{Board, Column, Model};
 use super::conclude::Conclusion;
 use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
-use super::judge;
+use super::judge::{self, HeldRatios, Judged};
 use super::leftover::leftovers;
-use super::mended::{Mended, listed};
+use super::mended;
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};
-use crate::twin::{Errors, Twin};
+use crate::twin::Twin;
 
 /// A conclusion with its numbers.
 #[derive(Debug)]
@@ -36,6 +36,8 @@ pub struct Settled {
     pub error_lists: Vec<Option<Vec<f64>>>,
     /// How well it fits.
     pub fit: Fit,
+    /// Each finding's part in it on the turns held out.
+    pub held: HeldRatios,
     class_names: &'static [&'static str],
 }
 
@@ -46,12 +48,14 @@ pub struct Settled {
 pub fn settle(
     rig: &[Recorded],
     given: &Board,
-    board: Board,
-    searched: Searched,
+    mut board: Board,
+    mut searched: Searched,
     concluded: Conclusion,
 ) -> Result<Settled, DiagnoseError> {
-    let mut searched = searched;
-    searched.pattern = searched.pattern.filter(|_| concluded.pattern);
+    if let Some(pattern) = searched.pattern.take_if(|_| !concluded.pattern) {
+        let back: Vec<f64> = pattern.errors_rad.iter().map(|error| -error).collect();
+        board.take_off(&back);
+    }
     let mut given = given.clone();
     for (bench, found) in given.benches.iter_mut().zip(&board.benches) {
         bench.set_noise(found.noise);
@@ -62,12 +66,13 @@ pub fn settle(
     let chosen = chosen(&board, &searched, &concluded);
     let mut numbers = estimates(&board, &chosen);
     let marks = marks(&board, &chosen);
-    let mended = |numbers: &[Estimate]| mended(rig, &given, &chosen, numbers);
+    let pattern = searched.pattern.as_ref();
+    let mended = |numbers: &[Estimate]| mended::twins(rig, &given, pattern, numbers);
     // Against the mended twins only small rests are left of the sizes.
     let mut again = board;
     if !numbers.is_empty() {
         for _ in 0..2 {
-            let rig = recorded(rig, &mended(&numbers).0);
+            let rig = mended::with_twins(rig, &mended(&numbers).0);
             let Ok(mut next) = prepare::board(&rig) else {
                 break;
             };
@@ -99,10 +104,15 @@ pub fn settle(
         .fit(again.nuisances())
         .unwrap_or_else(|| Model::none(&again));
     let whiteness = (leftovers(&given, &before).1, leftovers(&again, &after).1);
-    let fit = Fit {
-        rms_after_rad: judge::rms_rad(&again, &after),
-        ..judge::fit(&given, &before, &chosen, whiteness)
+    let judged = Judged {
+        given: &given,
+        before: &before,
+        again: &again,
+        after: &after,
+        chosen: &chosen,
+        nameless: &nameless(&searched, &concluded),
     };
+    let (fit, held) = judge::fit(&judged, whiteness);
     let class_names = rig
         .first()
         .map_or(&[][..], |one| one.plan.kind.class_names());
@@ -117,8 +127,20 @@ pub fn settle(
         twins,
         error_lists,
         fit,
+        held,
         class_names,
     })
+}
+
+/// Columns of what was found and has no name.
+fn nameless(searched: &Searched, concluded: &Conclusion) -> Vec<Column> {
+    if concluded.nameless.is_none() {
+        return Vec::new();
+    }
+    let named = |number: &usize| concluded.named.iter().any(|name| name.number == *number);
+    let found = searched.found.iter().enumerate();
+    let odd = found.filter(|(number, _)| !named(number));
+    odd.flat_map(|(_, found)| found.columns.clone()).collect()
 }
 
 /// What a finding makes of the recording that shows it best.
@@ -253,60 +275,4 @@ fn far(numbers: &[Estimate], rests: &[Vec<f64>]) -> f64 {
             .collect::<Vec<_>>()
     });
     each.fold(0.0, f64::max)
-}
-
-/// Twins with estimates in them, and the lists of errors where the disc needs one.
-fn mended(
-    rig: &[Recorded],
-    given: &Board,
-    searched: &Searched,
-    numbers: &[Estimate],
-) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
-    let (mut twins, mut lists) = (Vec::new(), Vec::new());
-    for (number, one) in rig.iter().enumerate() {
-        let edges = one.track.edges as usize;
-        let mut mended = Mended {
-            twin: one.twin.clone(),
-            errors_rad: Vec::new(),
-            edges,
-            classes: one.track.classes as usize,
-        };
-        let mut bases = numbers.iter().flat_map(|n| &n.hypothesis.bases);
-        if let Some(pattern) = &searched.pattern {
-            mended.errors_rad.clone_from(&pattern.errors_rad);
-        } else if bases.any(|basis| listed(*basis)) {
-            mended.errors_rad = vec![0.0; edges];
-        }
-        for estimate in numbers {
-            mended.add(estimate, number, rig.len());
-        }
-        let list = (!mended.errors_rad.is_empty()).then(|| {
-            let known = &given.benches[number].seen.errors;
-            let sum = known
-                .iter()
-                .zip(&mended.errors_rad)
-                .map(|(known, more)| known + more);
-            sum.collect::<Vec<f64>>()
-        });
-        if let Some(list) = &list {
-            // Of a wheel recorded with one edge of each tooth the other goes along.
-            let each = (one.twin.encoder.grid_edges() as usize / edges).max(1);
-            mended.twin.errors = Errors {
-                list_rad: list.iter().flat_map(|e| vec![*e; each]).collect(),
-                ..Errors::default()
-            };
-        }
-        twins.push(mended.twin);
-        lists.push(list);
-    }
-    (twins, lists)
-}
-
-/// The recordings with other twins.
-fn recorded(rig: &[Recorded], twins: &[Twin]) -> Vec<Recorded> {
-    let each = rig.iter().zip(twins).map(|(one, twin)| Recorded {
-        twin: twin.clone(),
-        ..one.clone()
-    });
-    each.collect()
 }

@@ -52,7 +52,8 @@ impl Still {
 }
 
 /// The simulator's index is high where A alone is, whatever the recording's is.
-fn simulators(plan: SensorPlan) -> SensorPlan {
+#[must_use]
+pub fn simulators(plan: SensorPlan) -> SensorPlan {
     let kind = match plan.kind {
         SensorKind::Quadrature {
             index_state: Some(_),

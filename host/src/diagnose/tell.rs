@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::basis::{Basis, Change, change_of};
-use super::beside::put_in;
+use super::beside::{put_in, put_lost};
 use super::board::Bench;
 use super::conclude::Name;
 use super::diagnosis::{
@@ -11,6 +10,7 @@ use super::diagnosis::{
     Verdict,
 };
 use super::named::parameters;
+use super::place::{place, text};
 use super::plots;
 use super::run::{Diagnosed, Recorded};
 use super::settle::Settled;
@@ -18,15 +18,30 @@ use crate::mechanism::Mechanism;
 
 const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
 
-/// Everything that comes of what was settled.
+/// Everything that comes of what was settled; `next` are the recordings to make, one for each finding with a name, and `beside`
+/// findings that are no pattern.
 #[must_use]
-pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagnosed {
+pub fn tell(
+    rig: &[Recorded],
+    settled: &Settled,
+    next: &[Option<NextRecording>],
+    beside: Vec<Finding>,
+) -> Diagnosed {
     let mut findings: Vec<Finding> = settled
         .concluded
         .named
         .iter()
         .zip(&settled.estimates)
-        .map(|(name, estimate)| finding(settled, name, parameters(estimate)))
+        .enumerate()
+        .map(|(number, (name, estimate))| Finding {
+            next_recording: next.get(number).cloned().flatten(),
+            ..finding(
+                settled,
+                name,
+                settled.held.named.get(number),
+                parameters(estimate),
+            )
+        })
         .collect();
     let numbers: Vec<Finding> = findings.clone();
     one_disc(&mut findings);
@@ -35,8 +50,9 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
     );
     findings.extend(unknown(settled));
     let mut twins = settled.twins.clone();
-    for twin in &mut twins {
+    for (twin, one) in twins.iter_mut().zip(rig) {
         put_in(twin, &beside);
+        put_lost(twin, &one.track);
     }
     findings.extend(beside);
     findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
@@ -51,7 +67,7 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
         })
         .collect();
     let verdict = verdict(&findings);
-    let next = findings
+    let first_next = findings
         .iter()
         .find_map(|finding| finding.next_recording.clone());
     Diagnosed {
@@ -63,7 +79,7 @@ pub fn tell(rig: &[Recorded], settled: &Settled, beside: Vec<Finding>) -> Diagno
             recordings: rig.iter().zip(&settled.given.benches).map(facts).collect(),
             fit: settled.fit,
             findings,
-            next_recording: next,
+            next_recording: first_next,
         },
         twins,
         error_lists: settled.error_lists.clone(),
@@ -112,33 +128,37 @@ pub fn summary(verdict: Verdict, findings: &[Finding]) -> String {
     }
 }
 
-fn finding(settled: &Settled, name: &Name, parameters: BTreeMap<String, Parameter>) -> Finding {
+fn finding(
+    settled: &Settled,
+    name: &Name,
+    held: Option<&Option<f64>>,
+    parameters: BTreeMap<String, Parameter>,
+) -> Finding {
     let mechanism = name.hypothesis.mechanism;
     let place = place(settled, name, &parameters);
     let mut look_alikes = name.alike.clone();
-    if mechanism == Mechanism::GearMesh && !look_alikes.contains(&Mechanism::Bearing) {
-        look_alikes.push(Mechanism::Bearing);
+    for told_by_rig in mechanism.card().told_by_rig {
+        if !look_alikes.contains(told_by_rig) {
+            look_alikes.push(*told_by_rig);
+        }
     }
     Finding {
         mechanism,
-        text: text(settled, name, &place),
+        text: text(name, &place),
         confidence: name.confidence,
         parameters,
         place,
         evidence: Evidence {
             delta_bic: name.score,
             p_value: p_value(settled, name.score),
-            held_out_rms_ratio: None,
+            held_out_rms_ratio: held.copied().flatten(),
             runner_up: name.runner_up.map(|(mechanism, delta_bic)| RunnerUp {
                 mechanism,
                 delta_bic,
             }),
         },
         look_alikes,
-        next_recording: (!name.alike.is_empty()).then(|| NextRecording {
-            text: mechanism.separated_by().to_owned(),
-            expected_delta_bic: None,
-        }),
+        next_recording: None,
     }
 }
 
@@ -178,9 +198,10 @@ const FEW: usize = 16;
 /// The disc's pattern as a finding.
 fn disc(settled: &Settled) -> Option<Finding> {
     let pattern = settled.pattern.as_ref()?;
+    let unit = Mechanism::LineError.card().unit("rms_rad");
     let parameter = |value: f64, standard_error: f64| Parameter {
         value,
-        unit: "rad".to_owned(),
+        unit: unit.to_owned(),
         ci95: Some([value - 1.96 * standard_error, value + 1.96 * standard_error]),
     };
     let mut rms = (pattern.rms_rad, pattern.standard_error_rad);
@@ -214,7 +235,7 @@ fn disc(settled: &Settled) -> Option<Finding> {
         evidence: Evidence {
             delta_bic: pattern.score,
             p_value: p_value(settled, pattern.score),
-            held_out_rms_ratio: None,
+            held_out_rms_ratio: settled.held.disc,
             runner_up: None,
         },
         look_alikes: Vec::new(),
@@ -237,7 +258,7 @@ fn unknown(settled: &Settled) -> Option<Finding> {
         evidence: Evidence {
             delta_bic: nameless.squares,
             p_value: nameless.p_value,
-            held_out_rms_ratio: None,
+            held_out_rms_ratio: settled.held.nameless,
             runner_up: None,
         },
         look_alikes: Vec::new(),
@@ -256,121 +277,5 @@ fn facts((one, bench): (&Recorded, &Bench)) -> RecordingFacts {
         anchored: one.track.anchored,
         stamp_rms_s: bench.noise.stamp_s,
         disturbed_s: one.track.slips.iter().map(|slip| slip.time_s).collect(),
-    }
-}
-
-const CHANNELS: [&str; 3] = ["A", "B", "C"];
-
-fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Parameter>) -> Place {
-    let mut place = Place::default();
-    let value = |name: &str| parameters.get(name).map(|p| p.value);
-    place.orders.extend(value("order"));
-    place
-        .frequencies_hz
-        .extend(value("f_hz").or(value("task_hz")));
-    place.times_s.extend(value("from_s"));
-    place.times_s.extend(value("until_s"));
-    if let Basis::Round { order } = name.hypothesis.bases[0]
-        && place.orders.is_empty()
-    {
-        place.orders.push(order);
-    }
-    let Some(first) = settled.given.benches.first() else {
-        return place;
-    };
-    let names = settled.class_names();
-    let hit: Vec<usize> = (0..first.seen.classes as usize)
-        .filter(|class| {
-            hits(
-                name.hypothesis.bases[0],
-                change_of(*class, first.seen.classes),
-            )
-        })
-        .collect();
-    if hit.len() < names.len() {
-        place.edge_classes = hit.iter().map(|class| names[*class].to_owned()).collect();
-    }
-    match name.hypothesis.bases[0] {
-        Basis::Bump {
-            angle_rad, channel, ..
-        } => {
-            place.angles_deg = vec![value("angle_rad").unwrap_or(angle_rad).to_degrees()];
-            place
-                .channels
-                .extend(channel.map(|c| CHANNELS[c].to_owned()));
-        }
-        Basis::LevelTone { channel, .. } => {
-            place
-                .channels
-                .extend(channel.map(|c| CHANNELS[c].to_owned()));
-        }
-        Basis::Shift { channel } | Basis::Late { channel } => {
-            place.channels.push(CHANNELS[channel].to_owned());
-        }
-        _ => {}
-    }
-    place
-}
-
-/// Whether a pattern is on an edge.
-fn hits(basis: Basis, change: Change) -> bool {
-    match basis {
-        Basis::Bump { channel, rises, .. } => {
-            channel.is_none_or(|c| c == change.channel) && rises.is_none_or(|r| r == change.rises)
-        }
-        Basis::LevelTone { channel, .. } => channel.is_none_or(|c| c == change.channel),
-        Basis::Width { channel } => !change.rises && channel.is_none_or(|c| c == change.channel),
-        Basis::RiseLate { channel } => change.rises && channel.is_none_or(|c| c == change.channel),
-        Basis::Shift { channel } | Basis::Late { channel } => channel == change.channel,
-        _ => true,
-    }
-}
-
-fn text(settled: &Settled, name: &Name, place: &Place) -> String {
-    let first = |list: &[f64]| list.first().copied().unwrap_or(0.0);
-    let (order, f_hz) = (first(&place.orders), first(&place.frequencies_hz));
-    let edges = if place.edge_classes.is_empty() {
-        "all edges alike".to_owned()
-    } else {
-        place.edge_classes.join(", ")
-    };
-    match name.hypothesis.bases[0] {
-        Basis::Round { .. } | Basis::Lagged { .. } => {
-            format!("order {order}, {edges}, the same angle at any speed")
-        }
-        Basis::TorqueOrder { .. } => {
-            format!("order {order:.4}, {edges}, smaller the faster it turns")
-        }
-        Basis::TorqueTone { .. } => format!("{f_hz:.4} Hz, {edges}"),
-        Basis::LevelTone { .. } => format!("{f_hz:.4} Hz, rising against falling edges ({edges})"),
-        Basis::Width { .. } => format!("{edges} against the others, the same angle throughout"),
-        Basis::RiseLate { .. } => {
-            "rising against falling edges, the same time throughout".to_owned()
-        }
-        Basis::Shift { .. } => format!("{edges} against the others, the same angle throughout"),
-        Basis::Late { .. } => format!("{edges} against the others, the same time throughout"),
-        Basis::LevelDrift { .. } => {
-            format!(
-                "rising against falling edges, from {:.3} s on",
-                first(&place.times_s)
-            )
-        }
-        Basis::Bump { .. } => format!(
-            "{edges}, at {:.2} degrees, once a turn",
-            first(&place.angles_deg)
-        ),
-        Basis::Load { .. } => match place.times_s.as_slice() {
-            [from, until] => format!("a push from {from:.4} to {until:.4} s"),
-            _ => "a push from beginning or to the end".to_owned(),
-        },
-        Basis::Drift => "the speed changes evenly from beginning to end".to_owned(),
-        Basis::Direction => "forward against reverse, all edges alike".to_owned(),
-        Basis::Coulomb | Basis::Viscous | Basis::Drag | Basis::Stribeck { .. } => {
-            "the course of the run-down".to_owned()
-        }
-        Basis::Task { .. } => {
-            let _ = settled;
-            format!("late captures at {f_hz:.3} Hz")
-        }
     }
 }

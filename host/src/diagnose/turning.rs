@@ -15,6 +15,8 @@ use super::pushed;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
+use super::swing::{Torques, swing};
+use super::ties::Tie;
 use super::track::{Mark, Track};
 use crate::twin::{RiseFall, SeenSpeed, SpeedLoop, Twin};
 
@@ -34,7 +36,11 @@ impl Seen {
         let pushed = pushed::course(&marks, track, twin);
         self.pushed = pushed.is_some();
         let course = match (twin.speed_loop(), pushed) {
-            (Some(model), _) => looped(&marks, track, twin, &model),
+            (Some(model), _) => {
+                let (course, ties) = looped(&marks, track, twin, &model);
+                self.ties = ties;
+                course
+            }
             (None, Some(pushed)) => pushed,
             (None, None) => undisturbed(&marks, still, step),
         };
@@ -79,14 +85,26 @@ impl Seen {
                 jolt,
             });
         }
-        self.take_off(twin, law);
         // The counts of recording and twin may be whole turns apart.
         let turns = (self.angles.first().copied().unwrap_or(0.0) / TAU).round() * TAU;
         self.angles.iter_mut().for_each(|angle| *angle -= turns);
     }
 
+    /// Takes off what the twin's torques do on the disc as it is known now.
+    pub(super) fn swing(&mut self) {
+        let swings = swing(self, &self.torques);
+        let each = swings.iter().zip(&self.swings);
+        for (angle, (now, before)) in self.angles.iter_mut().zip(each) {
+            *angle -= now - before;
+        }
+        self.swings = swings;
+    }
+
     /// Takes off what the twin's torques, delays, levels and play do.
-    fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
+    pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
+        self.torques = Torques::of(twin, law);
+        self.swings = vec![0.0; self.len()];
+        self.swing();
         let looped = twin.speed_loop().is_some();
         for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
@@ -98,33 +116,16 @@ impl Seen {
     }
 }
 
-/// What a twin has beside disc, shaft, drive and loads, as patterns with sizes.
+/// What a twin has beside disc, shaft, drive, torques and loads, as patterns with sizes.
 fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
     // size sin(x + phase)
     let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
-    for ripple in twin.ripple.iter().chain(&twin.gear_mesh) {
-        let basis = Basis::TorqueOrder {
-            order: ripple.order,
-        };
-        known.push((
-            basis,
-            round(ripple.torque_n_m.unwrap_or(0.0), ripple.phase_rad),
-        ));
-    }
     for bearing in &twin.bearing {
-        let order = bearing.order;
-        known.push(match bearing.runout_rad {
-            Some(runout) => (Basis::Round { order }, round(runout, bearing.phase_rad)),
-            None => (
-                Basis::TorqueOrder { order },
-                round(bearing.torque_n_m.unwrap_or(0.0), bearing.phase_rad),
-            ),
-        });
-    }
-    for tone in &twin.torque_tone {
-        let basis = Basis::TorqueTone { f_hz: tone.f_hz };
-        known.push((basis, round(tone.torque_n_m.unwrap_or(0.0), tone.phase_rad)));
+        if let Some(runout) = bearing.runout_rad {
+            let order = bearing.order;
+            known.push((Basis::Round { order }, round(runout, bearing.phase_rad)));
+        }
     }
     // Without a loop the simulated course has felt them.
     for load in twin.load_step.iter().filter(|_| looped) {
@@ -201,7 +202,12 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
 const JITTER_S: f64 = 3e-7;
 
 /// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
-fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) -> Course {
+fn looped(
+    marks: &[(Mark, i64)],
+    track: &Track,
+    twin: &Twin,
+    model: &SpeedLoop,
+) -> (Course, Vec<Tie>) {
     let step = TAU / track.edges as f64;
     let clock_hz = twin.timer.clock_hz as f64;
     let shaft = &twin.shaft;
@@ -210,8 +216,9 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
         |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
     let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
     let Some((first, _)) = marks.first() else {
-        return Course::new();
+        return (Course::new(), Vec::new());
     };
+    let mut ties = Vec::new();
     let mut state = [first.place as f64 * step, target];
     let mut now = first.time_s;
     let mut sample = (now * model.rate_hz).ceil();
@@ -225,8 +232,9 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
     } else {
         JITTER_S
     };
-    let tie_s = 5.0 * jitter_s + 2.0 * track.tick_s;
-    let (mut last_edge, mut speed_before, mut jolt) = (first.time_s, target, 0.0);
+    let stamp_s = jitter_s.hypot(track.tick_s);
+    let tie_s = 5.0 * stamp_s + track.tick_s;
+    let (mut last_edge, mut speed_before) = (first.time_s, target);
     let go = |state: [f64; 2], push: f64, after_s: f64| {
         let leap = Leap {
             after_s,
@@ -243,12 +251,22 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
             let seen = saw.at((time * clock_hz).floor());
             sampled += i32::from(seen.is_some());
             let here = seen.unwrap_or(target);
-            if mark.time_s - time < tie_s {
+            let otherwise = if mark.time_s - time < tie_s {
                 let next = *direction as f64 * step / (mark.time_s - last_edge).max(track.tick_s);
-                jolt += (model.gains.kp / model.rate_hz * (next - here)).powi(2);
-            }
-            if time - last_edge < tie_s {
-                jolt += (model.gains.kp / model.rate_hz * (speed_before - here)).powi(2);
+                Some((next, mark.time_s - time))
+            } else if time - last_edge < tie_s {
+                Some((speed_before, time - last_edge))
+            } else {
+                None
+            };
+            if let Some((other, apart_s)) = otherwise.filter(|_| begun) {
+                ties.push(Tie {
+                    at_s: time,
+                    until_s: time + 1.0 / model.rate_hz,
+                    apart: apart_s / stamp_s,
+                    push: model.gains.kp * (here - other),
+                    after: model.gains.ki / model.rate_hz * (here - other),
+                });
             }
             let miss = target - seen.unwrap_or(target);
             let asked = model.gains.kp * miss + integral;
@@ -278,9 +296,10 @@ fn looped(marks: &[(Mark, i64)], track: &Track, twin: &Twin, model: &SpeedLoop) 
             begun = true;
             state = [mark.place as f64 * step, target];
         }
-        Some((state[0], target, std::mem::take(&mut jolt)))
+        Some((state[0], target, 0.0))
     });
-    each.collect()
+    let course = each.collect();
+    (course, ties)
 }
 
 /// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; over a few

@@ -149,6 +149,7 @@ impl Walker {
                 kind: FaultKind::Lost,
                 ticks: step.ticks,
                 edges: u32::from(step.advance) - 1,
+                number: None,
                 channel: 0,
                 doubtful: false,
             });
@@ -163,6 +164,7 @@ impl Walker {
                 },
                 ticks: step.ticks,
                 edges: step.resync.unsigned_abs(),
+                number: None,
                 channel: 0,
                 doubtful: true,
             });

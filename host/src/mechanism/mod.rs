@@ -1,157 +1,169 @@
-//! The mechanisms that a diagnosis can name: fixed ids, and what is known of each without any recording.
+//! The mechanisms that a diagnosis can name: a file for each, with its physics, its numbers, its mark and its look-alikes.
 //!
-//! This is data only. The forward models are in [`crate::sim`], their parameters in [`crate::twin`]; a twin has a section for every
-//! mechanism but [`Mechanism::Unknown`].
+//! The engine goes through the table here: a new mechanism is a file with a [`Card`] and a line in it (and, where it makes a mark of a new
+//! shape, a [`Basis`](crate::diagnose::basis::Basis)). A twin has a section for every mechanism but [`Mechanism::Unknown`], and
+//! [`crate::sim`] runs it: the forward models there are the ones that a diagnosis ends with.
 
-mod alike;
+mod backlash;
+mod bearing;
+mod capture_latency;
+mod card;
+mod channel_skew;
+mod closed_loop;
+mod disc_tilt;
+mod eccentricity;
+mod edge_delay;
+mod extra_edges;
+mod friction;
+mod gear_mesh;
+mod handling;
+mod hysteresis;
+mod index_slip;
+mod line_error;
+mod load_step;
+mod local_defect;
+mod lost_edges;
 mod mark;
-mod separated;
+mod quadrature_error;
+mod speed_drift;
+mod stick_slip;
 #[cfg(test)]
 mod tests;
-mod title;
+mod threshold_drift;
+mod threshold_ripple;
+mod timestamp_jitter;
+mod torque_ripple;
+mod torque_tone;
+mod torsional_resonance;
+mod unknown;
+mod width_error;
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+pub use capture_latency::TASK_HZ;
+pub use card::{Card, Quantity};
+pub use handling::{Handling, Rhythm, Setting, Shows};
 pub use mark::{EdgeClasses, LockedTo};
 
-/// A cause of a difference between simulation and recording.
-///
-/// The id, as in the JSON, is the name in `snake_case`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Mechanism {
+/// Makes of each line a mechanism, its id and its card.
+macro_rules! table {
+    ($($(#[$doc:meta])* $name:ident = $file:ident,)*) => {
+        /// A cause of a difference between simulation and recording.
+        ///
+        /// The id, as in the JSON, is the name in `snake_case`.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Mechanism {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Mechanism {
+            /// All of them, in the order of the table; [`Self::Unknown`] is the last.
+            pub const ALL: [Self; [$(stringify!($file)),*].len()] = [$(Self::$name),*];
+
+            /// The id, as in the JSON.
+            #[must_use]
+            pub const fn id(self) -> &'static str {
+                match self {
+                    $(Self::$name => stringify!($file),)*
+                }
+            }
+
+            /// All that is known of it.
+            #[must_use]
+            pub const fn card(self) -> &'static Card {
+                match self {
+                    $(Self::$name => &$file::CARD,)*
+                }
+            }
+        }
+    };
+}
+
+table! {
     /// Line position error eps of this disc (twin: `errors`).
-    LineError,
+    LineError = line_error,
     /// Signal width error xi: falling edges against rising ones (`errors.width_a_rad`, ..).
-    WidthError,
+    WidthError = width_error,
     /// Quadrature error p: one channel against the other (`errors.quadrature_rad`, ..).
-    QuadratureError,
+    QuadratureError = quadrature_error,
     /// Disc centre off the axis: (d/R) sin(theta - theta0) (`errors.eccentricity`).
-    Eccentricity,
+    Eccentricity = eccentricity,
     /// Tilted or oval disc, or a Hooke's joint: the second order (`errors.tilt`).
-    DiscTilt,
+    DiscTilt = disc_tilt,
     /// Dirt, a scratch, a line that is missing or has merged with the next (`local_defect`).
-    LocalDefect,
+    LocalDefect = local_defect,
     /// Edges shift with the direction of motion (`hysteresis`).
-    Hysteresis,
+    Hysteresis = hysteresis,
     /// Delays of rise and fall differ (`edge_delay`).
-    EdgeDelay,
+    EdgeDelay = edge_delay,
     /// Delays of the channels differ (`channel_skew`).
-    ChannelSkew,
+    ChannelSkew = channel_skew,
     /// Mains or PWM pick-up on the comparator's level (`threshold_ripple`).
-    ThresholdRipple,
+    ThresholdRipple = threshold_ripple,
     /// The comparator's level drifts with lamp or temperature (`threshold_drift`).
-    ThresholdDrift,
+    ThresholdDrift = threshold_drift,
     /// White time noise of the capture (`timer.jitter_s`).
-    TimestampJitter,
+    TimestampJitter = timestamp_jitter,
     /// Captures that come late, one-sided or in bursts at a task's rate (`capture_latency`).
-    CaptureLatency,
+    CaptureLatency = capture_latency,
     /// Edges that the capture missed (`faults.lost_edges`, ..).
-    LostEdges,
+    LostEdges = lost_edges,
     /// Edges that no mark made (`faults.glitch_probability`).
-    ExtraEdges,
+    ExtraEdges = extra_edges,
     /// Coupling or index moved against the disc (`index_slip`).
-    IndexSlip,
+    IndexSlip = index_slip,
     /// Cogging or commutation torque at whole orders (`ripple`).
-    TorqueRipple,
+    TorqueRipple = torque_ripple,
     /// Torque at an order that a gear ratio gives (`gear_mesh`).
-    GearMesh,
+    GearMesh = gear_mesh,
     /// Torque or run-out at an order that is tied to no declared ratio (`bearing`).
-    Bearing,
+    Bearing = bearing,
     /// Torque at a fixed frequency (`torque_tone`).
-    TorqueTone,
+    TorqueTone = torque_tone,
     /// A lightly damped torsional mode that noise or orders excite (`torsional_resonance`).
-    TorsionalResonance,
+    TorsionalResonance = torsional_resonance,
     /// Coulomb, viscous, Stribeck and speed-squared terms that shape a run-down (`shaft`).
-    Friction,
+    Friction = friction,
     /// A limit cycle of friction and spring at low speed (`stick_slip`).
-    StickSlip,
+    StickSlip = stick_slip,
     /// A dead angle after a reversal (`backlash`).
-    Backlash,
+    Backlash = backlash,
     /// A torque that comes and goes (`load_step`).
-    LoadStep,
+    LoadStep = load_step,
     /// A slow change of the drive's speed (`speed_drift`).
-    SpeedDrift,
+    SpeedDrift = speed_drift,
     /// A speed loop that chases the encoder's own error (`drive.speed_loop`).
-    ClosedLoop,
+    ClosedLoop = closed_loop,
     /// None of these.
-    Unknown,
+    Unknown = unknown,
 }
 
 impl Mechanism {
-    /// All of them, in the order of the table; [`Self::Unknown`] is the last.
-    pub const ALL: [Self; 28] = [
-        Self::LineError,
-        Self::WidthError,
-        Self::QuadratureError,
-        Self::Eccentricity,
-        Self::DiscTilt,
-        Self::LocalDefect,
-        Self::Hysteresis,
-        Self::EdgeDelay,
-        Self::ChannelSkew,
-        Self::ThresholdRipple,
-        Self::ThresholdDrift,
-        Self::TimestampJitter,
-        Self::CaptureLatency,
-        Self::LostEdges,
-        Self::ExtraEdges,
-        Self::IndexSlip,
-        Self::TorqueRipple,
-        Self::GearMesh,
-        Self::Bearing,
-        Self::TorqueTone,
-        Self::TorsionalResonance,
-        Self::Friction,
-        Self::StickSlip,
-        Self::Backlash,
-        Self::LoadStep,
-        Self::SpeedDrift,
-        Self::ClosedLoop,
-        Self::Unknown,
-    ];
-
-    /// The id, as in the JSON.
-    #[must_use]
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::LineError => "line_error",
-            Self::WidthError => "width_error",
-            Self::QuadratureError => "quadrature_error",
-            Self::Eccentricity => "eccentricity",
-            Self::DiscTilt => "disc_tilt",
-            Self::LocalDefect => "local_defect",
-            Self::Hysteresis => "hysteresis",
-            Self::EdgeDelay => "edge_delay",
-            Self::ChannelSkew => "channel_skew",
-            Self::ThresholdRipple => "threshold_ripple",
-            Self::ThresholdDrift => "threshold_drift",
-            Self::TimestampJitter => "timestamp_jitter",
-            Self::CaptureLatency => "capture_latency",
-            Self::LostEdges => "lost_edges",
-            Self::ExtraEdges => "extra_edges",
-            Self::IndexSlip => "index_slip",
-            Self::TorqueRipple => "torque_ripple",
-            Self::GearMesh => "gear_mesh",
-            Self::Bearing => "bearing",
-            Self::TorqueTone => "torque_tone",
-            Self::TorsionalResonance => "torsional_resonance",
-            Self::Friction => "friction",
-            Self::StickSlip => "stick_slip",
-            Self::Backlash => "backlash",
-            Self::LoadStep => "load_step",
-            Self::SpeedDrift => "speed_drift",
-            Self::ClosedLoop => "closed_loop",
-            Self::Unknown => "unknown",
-        }
-    }
-
     /// The mechanism with an id; none if there is no such id.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|mechanism| mechanism.id() == id)
+    }
+
+    /// A few words for people, without a full stop.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        self.card().title
+    }
+
+    /// The recording to make next: what to change and what then shows. One or two sentences.
+    #[must_use]
+    pub const fn separated_by(self) -> &'static str {
+        self.card().separated_by
+    }
+
+    /// Mechanisms that the same recording may show alike; if one is another's look-alike, so is the other the one's.
+    #[must_use]
+    pub const fn look_alikes(self) -> &'static [Self] {
+        self.card().look_alikes
     }
 }
 

@@ -73,7 +73,7 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
             },
             fit.rms_before_rad,
             "rad",
-            "RMS, the twin as given",
+            "RMS over two turns, the twin as given",
         ),
     ];
     if !diagnosis.findings.is_empty() {
@@ -117,6 +117,8 @@ fn agreement(body: &mut Body, diagnosis: &Diagnosis) {
     if found {
         text += " Parameters were fitted on the earlier turns and judged on the last ones of each recording, held out.";
     }
+    text += " The residual is how far edges stand away from the twin's course, less the mean of a turn to either side: what comes \
+             again each turn keeps its size in it, slow wander is out of it.";
     body.section("How well it fits", &[&text]);
     let bars = |before: f64, after: f64, floor: f64| {
         let bars = Bars::new(Axis::new("Residual, RMS", "rad"));
@@ -135,6 +137,21 @@ fn agreement(body: &mut Body, diagnosis: &Diagnosis) {
         (
             bars(held.rms_before_rad, held.rms_after_rad, held.floor_rad),
             "Turns held out.",
+        ),
+    );
+    if !found {
+        return;
+    }
+    let [slow, edges] = words::bands(fit)
+        .map(|(_, band)| bars(band.rms_before_rad, band.rms_after_rad, band.floor_rad));
+    body.figure_pair(
+        (
+            slow,
+            "What is slower than two turns, beside a straight line in time.",
+        ),
+        (
+            edges,
+            "How far each edge comes from where the edges before it let it expect.",
         ),
     );
 }

@@ -3,7 +3,7 @@
 mod interval;
 
 use quadcal_host::diagnose::diagnosis::{
-    Diagnosis, Evidence, Finding, Fit, HeldOut, Parameter, Place, Verdict,
+    Band, Diagnosis, Evidence, Finding, Fit, HeldOut, Parameter, Place, Verdict,
 };
 use quadcal_host::mechanism::Mechanism;
 use serde_json::{Value, json};
@@ -68,6 +68,8 @@ fn answer(verdict: Verdict, findings: Vec<Finding>) -> Answer {
             rms_before_rad: 2.0,
             rms_after_rad: 1.0,
             floor_rad: 1.0,
+            slow: Band::default(),
+            edge_to_edge: Band::default(),
             whiteness_p_before: 0.0,
             whiteness_p: 0.5,
             held_out: HeldOut {

@@ -84,19 +84,25 @@ fn fit_facts(facts: &mut Facts, diagnosis: &Diagnosis, fit: &Fit) {
             "Residual, RMS",
             rms(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad),
         )
-        .push("  on turns not fitted on", on_held_out)
-        .push(
-            "  is noise, probability",
-            if diagnosis.findings.is_empty() {
-                words::probability(fit.whiteness_p_before)
-            } else {
-                format!(
-                    "{} before, {} after",
-                    words::probability(fit.whiteness_p_before),
-                    words::probability(fit.whiteness_p)
-                )
-            },
-        );
+        .push("  on turns not fitted on", on_held_out);
+    for (name, band) in words::bands(fit) {
+        if !diagnosis.findings.is_empty() && words::changes(band) {
+            let text = rms(band.rms_before_rad, band.rms_after_rad, band.floor_rad);
+            facts.push(format!("  {name}"), text);
+        }
+    }
+    facts.push(
+        "  is noise, probability",
+        if diagnosis.findings.is_empty() {
+            words::probability(fit.whiteness_p_before)
+        } else {
+            format!(
+                "{} before, {} after",
+                words::probability(fit.whiteness_p_before),
+                words::probability(fit.whiteness_p)
+            )
+        },
+    );
 }
 
 #[allow(clippy::cast_precision_loss)]

@@ -6,13 +6,12 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix2, Vector2};
-
 use super::MotionFinding;
+use super::gains::{Gains, Side, dot, gains, noise_of};
 use super::sampled::Sampled;
 use super::scan;
 use crate::diagnose::board::{Bench, Board};
-use crate::diagnose::kalman::{ShaftNoise, Whitener};
+use crate::diagnose::kalman::Whitener;
 use crate::diagnose::noise_fit::{self, Free};
 use crate::diagnose::prepare;
 use crate::diagnose::run::Recorded;
@@ -28,31 +27,12 @@ const NOISE_EDGES: usize = 8_000;
 const EVIDENCE_LEAST: f64 = 60.0;
 /// Evidence that is needed an edge: a loop moves all of them, while a pattern of the disc that the twin lacks fits some rate by chance.
 const EVIDENCE_AN_EDGE: f64 = 0.02;
-/// Parts of a recording whose scatter is looked at.
-const PARTS: usize = 10;
 /// Edges by which a rate beside shifts the last sample, and the share of the evidence that must go with it: what a tone or an
 /// unknown pattern explains by chance, rates beside explain as well.
 const BESIDE: f64 = 8.0;
 const FINGERPRINT: f64 = 0.25;
 /// White variance from which the noise that a twin declares does not explain a recording.
 const VARIANCE: f64 = 1.15;
-
-/// One recording as a loop would explain it.
-struct Side<'a> {
-    sampled: Sampled,
-    bench: &'a Bench,
-    noise: ShaftNoise,
-}
-
-/// The gains over all recordings.
-struct Gains {
-    sizes: [f64; 2],
-    /// Standard errors.
-    errors: [f64; 2],
-    /// -2 log likelihood.
-    cost: f64,
-    edges: f64,
-}
 
 /// A speed loop that the twins of a rig lack.
 #[must_use]
@@ -97,12 +77,12 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
     let f_error = rate_error(&sides, f_hz, found.cost);
     let inertia = board.benches[0].law.inertia;
     let ki = ki.max(0.0);
-    Some(MotionFinding {
+    let finding = MotionFinding {
         mechanism: Mechanism::ClosedLoop,
         parameters: vec![
-            ("kp_n_m_s", kp * inertia, error(0) * inertia, "N m s"),
-            ("ki_n_m", ki * inertia, error(1) * inertia, "N m"),
-            ("f_hz", f_hz, f_error, "Hz"),
+            ("kp_n_m_s", kp * inertia, error(0) * inertia),
+            ("ki_n_m", ki * inertia, error(1) * inertia),
+            ("f_hz", f_hz, f_error),
         ],
         delta_bic,
         text: format!(
@@ -115,7 +95,8 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
             .iter()
             .map(|one| with(&one.twin, f_hz, kp, ki))
             .collect(),
-    })
+    };
+    finding.plausible().then_some(finding)
 }
 
 /// Whether the noise that a twin declares leaves something.
@@ -170,122 +151,6 @@ fn side<'a>(one: &Recorded, bench: &'a Bench) -> Side<'a> {
         bench,
         noise,
     }
-}
-
-/// Columns of a side: both gains, then what a shift of the mean speed makes.
-fn columns(side: &Side, edges: &[usize], f_hz: f64) -> [Vec<f64>; 4] {
-    let ([kp, ki], [level, slope]) = (side.sampled.gains(edges, f_hz), side.sampled.steady(edges));
-    [kp, ki, level, slope]
-}
-
-/// Gains by least squares over all sides, each with its own steady pushes.
-fn gains(sides: &[Side], f_hz: f64) -> Option<Gains> {
-    let mut parts = Vec::new();
-    let (mut cost, mut edges) = (0.0, 0.0);
-    for side in sides {
-        let all = side.sampled.edges_for(f_hz, 1);
-        let whitener = side.sampled.whitener(&all, side.noise);
-        let mut columns = columns(side, &all, f_hz);
-        columns
-            .iter_mut()
-            .for_each(|column| whitener.whiten(column));
-        let mut left = side.sampled.angles_at(&all);
-        whitener.whiten(&mut left);
-        cost += dot(&left, &left) + whitener.log_variance();
-        edges += all.len() as f64;
-        let [kp, ki, level, slope] = &columns;
-        // The steady pushes taken out.
-        let unit = |row: &[f64]| {
-            let size = dot(row, row).sqrt();
-            row.iter().map(|value| value / size).collect::<Vec<f64>>()
-        };
-        let level = unit(level);
-        let share = dot(slope, &level);
-        let slope = unit(
-            &slope
-                .iter()
-                .zip(&level)
-                .map(|(s, l)| s - share * l)
-                .collect::<Vec<_>>(),
-        );
-        cost -= dot(&left, &level).powi(2) + dot(&left, &slope).powi(2);
-        let clear = |row: &[f64]| {
-            let (a, b) = (dot(row, &level), dot(row, &slope));
-            let steady = level.iter().zip(&slope);
-            row.iter()
-                .zip(steady)
-                .map(|(value, (l, s))| value - a * l - b * s)
-                .collect::<Vec<f64>>()
-        };
-        let (kp, ki, left) = (clear(kp), clear(ki), clear(&left));
-        let part = left.len().div_ceil(PARTS);
-        for ((kp, ki), left) in kp.chunks(part).zip(ki.chunks(part)).zip(left.chunks(part)) {
-            let across = dot(kp, ki);
-            parts.push((
-                Matrix2::new(dot(kp, kp), across, across, dot(ki, ki)),
-                Vector2::new(dot(kp, left), dot(ki, left)),
-            ));
-        }
-    }
-    let gram: Matrix2<f64> = parts.iter().map(|part| part.0).sum();
-    let right: Vector2<f64> = parts.iter().map(|part| part.1).sum();
-    let inverse = gram.try_inverse()?;
-    let sizes = inverse * right;
-    cost -= right.dot(&sizes);
-    // Between parts the gains may scatter more than the noise says: a sample at the very time of an edge goes either way.
-    let scatter: Matrix2<f64> = parts
-        .iter()
-        .map(|(gram, right)| {
-            let off = right - gram * sizes;
-            off * off.transpose()
-        })
-        .sum();
-    let count = parts.len() as f64;
-    let between = inverse * scatter * inverse * (count / (count - 2.0));
-    Some(Gains {
-        sizes: [sizes[0], sizes[1]],
-        errors: [0, 1].map(|i| inverse[(i, i)].max(between[(i, i)]).sqrt()),
-        cost,
-        edges,
-    })
-}
-
-/// The noise once the loop is taken off.
-fn noise_of(side: &Side, f_hz: f64, sizes: [f64; 2]) -> ShaftNoise {
-    let all = side.sampled.edges_for(f_hz, 1);
-    let readings = side.sampled.readings(&all);
-    let columns = columns(side, &all, f_hz);
-    let mut angles = side.sampled.angles_at(&all);
-    for (column, size) in columns.iter().zip(sizes) {
-        angles
-            .iter_mut()
-            .zip(column)
-            .for_each(|(angle, value)| *angle -= size * value);
-    }
-    // The steady pushes as the filter sees them.
-    let whitener = Whitener::new(&readings, side.noise);
-    let mut white = columns.clone();
-    white.iter_mut().for_each(|column| whitener.whiten(column));
-    let mut left = angles.clone();
-    whitener.whiten(&mut left);
-    let at = |i: usize, j: usize| dot(&white[2 + i], &white[2 + j]);
-    let both = Matrix2::new(at(0, 0), at(0, 1), at(1, 0), at(1, 1));
-    let right = Vector2::new(dot(&white[2], &left), dot(&white[3], &left));
-    if let Some(steady) = both.try_inverse().map(|inverse| inverse * right) {
-        for (column, size) in columns[2..].iter().zip(steady.iter()) {
-            angles
-                .iter_mut()
-                .zip(column)
-                .for_each(|(angle, value)| *angle -= size * value);
-        }
-    }
-    noise_fit::fit(
-        &readings,
-        &angles,
-        side.bench.least_stamp_s,
-        side.noise,
-        Free::Sizes,
-    )
 }
 
 /// -2 log likelihood of the twin's own drive over the same edges, the noise fitted.
@@ -343,8 +208,4 @@ fn rate_error(sides: &[Side], f_hz: f64, cost: f64) -> f64 {
         shift *= 2.0;
     }
     0.5 * shift / edges * f_hz
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -1,6 +1,8 @@
 //! Mechanisms that make another motion altogether: they are recognised before anything small is looked for.
 
 pub mod closed_loop;
+pub mod gains;
+pub mod rests;
 pub mod sampled;
 pub mod scan;
 pub mod slip;
@@ -14,8 +16,8 @@ use crate::diagnose::run::Recorded;
 use crate::mechanism::Mechanism;
 use crate::twin::Twin;
 
-/// A parameter of a finding: its name, value, standard error and unit. The error is infinite where the recording says nothing of it.
-pub type Parameter = (&'static str, f64, f64, &'static str);
+/// A parameter of a finding: its name, value and standard error. The error is infinite where the recording says nothing of it.
+pub type Parameter = (&'static str, f64, f64);
 
 /// A motion that the twins do not have.
 #[derive(Clone, Debug)]
@@ -30,6 +32,15 @@ pub struct MotionFinding {
     pub text: String,
     /// The rig's twins with the mechanism in.
     pub twins: Vec<Twin>,
+}
+
+impl MotionFinding {
+    /// Whether some rig may have its numbers.
+    #[must_use]
+    pub fn plausible(&self) -> bool {
+        let numbers = self.parameters.iter().map(|one| (one.0, one.1));
+        self.mechanism.card().implausible(numbers).is_none()
+    }
 }
 
 /// The motion that the twins of a rig lack, if there is one.

@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use super::MotionFinding;
+use super::rests::{EDGES_LEAST, SLIPS_LEAST, Slips, slips};
 use super::slip::{SlipLaw, Wave};
 use super::slip_fit::{Cycle, Fitted, fitted, refitted};
 use crate::diagnose::run::Recorded;
@@ -14,14 +15,9 @@ use crate::mechanism::Mechanism;
 use crate::sim::Simulation;
 use crate::twin::{Drive, Noise, StickSlip, Twin};
 
-/// An interval so many mean ones long is a standstill.
-const STANDS: f64 = 15.0;
-/// Slips needed.
-const SLIPS_LEAST: usize = 4;
 /// Slips fitted at the most.
 const SLIPS_MOST: usize = 48;
-/// Edges that a slip needs.
-const EDGES_LEAST: usize = 12;
+
 /// Stick-slip in one recording.
 #[derive(Clone, Debug)]
 struct Seen {
@@ -59,23 +55,13 @@ pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
         .collect();
     let [spring, drop, over] = found.errors;
     let (stiffness, stribeck) = (law.spring * inertia, law.drop * inertia);
-    Some(MotionFinding {
+    let finding = MotionFinding {
         mechanism: Mechanism::StickSlip,
         parameters: vec![
-            (
-                "stiffness_n_m_rad",
-                stiffness,
-                stiffness * spring,
-                "N m/rad",
-            ),
-            ("stribeck_n_m", stribeck, stribeck * drop, "N m"),
-            (
-                "stribeck_rad_s",
-                law.over_rad_s,
-                law.over_rad_s * over,
-                "rad/s",
-            ),
-            ("coulomb_n_m", coulomb * inertia, f64::INFINITY, "N m"),
+            ("stiffness_n_m_rad", stiffness, stiffness * spring),
+            ("stribeck_n_m", stribeck, stribeck * drop),
+            ("stribeck_rad_s", law.over_rad_s, law.over_rad_s * over),
+            ("coulomb_n_m", coulomb * inertia, f64::INFINITY),
         ],
         delta_bic: seen.iter().map(|(_, seen)| seen.delta_bic).sum(),
         text: format!(
@@ -86,7 +72,8 @@ pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
             found.cycle.1
         ),
         twins,
-    })
+    };
+    finding.plausible().then_some(finding)
 }
 
 /// A twin with stick-slip in.
@@ -186,72 +173,6 @@ fn looked_at(one: &Recorded) -> Option<Seen> {
         overshoot: law.spring * (slip.whole() - pull_rad_s * slip.seconds()) - 2.0 * law.drop,
         law,
         beside,
-    })
-}
-
-/// Edges of a recording and where it stands.
-struct Slips {
-    times_s: Vec<f64>,
-    places: Vec<i64>,
-    way: i64,
-    /// First and last edge of each slip.
-    ends: Vec<(usize, usize)>,
-    pull_rad_s: f64,
-}
-
-fn slips(one: &Recorded) -> Option<Slips> {
-    let longest = one.track.longest()?;
-    let way = longest.direction;
-    let along = one
-        .track
-        .stretches
-        .iter()
-        .filter(|stretch| stretch.direction == way);
-    let marks: Vec<_> = along.flat_map(|stretch| stretch.marks.iter()).collect();
-    let (first, last) = (marks.first()?, marks.last()?);
-    let edges = (last.place - first.place) * way;
-    let mean_s = (last.time_s - first.time_s) / edges as f64;
-    // Edges before and after each standstill; a shaft may creep over an edge before it breaks away.
-    let mut rests: Vec<(usize, usize)> = Vec::new();
-    for after in
-        (1..marks.len()).filter(|i| marks[*i].time_s - marks[i - 1].time_s > STANDS * mean_s)
-    {
-        match rests.last_mut() {
-            Some(rest) if after - rest.1 < EDGES_LEAST => rest.1 = after,
-            _ => rests.push((after - 1, after)),
-        }
-    }
-    if rests.len() <= SLIPS_LEAST {
-        return None;
-    }
-    let ends: Vec<(usize, usize)> = rests
-        .windows(2)
-        .map(|pair| (pair[0].1, pair[1].0))
-        .collect();
-    let mut lengths: Vec<usize> = ends.iter().map(|(from, to)| to - from + 1).collect();
-    lengths.sort_unstable();
-    let (low, usual, high) = (
-        lengths[lengths.len() / 8],
-        lengths[lengths.len() / 2],
-        lengths[lengths.len() * 7 / 8],
-    );
-    let stood: f64 = rests
-        .iter()
-        .map(|rest| marks[rest.1].time_s - marks[rest.0].time_s)
-        .sum();
-    if usual < EDGES_LEAST || 2 * (high - low) > usual || stood < 0.1 * (last.time_s - first.time_s)
-    {
-        return None;
-    }
-    // Over whole cycles, from rest to rest.
-    let (from, to) = (marks[rests[0].0], marks[rests[rests.len() - 1].0]);
-    let turned = ((to.place - from.place) * way) as f64 / one.track.edges as f64 * TAU;
-    Some(Slips {
-        times_s: marks.iter().map(|mark| mark.time_s).collect(),
-        places: marks.iter().map(|mark| mark.place).collect(),
-        way,
-        ends,
-        pull_rad_s: turned / (to.time_s - from.time_s),
     })
 }
 

@@ -75,13 +75,11 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
                 name: "share",
                 value: loud.share,
                 standard_error: 0.1 * loud.share,
-                unit: "1",
             },
             NoiseParameter {
                 name: "times_as_wide",
                 value: loud.wider,
                 standard_error: 0.1 * loud.wider,
-                unit: "1",
             },
         ],
         delta_bic: clustering.deviations * clustering.deviations - (board.edges() as f64).ln(),

@@ -62,7 +62,6 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
             name,
             value: size,
             standard_error: error,
-            unit: "s",
         }],
         delta_bic: levels.gain() - (board.edges() as f64).ln(),
         p_value: normal_above(levels.gain().sqrt()),

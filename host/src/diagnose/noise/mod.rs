@@ -54,8 +54,15 @@ pub struct NoiseParameter {
     pub value: f64,
     /// Standard error.
     pub standard_error: f64,
-    /// `s`, `Hz`, `1`.
-    pub unit: &'static str,
+}
+
+impl NoiseFinding {
+    /// Whether some rig may have its numbers.
+    #[must_use]
+    pub fn plausible(&self) -> bool {
+        let numbers = self.parameters.iter().map(|one| (one.name, one.value));
+        self.mechanism.card().implausible(numbers).is_none()
+    }
 }
 
 /// Everything that the noise lacks, going by what the patterns of a model leave.
@@ -79,8 +86,8 @@ pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
     let levels = levels::fit(board, &rest);
     // A mode makes torque noise uneven and so moves the levels; stamps do not make a mode.
     let resonant = mode.filter(|mode| mode.gain > levels.gain() - 20.0);
-    if let Some(mode) = resonant {
-        return vec![mode.finding(board)];
+    if let Some(mode) = resonant.map(|mode| mode.finding(board)) {
+        return mode.plausible().then_some(mode).into_iter().collect();
     }
     let mut found: Vec<NoiseFinding> = task.into_iter().map(|task| task.finding).collect();
     let bursts = if found.is_empty() {
@@ -92,5 +99,6 @@ pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
         found.extend(jitter::find(board, &levels));
     }
     found.extend(bursts);
+    found.retain(NoiseFinding::plausible);
     found
 }

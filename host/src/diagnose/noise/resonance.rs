@@ -42,21 +42,16 @@ impl Mode {
     #[must_use]
     pub fn finding(&self, board: &Board) -> NoiseFinding {
         let masses = self.masses;
-        let names = [
-            ("f_hz", "Hz"),
-            ("damping_ratio", "1"),
-            ("inertia_share", "1"),
-        ];
+        let names = ["f_hz", "damping_ratio", "inertia_share"];
         let values = [masses.f_hz, masses.damping_ratio, masses.inertia_share];
         let parameters = names.into_iter().zip(values).zip(self.errors);
         NoiseFinding {
             mechanism: Mechanism::TorsionalResonance,
             parameters: parameters
-                .map(|(((name, unit), value), standard_error)| NoiseParameter {
+                .map(|((name, value), standard_error)| NoiseParameter {
                     name,
                     value,
                     standard_error,
-                    unit,
                 })
                 .collect(),
             delta_bic: self.gain - 3.0 * (board.edges() as f64).ln(),

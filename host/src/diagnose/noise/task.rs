@@ -11,11 +11,12 @@ use super::super::noise_fit::simplex;
 use super::super::spectrum::Spectrum;
 use super::odds::anywhere;
 use super::{NoiseFinding, NoiseParameter};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, TASK_HZ};
 
-/// Fastest and slowest rate looked for, Hz, and the most cells of a periodogram.
-const FASTEST_HZ: f64 = 11_000.0;
-const SLOWEST_HZ: f64 = 40.0;
+/// Slowest and fastest rate looked for, Hz.
+const SLOWEST_HZ: f64 = TASK_HZ[0];
+const FASTEST_HZ: f64 = TASK_HZ[1];
+/// The most cells of a periodogram.
 const CELLS: f64 = (1 << 21) as f64;
 /// Multiples summed.
 const MULTIPLES: usize = 3;
@@ -98,18 +99,17 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
     let phase = (numbers[2] - first.bench.seen.times_s[0]).rem_euclid(1.0 / numbers[0]);
     let phase = (phase + first.bench.seen.times_s[0]).rem_euclid(1.0 / numbers[0]);
     let values = [
-        ("task_hz", numbers[0], "Hz"),
-        ("busy_s", numbers[1], "s"),
-        ("phase_s", phase, "s"),
+        ("task_hz", numbers[0]),
+        ("busy_s", numbers[1]),
+        ("phase_s", phase),
     ];
     let parameters = values
         .into_iter()
         .zip(&errors)
-        .map(|((name, value, unit), error)| NoiseParameter {
+        .map(|((name, value), error)| NoiseParameter {
             name,
             value,
             standard_error: *error,
-            unit,
         });
     let finding = NoiseFinding {
         mechanism: Mechanism::CaptureLatency,

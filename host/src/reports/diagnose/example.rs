@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use crate::diagnose::diagnosis::{
-    Diagnosis, Evidence, Finding, Fit, HeldOut, NextRecording, Parameter, Place, RecordingFacts,
-    RunnerUp, Verdict,
+    Band, Diagnosis, Evidence, Expected, Finding, Fit, HeldOut, NextRecording, Parameter, Place,
+    RecordingFacts, RunnerUp, Verdict,
 };
 use crate::diagnose::run::Diagnosed;
 use crate::diagnose::shown::{FindingPlot, Line, RecordingPlot, Shown};
@@ -40,9 +40,17 @@ fn parameters(all: &[(&str, f64, &str, f64)]) -> BTreeMap<String, Parameter> {
 }
 
 fn eccentricity() -> Finding {
+    let expected = |mechanism, delta_bic| Expected {
+        mechanism,
+        delta_bic,
+    };
     let next = NextRecording {
-        text: Mechanism::Eccentricity.separated_by().to_owned(),
+        text: "44 s at 30 r/min would tell eccentricity from torque_ripple: Schwarz's criterion would differ by about 180".to_owned(),
         expected_delta_bic: Some(184.0),
+        expected: vec![
+            expected(Mechanism::Eccentricity, 184.0),
+            expected(Mechanism::TorqueRipple, 266.0),
+        ],
     };
     Finding {
         mechanism: Mechanism::Eccentricity,
@@ -126,6 +134,16 @@ pub(crate) fn full() -> Diagnosed {
         rms_before_rad: 3.72e-4,
         rms_after_rad: 1.23e-5,
         floor_rad: 1.19e-5,
+        slow: Band {
+            rms_before_rad: 2.12e-5,
+            rms_after_rad: 2.11e-5,
+            floor_rad: 2.09e-5,
+        },
+        edge_to_edge: Band {
+            rms_before_rad: 4.1e-6,
+            rms_after_rad: 3.2e-6,
+            floor_rad: 3.2e-6,
+        },
         whiteness_p_before: 0.0,
         whiteness_p: 0.31,
         held_out: HeldOut {

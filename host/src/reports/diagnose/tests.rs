@@ -30,7 +30,7 @@ fn the_page_says_what_where_how_large_and_what_to_record_next() {
         "With the next best instead, torque ripple of the motor (torque_ripple)",
         "1.8 worse by the criterion (BIC), which decides nothing",
         "The recording named at the top would tell.",
-        "sets the candidates apart by 184",
+        "would tell eccentricity from torque_ripple",
         "2. Rise and fall delayed unequally",
         "1.339 ± 0.041 µs",
         "to the power of 1.",
@@ -39,8 +39,8 @@ fn the_page_says_what_where_how_large_and_what_to_record_next() {
         assert!(page.contains(part), "{part}");
     }
     assert!(!page.contains("NaN"));
-    // A figure each of two findings, two bars, and two of each of two recordings, every one for wide and narrow pages.
-    assert_eq!(page.matches("<figure>").count(), 8);
+    // A figure each of two findings, four bars, and two of each of two recordings, every one for wide and narrow pages.
+    assert_eq!(page.matches("<figure>").count(), 10);
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn an_engine_without_curves_still_gets_a_page() {
     bare.shown = crate::diagnose::shown::Shown::default();
     let page = page(&bare);
     assert!(page.contains("1. Disc off its centre") && page.contains("Noise"));
-    assert_eq!(page.matches("<figure>").count(), 2);
+    assert_eq!(page.matches("<figure>").count(), 4);
 }
 
 /// Every path to a value, as the documentation writes it.
@@ -121,6 +121,32 @@ fn the_documentation_names_every_verdict_and_mechanism() {
         documented("## Parameters of each mechanism"),
         BTreeSet::from(mechanisms)
     );
+}
+
+/// A row of the table of parameters, as the documentation writes it.
+fn row(mechanism: Mechanism) -> String {
+    let card = mechanism.card();
+    let numbers = card
+        .parameters
+        .iter()
+        .map(|one| format!("`{}` ({}): {}", one.name, one.unit, one.what));
+    let numbers = numbers.collect::<Vec<_>>().join("; ");
+    let twin = if card.twin.is_empty() {
+        String::new()
+    } else {
+        format!(" `{}`", card.twin)
+    };
+    format!("| `{mechanism}` | {numbers} |{twin} |")
+}
+
+#[test]
+fn the_documentation_has_the_parameters_of_each_mechanism() {
+    let missing: Vec<String> = Mechanism::ALL
+        .into_iter()
+        .map(row)
+        .filter(|row| !DOC.lines().any(|line| line == row))
+        .collect();
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! A diagnosis in words, the same in the report and on the terminal.
 
-use crate::diagnose::diagnosis::{Diagnosis, Evidence, Finding, NextRecording, Parameter, Verdict};
+use crate::diagnose::diagnosis::{
+    Band, Diagnosis, Evidence, Finding, Fit, NextRecording, Parameter, Verdict,
+};
 use crate::mechanism::Mechanism;
 use crate::report::{Cell, si, si_digits};
 
@@ -217,14 +219,23 @@ pub fn sentence(text: &str) -> String {
 /// A recording to make, and what a simulation says that it would decide.
 #[must_use]
 pub fn next(next: &NextRecording) -> String {
-    let text = next.text.trim();
-    match next.expected_delta_bic {
-        None => text.to_owned(),
-        Some(delta) => format!(
-            "{text}{} Simulated, that recording sets the candidates apart by {delta:.0} of the criterion (10 is strong).",
-            if text.ends_with('.') { "" } else { "." }
-        ),
-    }
+    sentence(next.text.trim())
+}
+
+/// The other parts of the residual, named.
+#[must_use]
+pub const fn bands(fit: &Fit) -> [(&'static str, &Band); 2] {
+    [
+        ("slower than two turns", &fit.slow),
+        ("from edge to edge", &fit.edge_to_edge),
+    ]
+}
+
+/// Whether the findings change it.
+#[must_use]
+pub fn changes(band: &Band) -> bool {
+    const PART: f64 = 0.02;
+    (band.rms_before_rad - band.rms_after_rad).abs() > PART * band.rms_before_rad
 }
 
 /// Share of what could be removed that was, in percent.

@@ -1,0 +1,133 @@
+//! The recording to make next: what tells a finding from its look-alikes, simulated beforehand with either.
+
+mod candidates;
+mod rehearsal;
+#[cfg(test)]
+mod tests;
+
+use super::diagnosis::{Expected, NextRecording};
+use super::run::Recorded;
+use super::settle::Settled;
+use crate::mechanism::Mechanism;
+use candidates::{Candidate, candidates};
+use rehearsal::Rehearsal;
+
+/// Difference by Schwarz's criterion that decides.
+const DECIDES: f64 = 20.0;
+/// Difference beyond which there is no need for more.
+const ENOUGH: f64 = 1000.0;
+/// Candidates that are looked at closer.
+const CLOSER: usize = 2;
+
+/// For each finding with a name, in their order, the recording that tells it from what these recordings allow as well; none where it is
+/// not ambiguous.
+#[must_use]
+pub fn recordings(rig: &[Recorded], settled: &Settled) -> Vec<Option<NextRecording>> {
+    let named = settled.concluded.named.iter().enumerate();
+    let each = named.map(|(number, name)| {
+        (!name.alike.is_empty()).then(|| {
+            let own = name.hypothesis.mechanism;
+            rehearsed(rig, settled, number).unwrap_or_else(|| not_simulated(own, &name.alike))
+        })
+    });
+    each.collect()
+}
+
+/// The candidate that shows most for what it takes, as simulated.
+fn rehearsed(rig: &[Recorded], settled: &Settled, number: usize) -> Option<NextRecording> {
+    let rehearsal = Rehearsal::of(rig, settled, number)?;
+    let mechanisms: Vec<Mechanism> = rehearsal.mechanisms().collect();
+    if mechanisms.len() < 2 {
+        return None;
+    }
+    let bench = settled.given.benches.first()?;
+    let mut tried: Vec<(Candidate, f64)> = candidates(&rig.first()?.twin, bench)
+        .into_iter()
+        .filter_map(|one| {
+            let shows = rehearsal.difference(&one, 0)?;
+            Some((one, shows))
+        })
+        .collect();
+    tried.sort_by(|a, b| worth(&b.0, b.1).total_cmp(&worth(&a.0, a.1)));
+    // The one that shows most whichever it is.
+    let closer = tried.into_iter().take(CLOSER).filter_map(|(one, first)| {
+        let each = mechanisms.iter().enumerate().map(|(truth, mechanism)| {
+            let delta_bic = match truth {
+                0 => first,
+                _ => rehearsal.difference(&one, truth)?,
+            };
+            Some(Expected {
+                mechanism: *mechanism,
+                delta_bic,
+            })
+        });
+        let expected: Vec<Expected> = each.collect::<Option<_>>()?;
+        let least = expected.iter().map(|e| e.delta_bic).reduce(f64::min)?;
+        Some((one, expected, least))
+    });
+    let (best, expected, least) =
+        closer.max_by(|a, b| worth(&a.0, a.2).total_cmp(&worth(&b.0, b.2)))?;
+    if least < DECIDES {
+        return Some(undecided(mechanisms[0], &mechanisms[1..], &best, least));
+    }
+    let differs: Vec<String> = expected
+        .iter()
+        .map(|e| format!("about {} if it is {}", digits(e.delta_bic), e.mechanism))
+        .collect();
+    Some(NextRecording {
+        text: format!(
+            "{} would tell {} from {}: diagnosed together with what there is, Schwarz's criterion (10 is strong) would differ by {}.",
+            best.text,
+            mechanisms[0],
+            listed(&mechanisms[1..]),
+            differs.join(", ")
+        ),
+        expected_delta_bic: Some(least),
+        expected,
+    })
+}
+
+/// What a candidate that shows so much is worth for what it takes: what is plain need not be plainer.
+fn worth(candidate: &Candidate, shows: f64) -> f64 {
+    (shows.min(ENOUGH) + 1e-6 * shows) / candidate.effort
+}
+
+/// No other recording of this rig shows it.
+fn undecided(own: Mechanism, others: &[Mechanism], best: &Candidate, least: f64) -> NextRecording {
+    NextRecording {
+        text: format!(
+            "{} No other speed or direction would tell {own} from {} here: of those simulated the best, {}, makes a difference of {} by \
+             Schwarz's criterion, where 10 is strong.",
+            own.separated_by(),
+            listed(others),
+            best.text,
+            digits(least)
+        ),
+        expected_delta_bic: None,
+        expected: Vec::new(),
+    }
+}
+
+/// What looks alike leaves the very same edges in any simulation of this twin.
+fn not_simulated(own: Mechanism, others: &[Mechanism]) -> NextRecording {
+    NextRecording {
+        text: format!(
+            "{} Not simulated: {own} and {} leave the same edges in every recording that this twin can make.",
+            own.separated_by(),
+            listed(others)
+        ),
+        expected_delta_bic: None,
+        expected: Vec::new(),
+    }
+}
+
+fn listed(mechanisms: &[Mechanism]) -> String {
+    let ids: Vec<&str> = mechanisms.iter().map(|m| m.id()).collect();
+    ids.join(" and ")
+}
+
+/// To two digits.
+fn digits(value: f64) -> String {
+    let short: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    short.to_string()
+}

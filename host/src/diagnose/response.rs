@@ -1,0 +1,73 @@
+//! What torques make of the angle along a residual: the response of the twin's shaft, linear about its course.
+
+use super::seen::Seen;
+use super::shaft::{Leap, ShaftLaw};
+
+/// Response of the angle to an acceleration, rad/s^2, given at an edge's interval: at its start 0, middle 0.5, end 1.
+#[must_use]
+pub fn pushed(seen: &Seen, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
+    let mut state = [0.0; 2];
+    (0..seen.len())
+        .map(|at| {
+            if seen.follows(at) {
+                state = [0.0; 2];
+            } else if at > 0 {
+                let leap = seen.readings[at].leap;
+                state = leap.step(state, [push(at, 0.0), push(at, 0.5), push(at, 1.0)]);
+            }
+            state[0]
+        })
+        .collect()
+}
+
+/// Response to torques that go as cos and sin of a phase, which is given at a share of the interval before an edge.
+#[must_use]
+pub fn pushed_round(
+    seen: &Seen,
+    law: &ShaftLaw,
+    phase: &dyn Fn(usize, f64) -> f64,
+) -> Vec<Vec<f64>> {
+    /// Radians of a rhythm that a step may take.
+    const STEP: f64 = 0.7;
+    let size = 1.0 / law.inertia;
+    let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
+    let (mut even, mut odd) = ([0.0; 2], [0.0; 2]);
+    let mut last = phase(0, 0.0).sin_cos();
+    for at in 1..seen.len() {
+        if seen.follows(at) {
+            (even, odd) = ([0.0; 2], [0.0; 2]);
+            last = phase(at, 0.0).sin_cos();
+            continue;
+        }
+        let whole = seen.readings[at].leap;
+        let steps = ((phase(at, 0.0) - phase(at, -1.0)).abs() / STEP)
+            .ceil()
+            .clamp(1.0, 200.0);
+        let leap = Leap {
+            after_s: whole.after_s / steps,
+            ..whole
+        };
+        for step in 1..=steps as usize {
+            let share = |part: f64| (step as f64 + part) / steps - 1.0;
+            let half = phase(at, share(-0.5)).sin_cos();
+            let here = phase(at, share(0.0)).sin_cos();
+            even = leap.step(even, [last.1 * size, half.1 * size, here.1 * size]);
+            odd = leap.step(odd, [last.0 * size, half.0 * size, here.0 * size]);
+            last = here;
+        }
+        (cos[at], sin[at]) = (even[0], odd[0]);
+    }
+    vec![cos, sin]
+}
+
+/// Response to a friction, N m at a speed, while the drive is off: what is on balances friction.
+#[must_use]
+pub fn braked(seen: &Seen, law: &ShaftLaw, friction: &dyn Fn(f64) -> f64) -> Vec<Vec<f64>> {
+    vec![pushed(seen, &|at, _| {
+        if law.driven(seen.times_s[at]) {
+            0.0
+        } else {
+            -friction(seen.speeds[at]) / law.inertia
+        }
+    })]
+}

@@ -1,0 +1,100 @@
+//! `bearing`: torque or run-out at an order that no declared ratio gives.
+//!
+//! Rolling elements pass a flaw of the outer ring n = (z / 2) (1 - (d / D) cos alpha) times a turn, z elements of diameter d on a pitch
+//! diameter D with contact angle alpha. Slip makes n drift a little off that, so it is searched for. The shaft moves across its axis
+//! with it, and an edge with the shaft:
+//! `e = r sin(n theta + phi), n not whole`
+//! of the same angle at any speed; as a torque its mark is that of a [`Mechanism::GearMesh`]. Simulated in `sim/disc.rs`, as a torque
+//! in `sim/taylor.rs`.
+//!
+//! Source: ball pass frequency of the outer ring (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2).
+
+use super::card::{ERROR_RAD, ORDERS};
+use super::handling::off_whole;
+use super::line_error::{columns, round_order, text};
+use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity, Setting};
+use crate::diagnose::basis::Basis;
+use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::mended::{Mended, wave};
+use crate::diagnose::named::{Named, Numbers};
+use crate::twin::Bearing;
+
+/// Its card.
+pub const CARD: Card = Card {
+    title: "bearing or other run-out at a non-integer order",
+    physics: "Rolling elements pass a flaw of a ring at an order that slip and their geometry give, not a whole number. The shaft moves \
+              across its axis, and the edges with it, or it is pushed.",
+    equation: "e = r sin(n theta + phi), n not whole",
+    source: "ball pass frequency of the outer ring (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2)",
+    twin: "bearing",
+    parameters: &[
+        Quantity::new("order", "1", ORDERS, "n, cycles a turn"),
+        Quantity::new("runout_rad", "rad", [0.0, ERROR_RAD], "r, its amplitude"),
+        Quantity::phase("phi, its phase at angle 0"),
+    ],
+    locked_to: &[LockedTo::FractionalOrder],
+    speed_exponent: None,
+    edge_classes: EdgeClasses::Alike,
+    look_alikes: &[
+        Mechanism::GearMesh,
+        Mechanism::TorqueTone,
+        Mechanism::TorqueRipple,
+        Mechanism::Eccentricity,
+    ],
+    same_mark: &[],
+    told_by_rig: &[],
+    separated_by: "Two recordings at speeds that differ by a factor of two: the order stays; run-out keeps its size in angle, torque falls \
+                   with the square of the speed. One more with the gear disconnected rules out a mesh.",
+    handling: Handling {
+        makes: |basis| round_order(basis).is_some_and(|order| order.fract() != 0.0),
+        columns,
+        of_rhythm: |rhythm| {
+            let order = rhythm.fractional()?;
+            Some(Basis::Round { order })
+        },
+        instead_of,
+        values,
+        text,
+        mends,
+        ..Handling::NONE
+    },
+};
+
+/// Whether by the grid angle or by the true angle of each edge: no name hangs on that.
+fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
+    match found.bases.first() {
+        Some(&Basis::TorqueOrder { order }) if order.fract() != 0.0 => vec![
+            Hypothesis::by(Basis::Round { order }),
+            Hypothesis::by(Basis::Lagged { order }),
+        ],
+        Some(&Basis::TorqueTone { f_hz }) => {
+            let order = off_whole(std::f64::consts::TAU * f_hz / setting.speed_rad_s);
+            vec![Hypothesis::by(Basis::Round { order })]
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn values(numbers: &Numbers<'_>) -> Named {
+    let Some(order) = round_order(numbers.basis()) else {
+        return Named::new();
+    };
+    vec![
+        ("order".to_owned(), numbers.searched(order, 0)),
+        ("runout_rad".to_owned(), Numbers::amplitude(0)),
+        ("phase_rad".to_owned(), Numbers::phase(0)),
+    ]
+}
+
+fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
+    if let Basis::Round { order } = basis {
+        let (runout_rad, phase_rad) = wave(sizes);
+        mended.twin.bearing.push(Bearing {
+            order,
+            phase_rad,
+            torque_n_m: None,
+            speed_fraction: None,
+            runout_rad: Some(runout_rad),
+        });
+    }
+}

@@ -1,0 +1,70 @@
+//! `gear_mesh`: torque at an order that a gear gives.
+//!
+//! Each tooth that comes into mesh pushes; with z teeth on a wheel that turns i times as fast as the encoder, the order is n = z i, and
+//! n / z once for each turn of that wheel, seldom a whole number:
+//! `J dw/dt = T sin(n theta + phi), n = z i`
+//! The mark is that of a [`Mechanism::TorqueRipple`], but does not repeat each turn. Which ratio gives the order, only the rig's own
+//! drawings tell; so [`Mechanism::Bearing`] is named beside it. Simulated in `sim/taylor.rs`.
+//!
+//! Source: tooth-mesh frequency, teeth times speed of the wheel (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2).
+
+use super::card::ORDERS;
+use super::handling::off_whole;
+use super::torque_ripple::{columns, declared, named, text, torque_order};
+use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity, Setting};
+use crate::diagnose::basis::Basis;
+use crate::diagnose::hypothesis::Hypothesis;
+
+/// Its card.
+pub const CARD: Card = Card {
+    title: "torque of a gear mesh",
+    physics: "Each tooth that comes into mesh pushes the shaft. The order is the teeth of a wheel times its ratio to the encoder, seldom \
+              a whole number.",
+    equation: "J dw/dt = T sin(n theta + phi), n = z i",
+    source: "tooth-mesh frequency, teeth times speed of the wheel (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2)",
+    twin: "gear_mesh",
+    parameters: &[
+        Quantity::new("order", "1", ORDERS, "n, cycles a turn"),
+        Quantity::torque("T, its amplitude"),
+        Quantity::phase("phi, its phase at angle 0"),
+    ],
+    locked_to: &[LockedTo::FractionalOrder],
+    speed_exponent: Some(-2),
+    edge_classes: EdgeClasses::Alike,
+    look_alikes: &[
+        Mechanism::Bearing,
+        Mechanism::TorqueTone,
+        Mechanism::TorqueRipple,
+    ],
+    same_mark: &[],
+    told_by_rig: &[Mechanism::Bearing],
+    separated_by: "Two recordings at speeds that differ by a tenth or more: the order stays while its frequency moves; the gear's tooth \
+                   counts must give this order, or it is a bearing. One more with the gear disconnected shows it gone.",
+    handling: Handling {
+        makes: |basis| torque_order(basis).is_some_and(|order| order.fract() != 0.0),
+        columns,
+        of_rhythm: |rhythm| {
+            let order = rhythm.fractional()?;
+            Some(Basis::TorqueOrder { order })
+        },
+        instead_of,
+        values: |numbers| {
+            let order = torque_order(numbers.basis()).unwrap_or(0.0);
+            named(numbers.searched(order, 0))
+        },
+        text,
+        mends: |mended, basis, sizes| mended.twin.gear_mesh.extend(declared(basis, sizes)),
+        ..Handling::NONE
+    },
+};
+
+fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
+    let order = match found.bases.first() {
+        Some(&Basis::Round { order }) if order.fract() != 0.0 => order,
+        Some(&Basis::TorqueTone { f_hz }) => {
+            off_whole(std::f64::consts::TAU * f_hz / setting.speed_rad_s)
+        }
+        _ => return Vec::new(),
+    };
+    vec![Hypothesis::by(Basis::TorqueOrder { order })]
+}
