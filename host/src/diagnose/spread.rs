@@ -97,7 +97,12 @@ fn noise(bench: &Bench, random: &mut ChaCha8Rng) -> Vec<f64> {
     let noise = bench.noise;
     let (mut angle, mut drift) = (0.0, 0.0);
     let mut speed: Option<f64> = None;
-    let each = bench.seen.readings.iter().map(|reading| {
+    let each = bench.seen.readings.iter().enumerate().map(|(at, reading)| {
+        if bench.seen.follows(at) {
+            // The course goes along with what a push makes of the shaft.
+            (angle, speed) = (0.0, Some(0.0));
+            return reading.speed * noise.stamp_s * normal(random);
+        }
         let leap = Leap {
             damping: reading.leap.damping + noise.forgets_per_s,
             ..reading.leap
@@ -116,12 +121,7 @@ fn noise(bench: &Bench, random: &mut ChaCha8Rng) -> Vec<f64> {
         let (one, two) = (normal(random), normal(random));
         let kick = (noise.acceleration * h).sqrt();
         angle += reach * before + h * drift + kick * h * (0.5 * one + two / 12_f64.sqrt());
-        let jolt = if reading.jolt > 0.0 {
-            reading.jolt.sqrt() * normal(random)
-        } else {
-            0.0
-        };
-        speed = Some(stays * before + kick * one + jolt);
+        speed = Some(stays * before + kick * one);
         drift += (noise.drift * h).sqrt() * normal(random);
         angle + reading.speed * noise.stamp_s * normal(random)
     });
