@@ -21,6 +21,7 @@ pub mod firmware;
 pub mod fuzz_device;
 pub mod locate;
 pub mod power_cut;
+pub mod real;
 pub mod rig;
 pub mod session;
 pub mod slot_check;

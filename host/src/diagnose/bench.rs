@@ -75,7 +75,7 @@ impl Bench {
     /// The noise that a residual shows.
     #[must_use]
     pub fn noise_of(&self, angles: &[f64]) -> ShaftNoise {
-        let free = if self.law.held() {
+        let free = if self.law.held() || self.seen.pushed {
             Free::Sizes
         } else {
             Free::All
@@ -145,6 +145,13 @@ impl Bench {
         self.whitener.deviations()
     }
 
+    /// Leaves nothing of a row outside of some parts.
+    pub fn cut(&self, row: &mut [f64], parts: &std::ops::Range<usize>) {
+        let kept = self.part(parts.start).start..self.part(parts.end - 1).end;
+        row[..kept.start].fill(0.0);
+        row[kept.end..].fill(0.0);
+    }
+
     /// Edges of a part.
     #[must_use]
     pub fn part(&self, part: usize) -> std::ops::Range<usize> {
@@ -158,7 +165,9 @@ fn first_guess(seen: &Seen, law: &ShaftLaw, least_stamp_s: f64) -> ShaftNoise {
     let speed = seen.mean_speed();
     let wander = 1e-3 * speed;
     let damping = law.damping(0.0, speed);
-    let unheld = !law.held();
+    let unheld = !law.held() && !seen.pushed;
+    // What is left to itself between pushes forgets nothing; its noise is a first guess.
+    let damping = if seen.pushed { speed } else { damping };
     ShaftNoise {
         acceleration: 2.0 * if unheld { speed } else { damping } * wander * wander,
         stamp_s: 3.0 * least_stamp_s,

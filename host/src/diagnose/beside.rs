@@ -7,6 +7,7 @@ use super::events::{Event, events};
 use super::mend::FaultKind;
 use super::motion::MotionFinding;
 use super::noise::NoiseFinding;
+use super::pushed::{Push, pushes};
 use super::run::Recorded;
 use super::track::Track;
 use crate::mechanism::Mechanism;
@@ -59,6 +60,46 @@ pub fn of_motion(motion: &MotionFinding) -> Finding {
         parameters: named.collect(),
         ..plain(motion.mechanism, motion.text.clone(), motion.delta_bic)
     }
+}
+
+/// Pushes of all recordings as a finding.
+#[must_use]
+pub fn of_pushes(rig: &[Recorded]) -> Option<Finding> {
+    let each = rig.iter().map(|one| (one, pushes(&one.track, &one.twin)));
+    let all: Vec<(f64, Push)> = each
+        .flat_map(|(one, pushes)| {
+            let inertia = one.twin.shaft.inertia_kg_m2;
+            pushes.into_iter().map(move |push| (inertia, push))
+        })
+        .collect();
+    let (_, first) = all.first()?;
+    let count = all.len() as f64;
+    let long = |push: &Push| push.until_s - push.from_s;
+    let seconds = all.iter().map(|(_, push)| long(push)).sum::<f64>() / count;
+    let torques: Vec<f64> = all
+        .iter()
+        .map(|(inertia, push)| inertia * (push.speeds[1] - push.speeds[0]) / long(push))
+        .collect();
+    let mean = torques.iter().sum::<f64>() / count;
+    let square = torques.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let text = format!(
+        "{count} pushes while no drive is on, {seconds:.2} s each in the mean, the first at {:.4} s; only what lies between them \
+         was compared with the twin",
+        first.from_s
+    );
+    let mut finding = plain(Mechanism::LoadStep, text, EVENT);
+    let parameters = [
+        ("count", number(Mechanism::LoadStep, "count", count)),
+        (
+            "torque_n_m",
+            parameter(mean, (square / count).sqrt(), "N m"),
+        ),
+    ];
+    finding
+        .parameters
+        .extend(parameters.map(|(name, one)| (name.to_owned(), one)));
+    finding.place.times_s = all.iter().map(|(_, push)| push.from_s).collect();
+    Some(finding)
 }
 
 /// Evidence of one event: what a whole edge out of place would cost without it, at the least.

@@ -2,7 +2,6 @@
 
 use super::basis::Basis;
 use super::board::Board;
-
 use super::crowd::{Family, family, kin};
 use super::disc::{Pattern, comes_again, put_back};
 use super::estimate::Estimate;
@@ -83,17 +82,18 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
     conclusion.pattern = searched.pattern.is_some() && changing.is_none();
     let changing = changing.map_or(0.0, |pattern| pattern.score) + searched.passing;
     let unknown_squares = odd_score + left.map_or(0.0, |left| left.squares) + changing;
+    let part = |score: f64, of: Family| {
+        let mut odd = odd.iter().map(|number| family(&searched.found[*number]));
+        score < 0.3 * unknown_squares
+            && (odd.any(|odd| odd == of) || left.is_some_and(|left| kin(left.among) == of))
+    };
     for (number, found) in searched.found.iter().enumerate() {
-        let part = unknown_squares > 0.0
-            && found.score < 0.3 * unknown_squares
-            && (odd
-                .iter()
-                .any(|o| family(&searched.found[*o]) == family(found))
-                || left.is_some_and(|left| kin(left.among) == family(found)));
-        if odd.contains(&number) || part {
-            continue;
+        if !odd.contains(&number) && !part(found.score, family(found)) {
+            conclusion.named.push(name(board, searched, number));
         }
-        conclusion.named.push(name(board, searched, number));
+    }
+    if let Some(pattern) = &searched.pattern {
+        conclusion.pattern &= !part(pattern.score, Family::Alike);
     }
     conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
     conclusion.nameless = nameless(board, searched, &odd, left).or_else(|| {

@@ -25,10 +25,15 @@ pub struct Pattern {
     pub score: f64,
     /// Error of each edge, rad.
     pub errors_rad: Vec<f64>,
+    /// Standard error of each of them, rad.
+    pub edge_error_rad: f64,
 }
 
 /// Which parts of the recordings count.
 type Kept<'a> = &'a dyn Fn(usize) -> bool;
+
+/// Edges that a pattern needs.
+const EDGES_LEAST: usize = 4;
 
 /// Steps of the conjugate gradients at the most.
 const STEPS: usize = 60;
@@ -41,14 +46,17 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
     let disc = Disc::of(board)?;
     let pulled = disc.own(&disc.folded(model.left.clone()));
     let spectrum = disc.spectrum(pulled.clone());
-    let modes: Vec<(f64, f64)> = disc
+    let modes: Vec<Mode> = disc
         .orders
         .iter()
-        .map(|&m| {
-            let clear = disc.clear[m];
-            (spectrum[m].norm_sqr() / (disc.edges as f64 * clear), clear)
+        .map(|&m| Mode {
+            squares: spectrum[m].norm_sqr() / (disc.edges as f64 * disc.clear[m]),
+            clear: disc.clear[m],
+            weight: disc.weight(m),
         })
         .collect();
+    let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
+    let edge_variance = shares.sum::<f64>() / disc.edges as f64;
     let (log_s2, most, bend) = likeliest(&modes)?;
     let s2 = log_s2.exp();
     // -bend is twice the information on ln s^2.
@@ -62,6 +70,7 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
         standard_error_rad: 0.5 * deviation * s2.sqrt(),
         score: most - (board.edges() as f64).ln(),
         errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
+        edge_error_rad: edge_variance.sqrt(),
     })
 }
 
@@ -113,19 +122,30 @@ pub fn comes_again(board: &Board, there: &[Vec<f64>], rms_rad: f64) -> Vec<(f64,
     shares
 }
 
+/// An order's pull.
+#[derive(Clone, Copy, Debug)]
+struct Mode {
+    /// Its square over what noise alone makes of it.
+    squares: f64,
+    /// How clearly it shows.
+    clear: f64,
+    /// 1, or 0.5 where it is one number, not two.
+    weight: f64,
+}
+
 /// The variance, as a logarithm, that makes the orders' pulls most likely; twice the logarithm of their likelihood ratio there, and
 /// how it bends.
-fn likeliest(modes: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
+fn likeliest(modes: &[Mode]) -> Option<(f64, f64, f64)> {
     let likelihood = |log_s2: f64| {
         let s2 = log_s2.exp();
-        let each = modes.iter().map(|(z2, l)| {
-            let g = s2 * l;
-            z2 * g / (1.0 + g) - g.ln_1p()
+        let each = modes.iter().map(|mode| {
+            let g = s2 * mode.clear;
+            mode.weight * (mode.squares * g / (1.0 + g) - g.ln_1p())
         });
         2.0 * each.sum::<f64>()
     };
     let middle = {
-        let mut ls: Vec<f64> = modes.iter().map(|mode| mode.1).collect();
+        let mut ls: Vec<f64> = modes.iter().map(|mode| mode.clear).collect();
         ls.sort_by(f64::total_cmp);
         -ls.get(ls.len() / 2)?.ln()
     };
@@ -162,7 +182,10 @@ impl<'a> Disc<'a> {
         let edges = first.seen.edges as usize;
         let classes = first.seen.classes as usize;
         let lines = edges / classes;
-        if edges < 24 || (board.benches.len() > 1 && !board.tied) || first.seen.turns() < 3.0 {
+        if edges < EDGES_LEAST
+            || (board.benches.len() > 1 && !board.tied)
+            || first.seen.turns() < 3.0
+        {
             return None;
         }
         let mut planner = RealFftPlanner::<f64>::new();
@@ -178,12 +201,17 @@ impl<'a> Disc<'a> {
         disc.clear = board.clear.get_or_init(|| disc.clearness()).clone();
         // What is the same for all edges of a class has names of its own.
         let own = |order: usize| {
-            order != 0 && (lines == 0 || !order.is_multiple_of(lines)) && 2 * order < edges
+            order != 0 && (lines == 0 || !order.is_multiple_of(lines)) && 2 * order <= edges
         };
         disc.orders = (0..disc.clear.len())
             .filter(|order| own(*order) && disc.clear[*order] > 0.0)
             .collect();
         Some(disc)
+    }
+
+    /// From edge to edge there and back is one number, not two.
+    fn weight(&self, order: usize) -> f64 {
+        if 2 * order == self.edges { 0.5 } else { 1.0 }
     }
 
     fn spectrum(&self, mut row: Vec<f64>) -> Vec<Complex<f64>> {

@@ -1,8 +1,8 @@
 //! Numbers of what was found, with their covariance: what is searched for and what sizes it, fitted together.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::board::{Board, Column, Model};
+use super::board::{Board, Column, Model, PARTS};
 use super::hypothesis::Hypothesis;
 use super::refine::{slopes, steps};
 use super::search::Searched;
@@ -37,6 +37,7 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
     // Where a searched number can't be told from a size, the sizes alone have to do.
     let fitted: Option<Model> = board.fit(columns);
     let variance = spread(&searched.model).max(1.0);
+    let wider = widened(board, fitted.as_ref().unwrap_or(&searched.model));
     ranges
         .into_iter()
         .zip(&searched.found)
@@ -46,7 +47,9 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
                 None => (&searched.model, (at..at + sizes.len()).collect()),
             };
             let covariance = DMatrix::from_fn(all.len(), all.len(), |i, j| {
-                variance * model.covariance[(all[i], all[j])]
+                let (i, j) = (all[i], all[j]);
+                let wider = (wider[i].max(variance) * wider[j].max(variance)).sqrt();
+                wider * model.covariance[(i, j)]
             });
             let off = if fitted.is_some() {
                 (first..end).map(|i| model.sizes[i]).collect()
@@ -58,6 +61,55 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
                 sizes,
                 searched: off,
                 covariance,
+            }
+        })
+        .collect()
+}
+
+/// How much larger the variance of each number of a model is than noise makes it, by how it scatters from part to part of the
+/// recordings: 1 unless it scatters by more than chance. What is left and is no noise moves numbers as well, and the fit alone
+/// does not know (the sandwich of H. White, Econometrica 50, 1982, with each part as one observation).
+fn widened(board: &Board, model: &Model) -> Vec<f64> {
+    /// Standard errors of a variance that chance seldom makes.
+    const CHANCE: f64 = 3.5;
+    let count = model.columns.len();
+    // What each part adds to each number: as it is, and the variance that noise gives it.
+    let (mut sum, mut noise, mut noise2) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+    for (at, bench) in board.benches.iter().enumerate() {
+        for part in 0..PARTS {
+            let range = bench.part(part);
+            let left = &model.left[at][range.clone()];
+            let parts: Vec<Option<&[f64]>> = model
+                .columns
+                .iter()
+                .map(|column| column.0[at].as_ref().map(|c| &c[range.clone()]))
+                .collect();
+            let product = |i: usize, other: &[f64]| {
+                let own = parts[i].iter().flat_map(|own| own.iter());
+                own.zip(other).map(|(a, b)| a * b).sum::<f64>()
+            };
+            let pull = DVector::from_fn(count, |i, _| product(i, left));
+            let gram = DMatrix::from_fn(count, count, |i, j| {
+                parts[j].map_or(0.0, |other| product(i, other))
+            });
+            let moved = &model.covariance * pull;
+            let expected = &model.covariance * gram * &model.covariance;
+            for i in 0..count {
+                sum[i] += moved[i] * moved[i];
+                noise[i] += expected[(i, i)];
+                noise2[i] += expected[(i, i)] * expected[(i, i)];
+            }
+        }
+    }
+    (0..count)
+        .map(|i| {
+            let parts = noise[i] * noise[i] / noise2[i];
+            let ratio = sum[i] / noise[i];
+            let seldom = 1.0 + CHANCE * (2.0 / parts).sqrt();
+            if ratio.is_finite() && ratio > seldom {
+                ratio
+            } else {
+                1.0
             }
         })
         .collect()

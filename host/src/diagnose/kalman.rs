@@ -36,6 +36,8 @@ pub struct Reading {
     pub fresh: bool,
     /// Whether nothing is known of angle and speed: edges before it were left out.
     pub anew: bool,
+    /// Variance of a jolt of the speed that nobody knows, (rad/s)^2.
+    pub jolt: f64,
 }
 
 /// The filter's gains along a row of edges, which depend on times only: so one run serves every pattern.
@@ -91,6 +93,9 @@ impl Whitener {
                     settling = 1;
                 } else {
                     p = spread;
+                    p[3] += reading.jolt;
+                    p[1] += reading.jolt * way.reach;
+                    p[0] += reading.jolt * way.reach * way.reach;
                 }
                 let stamp = noise.stamp_s * reading.speed;
                 let own = stamp * stamp + 1e-30;

@@ -5,6 +5,7 @@ use super::board::Board;
 use super::disc::Pattern;
 use super::estimate::Estimate;
 use super::run::Recorded;
+use crate::mechanism::Mechanism;
 use crate::twin::{Channel, Errors, Twin};
 
 /// A twin being mended, and what its disc lacks: errors of each edge, rad.
@@ -12,8 +13,20 @@ use crate::twin::{Channel, Errors, Twin};
 pub struct Mended {
     /// The twin.
     pub twin: Twin,
-    /// What is added to its disc's errors; empty where nothing is.
+    /// What is added to its disc's errors, for each edge of the recording; empty where nothing is.
     pub errors_rad: Vec<f64>,
+    /// Edges a turn of the recording: of a wheel's tooth it may have one.
+    pub edges: usize,
+    /// Its edge classes.
+    pub classes: usize,
+}
+
+/// Whether a finding goes into the list of a disc's errors, edge by edge.
+fn is_listed(basis: Basis) -> bool {
+    matches!(
+        basis.mechanism(),
+        Mechanism::LineError | Mechanism::WidthError | Mechanism::QuadratureError
+    )
 }
 
 /// Channel of a number.
@@ -64,8 +77,10 @@ impl Mended {
         }
         let pairs = known.iter().zip(&self.errors_rad);
         let list: Vec<f64> = pairs.map(|(known, more)| known + more).collect();
+        // Of a wheel recorded with one edge of each tooth the other goes along.
+        let each = (self.twin.encoder.grid_edges() as usize / self.edges).max(1);
         self.twin.errors = Errors {
-            list_rad: list.clone(),
+            list_rad: list.iter().flat_map(|e| vec![*e; each]).collect(),
             ..Errors::default()
         };
         Some(list)
@@ -77,8 +92,7 @@ impl Mended {
 
     /// Adds errors of the disc by angle, channel and whether the edge rises.
     pub fn add_disc(&mut self, error: impl Fn(f64, usize, bool) -> f64) {
-        let edges = self.twin.encoder.grid_edges() as usize;
-        let classes = self.twin.encoder.edges_per_line() as usize;
+        let (edges, classes) = (self.edges, self.classes);
         let mut all = std::mem::take(&mut self.errors_rad);
         all.resize(edges, 0.0);
         for (edge, sum) in all.iter_mut().enumerate() {
@@ -101,9 +115,18 @@ pub fn twins(
     numbers: &[Estimate],
 ) -> (Vec<Twin>, Vec<Option<Vec<f64>>>) {
     let each = rig.iter().enumerate().map(|(number, one)| {
+        let edges = one.track.edges as usize;
+        let mut bases = numbers.iter().flat_map(|n| &n.hypothesis.bases);
+        let errors_rad = match pattern {
+            Some(pattern) => pattern.errors_rad.clone(),
+            None if bases.any(|basis| is_listed(*basis)) => vec![0.0; edges],
+            None => Vec::new(),
+        };
         let mut mended = Mended {
             twin: one.twin.clone(),
-            errors_rad: pattern.map_or_else(Vec::new, |p| p.errors_rad.clone()),
+            errors_rad,
+            edges,
+            classes: one.track.classes as usize,
         };
         for estimate in numbers {
             mended.add(estimate, number, rig.len());

@@ -6,6 +6,7 @@ use super::diagnosis::Finding;
 use super::locate::{Along, Among, spectrum};
 use super::settle::Settled;
 use super::shown::{FindingPlot, Line, RecordingPlot, Shown};
+use crate::mechanism::Mechanism;
 
 /// Points of a curve.
 const POINTS: usize = 360;
@@ -59,7 +60,9 @@ fn rad(bench: &Bench, model: &Model, number: usize) -> Vec<f64> {
 
 fn in_time(bench: &Bench, model: &Model, number: usize) -> Line {
     let rad = rad(bench, model, number);
-    cells(bench.seen.times_s.iter().copied().zip(rad.iter().copied()))
+    let each = bench.seen.times_s.iter().copied().zip(rad.iter().copied());
+    let there = each.enumerate().filter(|(at, _)| !bench.seen.follows(*at));
+    cells(there.map(|(_, point)| point))
 }
 
 fn in_orders(bench: &Bench, model: &Model, number: usize) -> (Line, f64) {
@@ -185,8 +188,20 @@ fn coordinate<'a>(bench: &'a Bench, finding: &Finding, basis: Basis) -> (String,
     }
 }
 
-/// Of what is no pattern: how far edges come from where they were expected, along time.
+/// Of a whole disc, the error of each edge; of what is no pattern, how far edges come from where they were expected, along time.
 fn residual_plot(settled: &Settled, finding: &Finding) -> FindingPlot {
+    if let (Mechanism::LineError, Some(pattern)) = (finding.mechanism, &settled.pattern) {
+        let step = 360.0 / pattern.errors_rad.len() as f64;
+        let each = pattern.errors_rad.iter().enumerate();
+        return FindingPlot {
+            mechanism: finding.mechanism,
+            x_label: "angle of the disc, degrees".to_owned(),
+            y_label: "error of each edge, urad".to_owned(),
+            before: cells(each.map(|(k, error)| (k as f64 * step, 1e6 * error))),
+            after: Vec::new(),
+            model: Vec::new(),
+        };
+    }
     let bench = &settled.given.benches[0];
     let line = |model: &Model| in_time(bench, model, 0);
     FindingPlot {

@@ -5,6 +5,9 @@ use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
 use super::weigh::{Weighed, weigh};
 
+/// Widest place of the disc that is out of line, rad (sigma).
+const WIDEST_RAD: f64 = std::f64::consts::TAU / 8.0;
+
 /// The same hypothesis with what is searched for where it explains most: Gauss and Newton's steps, the slopes by differences.
 #[must_use]
 pub fn refined(board: &Board, model: &Model, first: Weighed) -> Weighed {
@@ -151,11 +154,11 @@ fn until(basis: &mut Basis, by: f64) {
 
 fn length(basis: &mut Basis, by: f64) {
     match basis {
-        Basis::LevelDrift { tau_s: scale, .. }
-        | Basis::Stribeck { rad_s: scale }
-        | Basis::Bump {
-            width_rad: scale, ..
-        } => *scale *= by.exp(),
+        Basis::LevelDrift { tau_s: scale, .. } | Basis::Stribeck { rad_s: scale } => {
+            *scale *= by.exp();
+        }
+        // What is wider is no place any more.
+        Basis::Bump { width_rad, .. } => *width_rad = (*width_rad * by.exp()).min(WIDEST_RAD),
         _ => {}
     }
 }

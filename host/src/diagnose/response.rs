@@ -9,7 +9,9 @@ pub fn pushed(seen: &Seen, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
     let mut state = [0.0; 2];
     (0..seen.len())
         .map(|at| {
-            if at > 0 {
+            if seen.follows(at) {
+                state = [0.0; 2];
+            } else if at > 0 {
                 let leap = seen.readings[at].leap;
                 state = leap.step(state, [push(at, 0.0), push(at, 0.5), push(at, 1.0)]);
             }
@@ -32,6 +34,11 @@ pub fn pushed_round(
     let (mut even, mut odd) = ([0.0; 2], [0.0; 2]);
     let mut last = phase(0, 0.0).sin_cos();
     for at in 1..seen.len() {
+        if seen.follows(at) {
+            (even, odd) = ([0.0; 2], [0.0; 2]);
+            last = phase(at, 0.0).sin_cos();
+            continue;
+        }
         let whole = seen.readings[at].leap;
         let steps = ((phase(at, 0.0) - phase(at, -1.0)).abs() / STEP)
             .ceil()

@@ -40,7 +40,7 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
     (own, all)
 }
 
-/// What the look-alikes of a finding would make of its mark.
+/// What the look-alikes of a finding would make of its mark, and what else its own mechanism would.
 fn alternatives(board: &Board, found: &Found) -> Vec<Hypothesis> {
     let Some(first) = board.benches.first() else {
         return Vec::new();
@@ -49,8 +49,9 @@ fn alternatives(board: &Board, found: &Found) -> Vec<Hypothesis> {
         channels: channels(first.seen.classes),
         speed_rad_s: first.seen.mean_speed(),
     };
-    let look_alikes = found.hypothesis.mechanism.look_alikes().iter();
-    look_alikes
+    let own = found.hypothesis.mechanism;
+    std::iter::once(&own)
+        .chain(own.look_alikes())
         .flat_map(|other| (other.card().handling.instead_of)(&found.hypothesis, setting))
         .collect()
 }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::beside::{of_events, of_motion, of_noise};
+use super::beside::{of_events, of_motion, of_noise, of_pushes};
 use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
 use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
@@ -98,6 +98,7 @@ pub fn diagnose(
         found.push(of_motion(&motion));
         return Ok(alone(&rig, motion.twins, found));
     }
+    found.extend(of_pushes(&rig));
     let mut board = prepare::board(&rig)?;
     if let Some(motion) = closed_loop::recognised(&rig, &board) {
         found.push(of_motion(&motion));

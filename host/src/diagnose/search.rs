@@ -5,6 +5,7 @@ use super::board::{Board, Column, Model};
 use super::conclude::crowd;
 use super::disc::{self, Pattern};
 use super::hypothesis::{Hypothesis, with_disc};
+use super::pairs::pair;
 use super::propose::propose;
 use super::refine::refined;
 use super::scan::{defects, loads};
@@ -101,6 +102,14 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         proposed.extend(defects(board, &model));
         let best = best(board, &model, &mut shelf, proposed);
         let score = best.as_ref().map_or(0.0, |best| best.score);
+        // What the disc's pattern is fitted beside needs no partner.
+        if pattern.is_none()
+            && let Some(pair) = pair(board, &model, &mut shelf, score)
+        {
+            found.extend(pair);
+            model = board.fit(columns(&nuisances, &found))?;
+            continue;
+        }
         let whole = if patterns < PATTERNS {
             disc::pattern(board, &model)
         } else {

@@ -36,6 +36,8 @@ pub struct Seen {
     pub angles: Vec<f64>,
     /// What the noise model needs of it.
     pub readings: Vec<Reading>,
+    /// Whether the shaft is pushed now and then by what the twin does not have (see [`super::pushed`]).
+    pub pushed: bool,
     /// Samples of a speed loop that may have seen an edge or not.
     pub ties: Vec<Tie>,
     /// The twin's torques, and the angles that they give, rad.
@@ -159,6 +161,12 @@ impl Seen {
     #[must_use]
     pub fn edge(&self, at: usize) -> usize {
         usize::try_from((self.places[at] - self.shift).rem_euclid(self.edges)).unwrap_or(0)
+    }
+
+    /// Whether the course follows the recording here, as a push that nobody knows sends it anywhere.
+    #[must_use]
+    pub fn follows(&self, at: usize) -> bool {
+        self.pushed && self.readings[at].jolt > 0.0
     }
 
     /// Turns compared.

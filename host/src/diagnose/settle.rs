@@ -76,6 +76,11 @@ pub fn settle(
             let Ok(mut next) = prepare::board(&rig) else {
                 break;
             };
+            // Edges are compared one by one, so the mended twin has to go wherever the given one goes.
+            let mut pairs = next.benches.iter().zip(&again.benches);
+            if pairs.any(|(next, again)| next.seen.len() != again.seen.len()) {
+                break;
+            }
             for (bench, found) in next.benches.iter_mut().zip(&again.benches) {
                 bench.set_noise(found.noise);
             }

@@ -97,7 +97,12 @@ fn noise(bench: &Bench, random: &mut ChaCha8Rng) -> Vec<f64> {
     let noise = bench.noise;
     let (mut angle, mut drift) = (0.0, 0.0);
     let mut speed: Option<f64> = None;
-    let each = bench.seen.readings.iter().map(|reading| {
+    let each = bench.seen.readings.iter().enumerate().map(|(at, reading)| {
+        if bench.seen.follows(at) {
+            // The course goes along with what a push makes of the shaft.
+            (angle, speed) = (0.0, Some(0.0));
+            return reading.speed * noise.stamp_s * normal(random);
+        }
         let leap = Leap {
             damping: reading.leap.damping + noise.forgets_per_s,
             ..reading.leap
@@ -139,14 +144,15 @@ fn of_bench(
     let range = bench.part(parts.start).start..bench.part((parts.end - 1).min(PARTS - 1)).end;
     let mut sum = Spread::default();
     let pairs = white.iter().zip(bench.deviations());
-    for (white, deviation) in pairs.skip(range.start).take(range.len()) {
-        if let Some(deviation) = deviation {
+    for (at, (white, deviation)) in pairs.enumerate().skip(range.start).take(range.len()) {
+        if let Some(deviation) = deviation.filter(|_| !bench.seen.follows(at)) {
             sum.steps += (white * deviation).powi(2);
             sum.step_count += 1.0;
         }
     }
     let means = means(&bench.seen, angles);
     let there: Vec<(f64, f64, f64)> = range
+        .filter(|at| !bench.seen.follows(*at))
         .filter_map(|at| means[at].map(|mean| (bench.seen.times_s[at], mean, angles[at] - mean)))
         .collect();
     Spread {

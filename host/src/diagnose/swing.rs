@@ -98,6 +98,9 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Vec<f64> {
                 first = last;
             }
             cursor += places + 1;
+            if seen.follows(at) {
+                state = [0.0; 2];
+            }
             angles[at] = state[0];
         }
         let most = path.swings.iter().fold(0.0_f64, |m, s| m.max(s.abs()));

@@ -192,23 +192,45 @@ fn one_disc(findings: &mut Vec<Finding>) {
     });
 }
 
+/// Edges of a disc that are so few that each is told by itself.
+const FEW: usize = 16;
+
 /// The disc's pattern as a finding.
 fn disc(settled: &Settled) -> Option<Finding> {
     let pattern = settled.pattern.as_ref()?;
-    let half = 1.96 * pattern.standard_error_rad;
-    let rms = Parameter {
-        value: pattern.rms_rad,
-        unit: Mechanism::LineError.card().unit("rms_rad").to_owned(),
-        ci95: Some([pattern.rms_rad - half, pattern.rms_rad + half]),
+    let unit = Mechanism::LineError.card().unit("rms_rad");
+    let parameter = |value: f64, standard_error: f64| Parameter {
+        value,
+        unit: unit.to_owned(),
+        ci95: Some([value - 1.96 * standard_error, value + 1.96 * standard_error]),
     };
+    let mut rms = (pattern.rms_rad, pattern.standard_error_rad);
+    let mut parameters = BTreeMap::new();
+    let count = pattern.errors_rad.len();
+    if count <= FEW {
+        let squares: f64 = pattern.errors_rad.iter().map(|e| e * e).sum();
+        let share = 1.0 / count as f64;
+        rms = (
+            (share * squares).sqrt(),
+            pattern.edge_error_rad * share.sqrt(),
+        );
+        let each = pattern.errors_rad.iter().enumerate();
+        parameters.extend(each.map(|(k, error)| {
+            (
+                format!("e_{k:02}_rad"),
+                parameter(*error, pattern.edge_error_rad),
+            )
+        }));
+    }
+    parameters.insert("rms_rad".to_owned(), parameter(rms.0, rms.1));
     Some(Finding {
         mechanism: Mechanism::LineError,
         text: format!(
             "every edge has an error of its own, {:.3e} rad RMS, once a turn",
-            pattern.rms_rad
+            rms.0
         ),
         confidence: 1.0,
-        parameters: BTreeMap::from([("rms_rad".to_owned(), rms)]),
+        parameters,
         place: Place::default(),
         evidence: Evidence {
             delta_bic: pattern.score,

@@ -11,6 +11,7 @@ use quadcal::edge::Direction;
 
 use super::basis::Basis;
 use super::kalman::Reading;
+use super::pushed;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::still::Still;
@@ -19,8 +20,9 @@ use super::ties::Tie;
 use super::track::{Mark, Track};
 use crate::twin::{Drive, RiseFall, SeenSpeed, SpeedLoop, Twin};
 
-/// The shaft's course at the time of each mark: angle and speed, rad and rad/s; none where it is not known.
-type Course = Vec<Option<(f64, f64)>>;
+/// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
+/// none where it is not known.
+pub(super) type Course = Vec<Option<(f64, f64, f64)>>;
 
 impl Seen {
     /// Compares a recording with its twin.
@@ -31,25 +33,28 @@ impl Seen {
             .flat_map(|stretch| stretch.marks.iter().map(|mark| (*mark, stretch.direction)))
             .collect();
         let step = TAU / track.edges as f64;
-        let course = match twin.speed_loop() {
-            Some(model) => {
+        let pushed = pushed::course(&marks, track, twin);
+        self.pushed = pushed.is_some();
+        let course = match (twin.speed_loop(), pushed) {
+            (Some(model), _) => {
                 let (course, ties) = looped(&marks, track, twin, &model);
                 self.ties = ties;
                 course
             }
-            None => undisturbed(&marks, still, step),
+            (None, Some(pushed)) => pushed,
+            (None, None) => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
         let slow = too_slow(twin, law, &course);
         let mut anew = false;
-        // What nothing holds goes at its own speed, not at the twin's.
-        let measured = if law.held() {
+        // What nothing holds, or something else pushes, goes at its own speed, not at the twin's.
+        let measured = if law.held() && !self.pushed {
             Vec::new()
         } else {
             speeds(&marks, track)
         };
         for (at, ((mark, direction), there)) in marks.iter().zip(course).enumerate() {
-            let Some((angle, speed)) = there else {
+            let Some((angle, speed, jolt)) = there else {
                 continue;
             };
             if speed.abs() < slow {
@@ -62,7 +67,11 @@ impl Seen {
                 let apart = (mark.place - last.0.place) * direction;
                 last.1 != *direction || (1..=track.classes).contains(&apart)
             };
-            let fresh = !before.as_ref().is_none_or(near) && !track.anchored;
+            let lost = !before.as_ref().is_none_or(near) && !track.anchored;
+            // The course starts anew with every push.
+            let last = self.readings.last();
+            let begins = self.pushed && jolt > 0.0 && last.is_none_or(|last| last.jolt == 0.0);
+            let fresh = lost || begins;
             before = Some((*mark, *direction));
             let edge = (mark.place + still.origin - still.shift).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
@@ -81,6 +90,7 @@ impl Seen {
                 at_s: mark.time_s,
                 fresh,
                 anew: std::mem::take(&mut anew),
+                jolt,
             });
         }
         // The counts of recording and twin may be whole turns apart.
@@ -196,7 +206,7 @@ fn too_slow(twin: &Twin, law: &ShaftLaw, course: &Course) -> f64 {
         return 0.0;
     }
     let thrown: f64 = ripples.iter().map(|(order, push)| push / order).sum();
-    let speeds = course.iter().flatten().map(|(_, speed)| speed.abs());
+    let speeds = course.iter().flatten().map(|(_, speed, _)| speed.abs());
     let top = speeds.fold(0.0, f64::max);
     (OVER * thrown).sqrt().min(PART * top)
 }
@@ -223,7 +233,7 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
             .contains(&mark.time_s)
             .then(|| {
                 let (place, rate) = through(&course[near..near + 4], mark.time_s);
-                (place * step, rate * step)
+                (place * step, rate * step, 0.0)
             })
     });
     each.collect()
@@ -327,15 +337,15 @@ fn looped(
             begun = true;
             state = [mark.place as f64 * step, target];
         }
-        Some((state[0], target))
+        Some((state[0], target, 0.0))
     });
     let course = each.collect();
     (course, ties)
 }
 
-/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; none where the
-/// direction does not hold for so long.
-fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
+/// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; over a few
+/// edges where the direction does not hold for so long.
+pub(super) fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
     const FINE: i64 = 240;
     let step = TAU / track.edges as f64;
     let lines = track.edges / track.classes;
@@ -352,7 +362,15 @@ fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
             let way = (marks[until].0.place - marks[from].0.place) as f64 * step;
             let time = marks[until].0.time_s - marks[from].0.time_s;
             let straight = way.abs() > 0.9 * (until - from) as f64 * step && until > from;
-            (straight && time > 0.0).then(|| way / time)
+            if straight && time > 0.0 {
+                return Some(way / time);
+            }
+            // Where it turns round, as far as it gets in a few edges.
+            let few = &marks[at.saturating_sub(2)..(at + 3).min(marks.len())];
+            let places = few.iter().map(|(mark, _)| mark.place);
+            let way = places.clone().max()? - places.min()?;
+            let time = few.last()?.0.time_s - few.first()?.0.time_s;
+            (time > 0.0 && way > 0).then(|| way as f64 * step / time)
         })
         .collect()
 }

@@ -73,7 +73,7 @@ fn own(order: f64) -> bool {
 /// Whether the twin lists its disc edge by edge, so that nothing else may be declared of it.
 pub(super) fn listed(mended: &Mended) -> bool {
     let errors = &mended.twin.errors;
-    errors.csv.is_some() || !errors.list_rad.is_empty()
+    errors.csv.is_some() || !errors.list_rad.is_empty() || !mended.errors_rad.is_empty()
 }
 
 /// What a twin declares of an order, with cos and sin added: amplitude sin(order theta - phase).

@@ -22,6 +22,8 @@ use crate::diagnose::shaft::ShaftLaw;
 
 /// Changes go either way.
 const RANGE: [f64; 2] = [-TORQUE_N_M, TORQUE_N_M];
+/// Terms that are one number each.
+const TERMS: [Basis; 3] = [Basis::Coulomb, Basis::Viscous, Basis::Drag];
 /// Shares of the highest speed that Stribeck's speed is looked for at.
 const STRIBECK_SHARES: [f64; 6] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 
@@ -84,6 +86,10 @@ pub const CARD: Card = Card {
         },
         columns,
         proposed,
+        instead_of: |found, _| match found.bases.first() {
+            Some(Basis::Coulomb | Basis::Viscous | Basis::Drag) => TERMS.map(Hypothesis::by).into(),
+            _ => Vec::new(),
+        },
         values,
         text: |_| "the course of the run-down".to_owned(),
         mends,
@@ -100,8 +106,7 @@ fn proposed(board: &Board) -> Vec<Hypothesis> {
     let [low, high] = board.benches[0].seen.speed_range();
     let top = high.abs().max(low.abs());
     let stribeck = STRIBECK_SHARES.map(|share| Basis::Stribeck { rad_s: share * top });
-    let terms = [Basis::Coulomb, Basis::Viscous, Basis::Drag];
-    terms
+    TERMS
         .into_iter()
         .chain(stribeck)
         .map(Hypothesis::by)

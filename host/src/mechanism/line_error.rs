@@ -37,6 +37,12 @@ pub const CARD: Card = Card {
             "RMS over the edges of a turn, where each was learned: `--write-twin` writes them all",
         ),
         Quantity::new(
+            "e_00_rad",
+            "rad",
+            [-ERROR_RAD, ERROR_RAD],
+            "of a disc with 16 edges or fewer: error of edge 0, `e_01_rad` of edge 1, and so on",
+        ),
+        Quantity::new(
             "amplitude_rad",
             "rad",
             [0.0, ERROR_RAD],

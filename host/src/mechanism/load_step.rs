@@ -33,6 +33,12 @@ pub const CARD: Card = Card {
             "T, positive forward",
         ),
         Quantity::new(
+            "count",
+            "1",
+            [0.0, 1e9],
+            "pushes while no drive is on, the torque being their mean: only told, in `where` too, and not put into the twin",
+        ),
+        Quantity::new(
             "from_s",
             "s",
             INSTANT_S,

@@ -9,6 +9,7 @@
 
 use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
 use crate::diagnose::basis::Basis;
+use crate::diagnose::board::{Bench, Board};
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::named::Numbers;
 use crate::diagnose::response::pushed;
@@ -44,7 +45,7 @@ pub const CARD: Card = Card {
     handling: Handling {
         makes: |basis| matches!(basis, Basis::Drift),
         columns,
-        proposed: |_| vec![Hypothesis::by(Basis::Drift)],
+        proposed,
         instead_of: |found, _| match found.bases.first() {
             Some(Basis::Load { .. }) => vec![Hypothesis::by(Basis::Drift)],
             _ => Vec::new(),
@@ -64,6 +65,18 @@ pub const CARD: Card = Card {
         ..Handling::NONE
     },
 };
+
+/// Where any drive is on.
+fn proposed(board: &Board) -> Vec<Hypothesis> {
+    let driven = |bench: &Bench| {
+        let first_s = bench.seen.times_s.first().copied().unwrap_or(0.0);
+        bench.law.driven(first_s)
+    };
+    let any = board.benches.iter().any(driven);
+    any.then(|| Hypothesis::by(Basis::Drift))
+        .into_iter()
+        .collect()
+}
 
 fn columns(_: Basis, seen: &Seen, law: &ShaftLaw) -> Vec<Vec<f64>> {
     vec![pushed(seen, &|at, end| {

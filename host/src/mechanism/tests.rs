@@ -65,6 +65,15 @@ fn rig() -> Twin {
     Twin::parse(text, "rig").unwrap()
 }
 
+fn unmended() -> Mended {
+    Mended {
+        twin: rig(),
+        errors_rad: Vec::new(),
+        edges: 400,
+        classes: 4,
+    }
+}
+
 fn estimate(basis: Basis, size: f64) -> Estimate {
     Estimate {
         hypothesis: Hypothesis::by(basis),
@@ -207,10 +216,7 @@ fn every_pattern_is_of_one_mechanism_that_names_its_numbers_and_puts_it_into_a_t
         if matches!(basis, Basis::Lagged { .. }) {
             continue;
         }
-        let mut mended = Mended {
-            twin: rig(),
-            errors_rad: Vec::new(),
-        };
+        let mut mended = unmended();
         mended.add(&estimate(basis, 0.001), 0, 1);
         assert!(mended.twin != rig() || !mended.errors_rad.is_empty());
         mended.twin.check().unwrap();
@@ -226,10 +232,7 @@ fn delays_are_those_of_channels_that_the_encoder_has() {
         (Basis::Late { channel: 1 }, -2e-6),
     ];
     for (basis, size) in late {
-        let mut mended = Mended {
-            twin: rig(),
-            errors_rad: Vec::new(),
-        };
+        let mut mended = unmended();
         mended.add(&estimate(basis, size), 0, 1);
         mended.twin.check().unwrap();
         let [rise_less_fall, skew] = [

@@ -12,6 +12,8 @@ fn with(basis: Basis, size: f64) -> Twin {
     let mut mended = Mended {
         twin: Twin::parse(text, "rig").unwrap(),
         errors_rad: Vec::new(),
+        edges: 200,
+        classes: 4,
     };
     let estimate = Estimate {
         hypothesis: Hypothesis::of(Mechanism::Unknown, basis),

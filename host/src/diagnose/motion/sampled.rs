@@ -98,6 +98,7 @@ impl Sampled {
                 at_s: self.times_s[edge],
                 fresh,
                 anew: false,
+                jolt: 0.0,
             };
             before = edge;
             reading

@@ -107,6 +107,8 @@ impl<'a> Rehearsal<'a> {
         let mut mended = Mended {
             twin: self.twin.clone(),
             errors_rad: Vec::new(),
+            edges: self.board.benches[0].seen.edges as usize,
+            classes: self.board.benches[0].seen.classes as usize,
         };
         mended.add(&estimate, 0, self.rig.len());
         mended.list(&self.board.benches[0].seen.errors);
