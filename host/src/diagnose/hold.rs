@@ -184,3 +184,79 @@ fn stirred(mut spread: Spread, leap: Leap, noise: ShaftNoise) -> Spread {
     spread[5] += noise.drift * t;
     spread
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEAP: Leap = Leap {
+        after_s: 3.7e-3,
+        damping: 20.0,
+    };
+
+    fn noise(hold_s: f64) -> ShaftNoise {
+        ShaftNoise {
+            acceleration: 2.0,
+            stamp_s: 0.0,
+            drift: 0.0,
+            forgets_per_s: 0.0,
+            hold_s,
+        }
+    }
+
+    /// A held torque, step by step of its grid, as the sum of what each step's own does.
+    #[test]
+    fn held_noise_spreads_as_its_steps_add_up() {
+        let (hold_s, ends_s) = (1e-3, 10.2e-3);
+        let mut before = [0.0; 6];
+        before[5] = 2.0 / hold_s;
+        let (way, spread) = Way::of(LEAP, ends_s, noise(hold_s), before);
+        let starts_s = ends_s - LEAP.after_s;
+        // The torque at the start is over at 7 ms; three whole steps and a part follow.
+        let mut angle2 = 0.0;
+        for (from, until) in [
+            (starts_s, 7e-3),
+            (7e-3, 8e-3),
+            (8e-3, 9e-3),
+            (9e-3, 10e-3),
+            (10e-3, ends_s),
+        ] {
+            let push = Way::pushed(LEAP, until - from);
+            let free = Way::pushed(LEAP, ends_s - until);
+            let angle = push.angle + free.reach * push.speed;
+            angle2 += angle * angle * 2.0 / hold_s;
+        }
+        assert!(
+            (spread[0] / angle2 - 1.0).abs() < 1e-9,
+            "{} {angle2}",
+            spread[0]
+        );
+        assert!(way.keeps == 0.0 && way.angle > 0.0);
+        let whole = LEAP.reach(LEAP.after_s);
+        assert!(
+            (way.reach / whole.0 - 1.0).abs() < 1e-9 && (way.stays / whole.1 - 1.0).abs() < 1e-9
+        );
+    }
+
+    #[test]
+    fn a_fine_grid_is_white() {
+        let (_, held) = Way::of(LEAP, 1.0, noise(2e-5), [0.0; 6]);
+        let (_, white) = Way::of(LEAP, 1.0, noise(0.0), [0.0; 6]);
+        for at in [0, 1, 3] {
+            assert!(
+                (held[at] / white[at] - 1.0).abs() < 0.03,
+                "{held:?} {white:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn back_is_the_transpose_of_on() {
+        let (way, _) = Way::of(LEAP, 4.3e-3, noise(5e-3), [0.0; 6]);
+        let (a, b) = ([0.3, -2.0, 5.0], [1.5, 0.7, -0.2]);
+        let dot = |x: (f64, f64, f64), y: [f64; 3]| x.0 * y[0] + x.1 * y[1] + x.2 * y[2];
+        let there = dot(way.on(a[0], a[1], a[2]), b);
+        let back = dot(way.back(b[0], b[1], b[2]), a);
+        assert!((there - back).abs() < 1e-12, "{there} {back}");
+    }
+}

@@ -1,22 +1,20 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
-use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
 use super::disc::{self, Pattern};
-use super::hypothesis::{Hypothesis, with_disc};
+use super::hypothesis::Hypothesis;
 use super::pairs::pair;
 use super::propose::propose;
 use super::refine::refined;
 use super::scan::{defects, loads};
+use super::sift::{beside_disc, passes, trifle};
 use super::weigh::{Shelf, Weighed, weigh};
 
 /// Mechanisms at the most.
 const MOST: usize = 12;
 /// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
 pub const BEYOND: f64 = 60.0;
-/// Part of a large error of the disc that a linear model may leave over.
-const SLIGHT: f64 = 1e-3;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
@@ -160,16 +158,6 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     })
 }
 
-/// Whether a pattern of the disc that is seen in one half hardly comes again in the other: it is none of the disc's.
-fn passes(board: &Board, model: &Model, pattern: &Pattern) -> bool {
-    const PART: f64 = 0.35;
-    let shares = disc::comes_again(board, &model.left, pattern.rms_rad);
-    !shares.is_empty()
-        && shares
-            .iter()
-            .all(|(share, error)| share + 3.0 * error < PART)
-}
-
 /// Sum of squares that is left.
 fn squares(model: &Model) -> f64 {
     model.left.iter().flatten().map(|w| w * w).sum()
@@ -220,65 +208,6 @@ fn best(
         columns: first.columns,
         score: first.score,
         rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
-    })
-}
-
-/// The same with what could be of the disc beside each; without those that the disc alone explains as well.
-fn beside_disc(
-    board: &Board,
-    model: &Model,
-    shelf: &mut Shelf,
-    proposed: Vec<Hypothesis>,
-) -> Vec<Hypothesis> {
-    let mut score = |hypothesis: Hypothesis| {
-        let columns = shelf.columns(board, &hypothesis);
-        weigh(board, model, hypothesis, columns).map(|weighed| weighed.score)
-    };
-    let each = proposed.into_iter().filter_map(|alone| {
-        let own = alone.bases.len();
-        let whole = with_disc(alone, board);
-        let Some(disc) = Hypothesis::by_all(whole.bases[own..].to_vec()) else {
-            return Some(whole);
-        };
-        let disc = score(disc).unwrap_or(0.0).max(0.0);
-        let more = score(whole.clone())? - disc;
-        (more > BEYOND + SLIGHT * disc).then_some(whole)
-    });
-    each.collect()
-}
-
-/// Whether it is a small part of a torque that the twin declares: how exactly that is known, and followed, is not this good.
-fn trifle(board: &Board, model: &Model, one: &Weighed) -> bool {
-    const PART: f64 = 0.04;
-    let Some(rhythm) = super::conclude::cycles_a_turn(board, &one.hypothesis) else {
-        return false;
-    };
-    board.benches.iter().any(|bench| {
-        let within = 1.0 / bench.seen.turns();
-        let near = bench
-            .torques
-            .iter()
-            .filter(|torque| (torque.0 - rhythm).abs() < within);
-        near.into_iter().any(|(order, torque)| {
-            let speed = bench.seen.mean_speed();
-            let swing = match one.hypothesis.bases.first() {
-                // As large as the torque that would swing the shaft as far.
-                Some(Basis::Round { .. } | Basis::Lagged { .. }) => {
-                    bench.law.inertia * (order * speed).powi(2)
-                }
-                Some(Basis::TorqueOrder { .. } | Basis::TorqueTone { .. }) => 1.0,
-                _ => return false,
-            };
-            board.gain(model, &one.columns).is_some_and(|gain| {
-                let size = gain
-                    .sizes
-                    .iter()
-                    .map(|size| size * size)
-                    .sum::<f64>()
-                    .sqrt();
-                size * swing < PART * torque
-            })
-        })
     })
 }
 

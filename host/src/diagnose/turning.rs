@@ -7,22 +7,21 @@
 
 use std::f64::consts::TAU;
 
-use quadcal::edge::Direction;
-
 use super::basis::Basis;
 use super::kalman::Reading;
+use super::looped::looped;
 use super::pushed;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
+use super::slow::too_slow;
 use super::still::Still;
 use super::swing::{Torques, swing};
-use super::ties::Tie;
 use super::track::{Mark, Track};
-use crate::twin::{Drive, RiseFall, SeenSpeed, SpeedLoop, Twin};
+use crate::twin::{RiseFall, Twin};
 
 /// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
 /// none where it is not known.
-pub(super) type Course = Vec<Option<(f64, f64, f64)>>;
+pub type Course = Vec<Option<(f64, f64, f64)>>;
 
 impl Seen {
     /// Compares a recording with its twin.
@@ -178,39 +177,6 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     known
 }
 
-/// Speed below which the twin's ripple shapes the course itself, rad/s: a small swing about it says nothing there. A drive that turns
-/// the shaft round against more than the ripple never lets it.
-fn too_slow(twin: &Twin, law: &ShaftLaw, course: &Course) -> f64 {
-    /// How much more energy the shaft is to have than a ripple can take.
-    const OVER: f64 = 25.0;
-    /// How much stronger than the drive ripple is to be to hold the shaft for a while.
-    const HOLDS: f64 = 4.0;
-    /// Part of the top speed that is never too slow.
-    const PART: f64 = 0.3;
-    let slows = match twin.drive {
-        Drive::Ramp {
-            from_r_min,
-            to_r_min,
-            over_s,
-        } => (to_r_min - from_r_min).abs() * (TAU / 60.0) / over_s,
-        Drive::RunDown { .. } => twin.friction_n_m(0.0).abs() / law.inertia,
-        _ => return 0.0,
-    };
-    let ripples: Vec<(f64, f64)> = twin
-        .ripple
-        .iter()
-        .chain(&twin.gear_mesh)
-        .filter_map(|ripple| Some((ripple.order, ripple.torque_n_m?.abs() / law.inertia)))
-        .collect();
-    if ripples.iter().map(|(_, push)| push).sum::<f64>() < HOLDS * slows {
-        return 0.0;
-    }
-    let thrown: f64 = ripples.iter().map(|(order, push)| push / order).sum();
-    let speeds = course.iter().flatten().map(|(_, speed, _)| speed.abs());
-    let top = speeds.fold(0.0, f64::max);
-    (OVER * thrown).sqrt().min(PART * top)
-}
-
 /// The twin's shaft without disturbance, by the cubic through four of its edges.
 fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
     let course: Vec<Mark> = still
@@ -237,110 +203,6 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
             })
     });
     each.collect()
-}
-
-/// Error of a stamp that a tie is reckoned with where a twin does not say, s.
-const JITTER_S: f64 = 3e-7;
-
-/// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
-fn looped(
-    marks: &[(Mark, i64)],
-    track: &Track,
-    twin: &Twin,
-    model: &SpeedLoop,
-) -> (Course, Vec<Tie>) {
-    let step = TAU / track.edges as f64;
-    let clock_hz = twin.timer.clock_hz as f64;
-    let shaft = &twin.shaft;
-    let target = model.target_rad_s;
-    let friction =
-        |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
-    let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
-    let Some((first, _)) = marks.first() else {
-        return (Course::new(), Vec::new());
-    };
-    let mut ties = Vec::new();
-    let mut state = [first.place as f64 * step, target];
-    let mut now = first.time_s;
-    let mut sample = (now * model.rate_hz).ceil();
-    let (mut integral, mut push) = (model.start, model.start);
-    let mut before: Option<i64> = None;
-    // What it saw before the first mark is not known: the course begins once it has sampled what is.
-    let (mut sampled, mut begun) = (0, false);
-    // A sample at the very time of an edge may have seen it or not: either way it pushes a little otherwise.
-    let jitter_s = if twin.timer.jitter_s > 0.0 {
-        twin.timer.jitter_s
-    } else {
-        JITTER_S
-    };
-    let stamp_s = jitter_s.hypot(track.tick_s);
-    let tie_s = 5.0 * stamp_s + track.tick_s;
-    let (mut last_edge, mut speed_before) = (first.time_s, target);
-    let go = |state: [f64; 2], push: f64, after_s: f64| {
-        let leap = Leap {
-            after_s,
-            damping: shaft.viscous_n_m_s / shaft.inertia_kg_m2,
-        };
-        let push = push - friction(state[1]);
-        leap.step(state, [push; 3])
-    };
-    let each = marks.iter().map(|(mark, direction)| {
-        while sample / model.rate_hz < mark.time_s {
-            let time = sample / model.rate_hz;
-            state = go(state, push, (time - now).max(0.0));
-            now = now.max(time);
-            let seen = saw.at((time * clock_hz).floor());
-            sampled += i32::from(seen.is_some());
-            let here = seen.unwrap_or(target);
-            let otherwise = if mark.time_s - time < tie_s {
-                let next = *direction as f64 * step / (mark.time_s - last_edge).max(track.tick_s);
-                Some((next, mark.time_s - time))
-            } else if time - last_edge < tie_s {
-                Some((speed_before, time - last_edge))
-            } else {
-                None
-            };
-            if let Some((other, apart_s)) = otherwise.filter(|_| begun) {
-                ties.push(Tie {
-                    at_s: time,
-                    until_s: time + 1.0 / model.rate_hz,
-                    apart: apart_s / stamp_s,
-                    push: model.gains.kp * (here - other),
-                    after: model.gains.ki / model.rate_hz * (here - other),
-                });
-            }
-            let miss = target - seen.unwrap_or(target);
-            let asked = model.gains.kp * miss + integral;
-            push = asked.clamp(-model.limit, model.limit);
-            if push == asked || miss * asked < 0.0 {
-                integral += model.gains.ki / model.rate_hz * miss;
-            }
-            sample += 1.0;
-        }
-        state = go(state, push, mark.time_s - now);
-        now = mark.time_s;
-        let steps = before.map_or(1, |place| (mark.place - place).abs().max(1));
-        before = Some(mark.place);
-        let way = if *direction > 0 {
-            Direction::Forward
-        } else {
-            Direction::Reverse
-        };
-        let ticks = (mark.time_s / track.tick_s).round() as u64;
-        speed_before = saw.at(ticks as f64).unwrap_or(target);
-        saw.edge(ticks, way, u32::try_from(steps).unwrap_or(1));
-        last_edge = mark.time_s;
-        if !begun && sampled < 2 {
-            return None;
-        }
-        if !begun {
-            begun = true;
-            state = [mark.place as f64 * step, target];
-        }
-        Some((state[0], target, 0.0))
-    });
-    let course = each.collect();
-    (course, ties)
 }
 
 /// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; over a few

@@ -1,0 +1,101 @@
+//! What is left of a recording whose twin knows all.
+
+use super::disc;
+use super::prepare;
+use super::run::Recorded;
+use super::track::Track;
+use crate::sensor::{PlanError, SensorKind, SensorPlan};
+use crate::sim::Simulation;
+use crate::twin::{Encoder, Twin};
+
+/// A recording of one twin held against another.
+fn recorded(truth: &Twin, told: &Twin) -> Recorded {
+    let (kind, lines) = match truth.encoder {
+        Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
+        Encoder::Quadrature { lines, .. } => (SensorKind::Quadrature { index_state: None }, lines),
+        Encoder::Wheel { .. } => unreachable!("no wheel here"),
+    };
+    let plan = SensorPlan { kind, lines };
+    let rows = Simulation::new(truth).unwrap();
+    let rows = rows.map(|event| Ok::<_, PlanError>(event.row));
+    Recorded {
+        file: String::new(),
+        plan,
+        track: Track::of(plan, truth.timer.clock_hz, rows).unwrap(),
+        twin: told.clone(),
+    }
+}
+
+fn twin(text: &str) -> Twin {
+    Twin::parse(text, "rig").unwrap()
+}
+
+/// Mean square of the white residual and the greatest of it.
+fn left(truth: &Twin, told: &Twin) -> (f64, f64) {
+    let board = prepare::board(&[recorded(truth, told)]).unwrap();
+    let white = &board.benches[0].white;
+    let mean = white.iter().map(|w| w * w).sum::<f64>() / white.len() as f64;
+    (mean, white.iter().fold(0.0, |most, w| most.max(w.abs())))
+}
+
+/// Ripple that turns by a good part of a cycle from edge to edge, and swings the shaft by more than a linear model allows.
+#[test]
+fn a_strong_ripple_between_a_hall_sensors_few_edges_is_taken_off_whole() {
+    let rig = twin(
+        "duration = { turns = 60 }\nseed = 5\n[encoder.hall]\npole_pairs = 2\n[shaft]\n\
+         inertia_kg_m2 = 1.4e-3\nviscous_n_m_s = 1.5e-4\ncoulomb_n_m = 5e-4\n\
+         [drive.run_down]\nr_min = 660\noff_s = 0.5\n\
+         [[ripple]]\norder = 10\ntorque_n_m = 0.13\nphase_rad = 1\n\
+         [[ripple]]\norder = 15\ntorque_n_m = 0.4\nphase_rad = 2\n\
+         [noise.white]\npsd_n2_m2_s = 1e-8\n[timer]\nclock_hz = 84000000\njitter_s = 2e-7\n",
+    );
+    let (mean, most) = left(&rig, &rig);
+    assert!((mean - 1.0).abs() < 0.2 && most < 4.5, "{mean} {most}");
+}
+
+/// Some of its samples fall on an edge, and the loop may have seen it or not.
+#[test]
+fn a_speed_loop_that_samples_on_edges_leaves_noise() {
+    for seed in 1..5 {
+        let rig = twin(&format!(
+            "duration = {{ turns = 20 }}\nseed = {seed}\n[encoder.quadrature]\nlines = 600\nindex = false\n\
+             [shaft]\ninertia_kg_m2 = 5.3e-5\nviscous_n_m_s = 2.4e-6\n\
+             [drive.speed_loop]\nr_min = 58\nf_hz = 400\nkp_n_m_s = 2.6e-3\nki_n_m = 1.9e-2\n\
+             [noise.white]\npsd_n2_m2_s = 3.7e-12\n[timer]\nclock_hz = 168000000\njitter_s = 9e-7\n"
+        ));
+        let (mean, most) = left(&rig, &rig);
+        assert!(
+            (mean - 1.0).abs() < 0.05 && most < 5.5,
+            "{seed}: {mean} {most}"
+        );
+    }
+}
+
+const STEADY: &str = "duration = { turns = 40 }\nseed = 3\n[encoder.quadrature]\nlines = 60\nindex = false\n\
+                      [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 2e-4\nstiffness_n_m_s = 4e-4\n\
+                      [drive.constant]\nr_min = 240\n[noise.white]\npsd_n2_m2_s = 1e-12\n\
+                      [timer]\nclock_hz = 84000000\njitter_s = 1e-7\n";
+
+#[test]
+fn a_discs_own_pattern_comes_again_and_noise_that_is_more_than_declared_does_not() {
+    let told = twin(STEADY);
+    let line = twin(&format!(
+        "{STEADY}[errors.position.normal]\nrms_rad = 1e-4\n"
+    ));
+    let noisy = twin(&STEADY.replace("jitter_s = 1e-7", "jitter_s = 4e-7"));
+    let shares = |truth: &Twin| {
+        let board = prepare::board(&[recorded(truth, &told)]).unwrap();
+        let model = board.fit(board.nuisances()).unwrap();
+        let pattern = disc::pattern(&board, &model).unwrap();
+        let shares = disc::comes_again(&board, &model.left, pattern.rms_rad);
+        (pattern.score, shares)
+    };
+    let (score, own) = shares(&line);
+    assert!(score > 1000.0, "{score}");
+    assert!(
+        own.iter().all(|(share, _)| (share - 1.0).abs() < 0.1),
+        "{own:?}"
+    );
+    let (_, none) = shares(&noisy);
+    assert!(none.iter().all(|(share, _)| share.abs() < 0.35), "{none:?}");
+}
