@@ -24,6 +24,11 @@ pub struct Pattern {
     pub edge_error_rad: f64,
 }
 
+/// Orders up to which one of them may be all that the disc shows.
+const FEW: usize = 2;
+/// Part of the pattern's squares that makes it one order's.
+const ALONE: f64 = 0.9;
+
 /// The pattern that a model leaves; orders that another mechanism may own are left to it.
 #[must_use]
 pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
@@ -41,6 +46,12 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
         .collect();
     let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
     let edge_variance = shares.sum::<f64>() / disc.edges as f64;
+    // What one order makes is a rhythm: others name it.
+    let all: f64 = modes.iter().map(|mode| mode.weight * mode.squares).sum();
+    let top = modes.iter().map(|mode| mode.squares).fold(0.0, f64::max);
+    if modes.len() > FEW && top > ALONE * all {
+        return None;
+    }
     let (log_s2, most, bend) = likeliest(&modes)?;
     let s2 = log_s2.exp();
     // -bend is twice the information on ln s^2.

@@ -87,6 +87,10 @@ impl Whitener {
                 let (way, spread) = Way::of(leap, reading.at_s, noise, p);
                 if at == 0 || reading.anew {
                     p = start;
+                    if at > 0 {
+                        // A shaft that was held goes at any speed.
+                        p[3] = speed * speed;
+                    }
                     settling = SETTLES;
                 } else if reading.fresh {
                     (p[0], p[1], p[2]) = (1e2, 0.0, 0.0);

@@ -76,7 +76,7 @@ pub fn looped(
                 ties.push(Tie {
                     at_s: time,
                     until_s: time + 1.0 / model.rate_hz,
-                    apart: apart_s / stamp_s,
+                    apart_s,
                     push: model.gains.kp * (here - other),
                     after: model.gains.ki / model.rate_hz * (here - other),
                 });

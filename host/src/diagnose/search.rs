@@ -15,6 +15,8 @@ use super::weigh::{Shelf, Weighed, weigh};
 const MOST: usize = 12;
 /// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
 pub const BEYOND: f64 = 60.0;
+/// Edges of a disc whose whole pattern must be worth two of its rhythms.
+const FINE: f64 = 40.0;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
@@ -90,6 +92,9 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     let mut left = 0.0;
     let mut patterns = 0;
     let mut passing = 0.0;
+    // What is as good as one rhythm's is that rhythm's; a coarse disc has few orders, of which one may be most of its pattern.
+    let edges = board.benches.first().map_or(0, |bench| bench.seen.edges) as f64;
+    let over = 1.0 + (edges / FINE).min(1.0);
     while found.len() < MOST {
         let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
@@ -113,7 +118,7 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         } else {
             None
         };
-        if let Some(whole) = whole.filter(|whole| whole.score > score.max(BEYOND)) {
+        if let Some(whole) = whole.filter(|whole| whole.score > BEYOND.max(over * score)) {
             patterns += 1;
             if passes(board, &model, &whole) {
                 passing = whole.score;

@@ -12,8 +12,8 @@ pub struct Tie {
     pub at_s: f64,
     /// Until when its push lasts, s.
     pub until_s: f64,
-    /// How far the edge is from it, in standard deviations of a stamp.
-    pub apart: f64,
+    /// How far the edge's stamp is from it on the side that was taken, s.
+    pub apart_s: f64,
     /// How much more the loop pushed until then if it saw otherwise, rad/s^2.
     pub push: f64,
     /// And how much more from then on, as its integral remembers, rad/s^2.
@@ -27,32 +27,34 @@ const EDGES_LEAST: usize = 300;
 /// Times that all of them are gone through: neighbours lean on each other.
 const PASSES: usize = 3;
 
-/// Decides all ties of a recording; the residual is then that of the loop as it pushed.
-pub fn decide(bench: &mut Bench) {
-    if bench.seen.ties.is_empty() {
-        return;
-    }
-    let mut ties = bench.seen.ties.clone();
+/// Decides all ties of a recording, whether any came out the other way; the residual is then that of the loop as it pushed.
+pub fn decide(bench: &mut Bench) -> bool {
+    let mut ties = std::mem::take(&mut bench.seen.ties);
+    let mut any = false;
     for _ in 0..PASSES {
         let mut turned = false;
         for tie in &mut ties {
             let gain = gain(bench, *tie);
             // Two log likelihoods that the order of the stamps has ahead of the other one.
-            let tail = 0.5 * libm::erfc(tie.apart / std::f64::consts::SQRT_2);
-            if gain > 2.0 * ((1.0 - tail) / tail.max(1e-12)).ln() {
+            let apart = tie.apart_s / bench.noise.stamp_s;
+            let tail = 0.5 * libm::erfc(apart / std::f64::consts::SQRT_2);
+            if gain > 2.0 * ((1.0 - tail) / tail.max(1e-30)).ln() {
                 let pushed = pushed(&bench.seen, *tie, 0..bench.seen.len());
                 for (angle, value) in bench.seen.angles.iter_mut().zip(&pushed) {
                     *angle -= value;
                 }
                 bench.set_noise(bench.noise);
-                (tie.push, tie.after, tie.apart) = (-tie.push, -tie.after, -tie.apart);
+                (tie.push, tie.after, tie.apart_s) = (-tie.push, -tie.after, -tie.apart_s);
                 turned = true;
             }
         }
+        any |= turned;
         if !turned {
             break;
         }
     }
+    bench.seen.ties = ties;
+    any
 }
 
 /// By how much the squares fall if the loop pushed the other way.

@@ -47,20 +47,22 @@ impl Seen {
         let slow = too_slow(twin, law, &course);
         let mut anew = false;
         // What nothing holds, or something else pushes, goes at its own speed, not at the twin's.
-        let measured = if law.held() && !self.pushed {
-            Vec::new()
-        } else {
+        let unheld = !law.held() || self.pushed;
+        let measured = if unheld || slow > 0.0 {
             speeds(&marks, track)
+        } else {
+            Vec::new()
         };
         for (at, ((mark, direction), there)) in marks.iter().zip(course).enumerate() {
             let Some((angle, speed, jolt)) = there else {
                 continue;
             };
-            if speed.abs() < slow {
+            let own = measured.get(at).copied().flatten();
+            if slow > 0.0 && own.unwrap_or(speed).abs().min(speed.abs()) < slow {
                 anew = true;
                 continue;
             }
-            let speed = measured.get(at).copied().flatten().unwrap_or(speed);
+            let speed = own.filter(|_| unheld).unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
                 let apart = (mark.place - last.0.place) * direction;
