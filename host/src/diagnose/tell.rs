@@ -202,7 +202,9 @@ fn disc(settled: &Settled) -> Option<Finding> {
     let parameter = |value: f64, standard_error: f64| Parameter {
         value,
         unit: unit.to_owned(),
-        ci95: Some([value - 1.96 * standard_error, value + 1.96 * standard_error]),
+        ci95: standard_error
+            .is_finite()
+            .then(|| [value - 1.96 * standard_error, value + 1.96 * standard_error]),
     };
     let mut rms = (pattern.rms_rad, pattern.standard_error_rad);
     let mut parameters = BTreeMap::new();
