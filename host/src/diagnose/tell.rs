@@ -202,9 +202,10 @@ fn disc(settled: &Settled) -> Option<Finding> {
     let parameter = |value: f64, standard_error: f64| Parameter {
         value,
         unit: unit.to_owned(),
+        // Where the likelihood does not bend, there is no bound.
         ci95: standard_error
             .is_finite()
-            .then(|| [value - 1.96 * standard_error, value + 1.96 * standard_error]),
+            .then_some([value - 1.96 * standard_error, value + 1.96 * standard_error]),
     };
     let mut rms = (pattern.rms_rad, pattern.standard_error_rad);
     let mut parameters = BTreeMap::new();
