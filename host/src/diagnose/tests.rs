@@ -1,8 +1,10 @@
 //! What is left of a recording whose twin knows all.
 
+use super::basis::Basis;
 use super::disc;
 use super::prepare;
 use super::run::Recorded;
+use super::ties::{self, Tie};
 use super::track::Track;
 use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::Simulation;
@@ -53,28 +55,54 @@ fn a_strong_ripple_between_a_hall_sensors_few_edges_is_taken_off_whole() {
     assert!((mean - 1.0).abs() < 0.2 && most < 4.5, "{mean} {most}");
 }
 
-/// Some of its samples fall on an edge, and the loop may have seen it or not.
-#[test]
-fn a_speed_loop_that_samples_on_edges_leaves_noise() {
-    for seed in 1..5 {
-        let rig = twin(&format!(
-            "duration = {{ turns = 20 }}\nseed = {seed}\n[encoder.quadrature]\nlines = 600\nindex = false\n\
-             [shaft]\ninertia_kg_m2 = 5.3e-5\nviscous_n_m_s = 2.4e-6\n\
-             [drive.speed_loop]\nr_min = 58\nf_hz = 400\nkp_n_m_s = 2.6e-3\nki_n_m = 1.9e-2\n\
-             [noise.white]\npsd_n2_m2_s = 3.7e-12\n[timer]\nclock_hz = 168000000\njitter_s = 9e-7\n"
-        ));
-        let (mean, most) = left(&rig, &rig);
-        assert!(
-            (mean - 1.0).abs() < 0.05 && most < 5.5,
-            "{seed}: {mean} {most}"
-        );
-    }
-}
-
 const STEADY: &str = "duration = { turns = 40 }\nseed = 3\n[encoder.quadrature]\nlines = 60\nindex = false\n\
                       [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 2e-4\nstiffness_n_m_s = 4e-4\n\
                       [drive.constant]\nr_min = 240\n[noise.white]\npsd_n2_m2_s = 1e-12\n\
                       [timer]\nclock_hz = 84000000\njitter_s = 1e-7\n";
+
+/// Stamps don't say whether a loop saw an edge: with the push it did not give nothing changes, with the one it gave it is taken off.
+#[test]
+fn a_push_that_stamps_leave_open_is_settled_by_the_edges_after_it() {
+    let rig = twin(STEADY);
+    let mut bench = prepare::board(&[recorded(&rig, &rig)])
+        .unwrap()
+        .benches
+        .remove(0);
+    let at_s = bench.seen.times_s[bench.seen.len() / 2];
+    let tie = Tie {
+        at_s,
+        until_s: at_s + 2e-3,
+        apart_s: 1e-8,
+        push: 40.0,
+        after: 0.0,
+    };
+    let before = bench.seen.angles.clone();
+    bench.seen.ties = vec![tie];
+    assert!(!ties::decide(&mut bench));
+    assert_eq!(bench.seen.angles, before);
+
+    let load = Basis::Load {
+        from_s: tie.at_s,
+        until_s: tie.until_s,
+    };
+    let column = load.columns(&bench.seen, &bench.law).remove(0);
+    let size = tie.push * bench.law.inertia;
+    let swung = column.iter().map(|value| size * value);
+    let most = swung
+        .clone()
+        .fold(0.0, |most: f64, value| most.max(value.abs()));
+    for (angle, value) in bench.seen.angles.iter_mut().zip(swung) {
+        *angle += value;
+    }
+    bench.set_noise(bench.noise);
+    bench.seen.ties = vec![tie];
+    assert!(ties::decide(&mut bench));
+    let off = bench.seen.angles.iter().zip(&before);
+    let off = off.fold(0.0, |most: f64, (now, before)| {
+        most.max((now - before).abs())
+    });
+    assert!(off < 0.02 * most, "{off} of {most}");
+}
 
 #[test]
 fn a_discs_own_pattern_comes_again_and_noise_that_is_more_than_declared_does_not() {
