@@ -45,6 +45,15 @@ impl Hypothesis {
             .collect()
     }
 
+    /// The same as angles, not white.
+    #[must_use]
+    pub fn raw_columns(&self, board: &Board) -> Vec<Column> {
+        self.bases
+            .iter()
+            .flat_map(|basis| board.raw_columns(*basis))
+            .collect()
+    }
+
     /// Numbers that describe it and are not sizes: what was searched for.
     #[must_use]
     pub fn searched(&self) -> usize {

@@ -248,12 +248,7 @@ impl Searched {
             self.model.sizes.as_slice()[..self.nuisances].to_vec(),
         )];
         for found in &self.found {
-            let raw: Vec<Column> = found
-                .hypothesis
-                .bases
-                .iter()
-                .flat_map(|basis| board.raw_columns(*basis))
-                .collect();
+            let raw = found.hypothesis.raw_columns(board);
             let sizes = self.model.sizes.as_slice()[at..at + found.columns.len()].to_vec();
             at += found.columns.len();
             // A column that does not show has no size.

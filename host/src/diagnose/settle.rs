@@ -164,12 +164,7 @@ fn marks(board: &Board, chosen: &Searched) -> Vec<Mark> {
     let each = chosen.found.iter().map(|found| {
         let sizes = &chosen.model.sizes.as_slice()[at..at + found.columns.len()];
         at += found.columns.len();
-        let raw: Vec<Column> = found
-            .hypothesis
-            .bases
-            .iter()
-            .flat_map(|basis| board.raw_columns(*basis))
-            .collect();
+        let raw = found.hypothesis.raw_columns(board);
         let sum = |columns: &[Column], bench: usize| {
             let mut sum = vec![0.0; board.benches[bench].seen.len()];
             for (column, size) in columns.iter().zip(sizes) {
