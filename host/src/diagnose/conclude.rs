@@ -6,6 +6,7 @@ use super::crowd::{Family, family, kin};
 use super::disc::{Pattern, comes_again, put_back};
 use super::estimate::Estimate;
 use super::hypothesis::Hypothesis;
+use super::instants::Between;
 use super::leftover::{Leftover, leftovers};
 use super::named::implausible;
 use super::rivals::{ALIKE, rivals, same_mark};
@@ -182,6 +183,7 @@ fn no_rigs(searched: &Searched, number: usize) -> Option<(&'static Quantity, f64
         sizes: model.sizes.as_slice()[from..from + count].to_vec(),
         searched: Vec::new(),
         covariance: covariance.into_owned(),
+        between: Between::default(),
     })
 }
 

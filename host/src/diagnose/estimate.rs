@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::board::{Board, Column, Model, PARTS};
 use super::hypothesis::Hypothesis;
+use super::instants::Between;
 use super::refine::{slopes, steps};
 use super::search::Searched;
 
@@ -18,6 +19,8 @@ pub struct Estimate {
     pub searched: Vec<f64>,
     /// Covariance of sizes and searched numbers.
     pub covariance: DMatrix<f64>,
+    /// Times of a push, which have no such covariance.
+    pub between: Between,
 }
 
 /// Estimates of everything found, in the same order.
@@ -61,6 +64,7 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
                 sizes,
                 searched: off,
                 covariance,
+                between: Between::default(),
             }
         })
         .collect()

@@ -21,6 +21,7 @@ pub mod events;
 pub mod hold;
 pub mod hypothesis;
 pub mod index;
+pub mod instants;
 pub mod judge;
 pub mod kalman;
 pub mod least_squares;

@@ -35,7 +35,13 @@ pub fn parameters(estimate: &Estimate) -> BTreeMap<String, Parameter> {
     values(estimate)
         .into_iter()
         .map(|(name, value)| {
-            let parameter = parameter(estimate, &row, card.unit(&name), &*value);
+            let mut parameter = parameter(estimate, &row, card.unit(&name), &*value);
+            let [from, until] = estimate.between;
+            match name.as_str() {
+                "from_s" if from.is_some() => parameter.ci95 = from,
+                "until_s" if until.is_some() => parameter.ci95 = until,
+                _ => {}
+            }
             (name, parameter)
         })
         .collect()

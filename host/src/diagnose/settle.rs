@@ -5,6 +5,7 @@ use super::board::{Board, Column, Model};
 use super::conclude::Conclusion;
 use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
+use super::instants::sharpened;
 use super::judge::{self, HeldRatios, Judged};
 use super::leftover::leftovers;
 use super::mended;
@@ -63,8 +64,11 @@ pub fn settle(
     let before = given
         .fit(given.nuisances())
         .unwrap_or_else(|| Model::none(&given));
-    let chosen = chosen(&board, &searched, &concluded);
+    let (chosen, between) = sharpened(&board, chosen(&board, &searched, &concluded));
     let mut numbers = estimates(&board, &chosen);
+    for (number, between) in numbers.iter_mut().zip(between) {
+        number.between = between;
+    }
     let marks = marks(&board, &chosen);
     let pattern = searched.pattern.as_ref();
     let mended = |numbers: &[Estimate]| mended::twins(rig, &given, pattern, numbers);

@@ -80,6 +80,7 @@ fn estimate(basis: Basis, size: f64) -> Estimate {
         sizes: vec![size; basis.count()],
         searched: Vec::new(),
         covariance: nalgebra::DMatrix::identity(basis.count(), basis.count()),
+        between: Default::default(),
     }
 }
 

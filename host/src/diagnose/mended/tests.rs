@@ -20,6 +20,7 @@ fn with(basis: Basis, size: f64) -> Twin {
         sizes: vec![size],
         searched: Vec::new(),
         covariance: DMatrix::zeros(1, 1),
+        between: Default::default(),
     };
     mended.add(&estimate, 0, 1);
     mended.twin.check().unwrap();

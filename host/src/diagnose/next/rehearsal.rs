@@ -8,6 +8,7 @@ use crate::diagnose::basis::Basis;
 use crate::diagnose::board::{Board, Column};
 use crate::diagnose::estimate::Estimate;
 use crate::diagnose::hypothesis::Hypothesis;
+use crate::diagnose::instants::Between;
 use crate::diagnose::mended::{self, Mended};
 use crate::diagnose::run::Recorded;
 use crate::diagnose::settle::Settled;
@@ -103,6 +104,7 @@ impl<'a> Rehearsal<'a> {
             sizes,
             searched: Vec::new(),
             covariance: DMatrix::zeros(count, count),
+            between: Between::default(),
         };
         let mut mended = Mended {
             twin: self.twin.clone(),
