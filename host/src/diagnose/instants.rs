@@ -15,9 +15,9 @@ use super::search::{Found, Searched};
 pub type Between = [Option<[f64; 2]>; 2];
 
 /// Points that the likelihood is taken at.
-const POINTS: usize = 24;
+const POINTS: usize = 32;
 /// Logarithm of a likelihood, from its top, that nothing comes of.
-const NOTHING: f64 = 10.0;
+const NOTHING: f64 = 6.5;
 /// Part of the likelihood to either side of an interval.
 const TAIL: f64 = 0.025;
 

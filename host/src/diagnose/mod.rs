@@ -57,6 +57,7 @@ mod sift;
 mod slow;
 pub mod spectrum;
 pub mod spread;
+pub mod start;
 pub mod steady;
 pub mod still;
 mod swing;

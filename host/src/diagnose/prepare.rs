@@ -39,7 +39,7 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
 /// [`TwinError`] where the twin can't be run.
 pub fn seen(one: &Recorded) -> Result<Seen, TwinError> {
     let mut track = one.track.clone();
-    if !track.anchored {
+    if !track.anchored && !track.placed {
         track.starts_at(one.twin.shaft.initial_angle_rad);
     }
     Seen::of(&track, one.plan, &one.twin)

@@ -13,6 +13,7 @@ use super::prepare;
 use super::search::{Searched, search};
 use super::settle::settle;
 use super::shown::Shown;
+use super::start;
 use super::tell::{self, tell};
 use super::torques::in_torques;
 use super::track::Track;
@@ -92,6 +93,7 @@ pub fn diagnose(
     for one in &mut rig {
         one.twin = in_torques(&one.twin);
     }
+    start::counted(&mut rig);
     let mut found = of_events(&rig);
     // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
     if let Some(motion) = stick_slip::recognised(&rig) {

@@ -49,6 +49,8 @@ pub struct Track {
     pub anchored: bool,
     /// What a place lacks to be an edge of the disc, as far as it is known from elsewhere.
     pub origin: i64,
+    /// Whether that was found already.
+    pub placed: bool,
     /// All stretches, by time.
     pub stretches: Vec<Stretch>,
     /// Where the count was disturbed.
@@ -87,6 +89,7 @@ impl Track {
             tick_s: 1.0 / clock_hz as f64,
             anchored: plan.anchor() == Anchor::Index,
             origin: 0,
+            placed: false,
             stretches: Vec::new(),
             slips: Vec::new(),
             faults: mended.faults,
@@ -131,6 +134,7 @@ impl Track {
         #[allow(clippy::cast_possible_truncation)]
         let origin = lines as i64 * self.classes;
         self.origin = origin;
+        self.placed = true;
     }
 
     /// Whether it goes in both directions, each for a while.

@@ -178,7 +178,7 @@ fn looked_at(one: &Recorded) -> Option<Seen> {
 
 fn cycles(one: &Recorded, slips: &Slips) -> Option<Vec<Cycle>> {
     let mut track = one.track.clone();
-    if !track.anchored {
+    if !track.anchored && !track.placed {
         track.starts_at(one.twin.shaft.initial_angle_rad);
     }
     let errors = Simulation::new(&one.twin).ok()?.true_errors();
