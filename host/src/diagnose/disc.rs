@@ -29,9 +29,9 @@ const FEW: usize = 2;
 /// Part of the pattern's squares that makes it one order's.
 const ALONE: f64 = 0.9;
 
-/// The pattern that a model leaves; orders that another mechanism may own are left to it.
+/// The pattern that a model leaves; orders that another mechanism may own are left to it, unless a pattern was `learned` before.
 #[must_use]
-pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
+pub fn pattern(board: &Board, model: &Model, learned: bool) -> Option<Pattern> {
     let disc = Disc::of(board)?;
     let pulled = disc.own(&disc.folded(model.left.clone()));
     let spectrum = disc.spectrum(pulled.clone());
@@ -49,7 +49,7 @@ pub fn pattern(board: &Board, model: &Model) -> Option<Pattern> {
     // What one order makes is a rhythm: others name it.
     let all: f64 = modes.iter().map(|mode| mode.weight * mode.squares).sum();
     let top = modes.iter().map(|mode| mode.squares).fold(0.0, f64::max);
-    if modes.len() > FEW && top > ALONE * all {
+    if !learned && modes.len() > FEW && top > ALONE * all {
         return None;
     }
     let (log_s2, most, bend) = likeliest(&modes)?;

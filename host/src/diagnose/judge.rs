@@ -141,7 +141,7 @@ fn early_disc(given: &Board, columns: &[Column]) -> Option<Board> {
         Column(each.collect())
     };
     let model = early.fit(columns.iter().map(short).collect())?;
-    let pattern = disc::pattern(&early, &model)?;
+    let pattern = disc::pattern(&early, &model, true)?;
     let mut known = given.clone();
     known.take_off(&pattern.errors_rad);
     Some(known)

@@ -10,6 +10,7 @@ use super::refine::refined;
 use super::scan::{defects, loads};
 use super::sift::{beside_disc, passes, trifle};
 use super::weigh::{Shelf, Weighed, weigh};
+use crate::mechanism::Mechanism;
 
 /// Mechanisms at the most.
 const MOST: usize = 12;
@@ -17,6 +18,8 @@ const MOST: usize = 12;
 pub const BEYOND: f64 = 60.0;
 /// Edges of a disc whose whole pattern must be worth two of its rhythms.
 const FINE: f64 = 40.0;
+/// Part of the score of anything else that more of a pattern that was learned must have.
+const MORE: f64 = 0.9;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
@@ -114,11 +117,22 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
             continue;
         }
         let whole = if patterns < PATTERNS {
-            disc::pattern(board, &model)
+            disc::pattern(board, &model, learned || pattern.is_some())
         } else {
             None
         };
+        let over = if pattern.is_some() { MORE } else { over };
         if let Some(whole) = whole.filter(|whole| whole.score > BEYOND.max(over * score)) {
+            // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
+            let before = found.len();
+            found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
+            if found.len() < before {
+                model = board.fit(columns(&nuisances, &found))?;
+            }
+            let whole = match disc::pattern(board, &model, true) {
+                Some(all) if found.len() < before => all,
+                _ => whole,
+            };
             patterns += 1;
             if passes(board, &model, &whole) {
                 passing = whole.score;
@@ -192,7 +206,7 @@ fn best(
     let top = tried.first()?.score;
     // Only what may win is worth a closer look: a frequency a little off costs a good part. Of one kind, the best will do.
     let mut closer: Vec<Weighed> = Vec::new();
-    let mut kinds: Vec<(crate::mechanism::Mechanism, i64)> = Vec::new();
+    let mut kinds: Vec<(Mechanism, i64)> = Vec::new();
     for one in tried {
         let kind = (
             one.hypothesis.mechanism,

@@ -69,7 +69,37 @@ fn lines(first: &[f64], other: &[f64], classes: i64) -> i64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::lines;
+    use crate::diagnose::track::Track;
+    use crate::sensor::{PlanError, SensorKind, SensorPlan};
+    use crate::sim::Simulation;
+    use crate::twin::Twin;
+
+    #[test]
+    fn a_wheel_that_starts_on_a_tooth_is_counted_from_its_fall() {
+        for start in [0.5, 1.5, 2.5, 37.5] {
+            let angle = start * TAU / 60.0;
+            let text = format!(
+                "duration = {{ turns = 4.0 }}\n[encoder.wheel]\nteeth = 30\n[drive.constant]\nr_min = 60.0\n\
+                 [timer]\nclock_hz = 100000000\n\
+                 [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-4\ninitial_angle_rad = {angle:e}\n"
+            );
+            let twin = Twin::parse(&text, "wheel").unwrap();
+            let rows = Simulation::new(&twin).unwrap();
+            let rows = rows.map(|event| Ok::<_, PlanError>(event.row));
+            let kind = SensorKind::Wheel {
+                both_edges: true,
+                missing: 0,
+            };
+            let plan = SensorPlan { kind, lines: 30 };
+            let mut track = Track::of(plan, twin.timer.clock_hz, rows).unwrap();
+            track.starts_at(twin.shaft.initial_angle_rad);
+            let first = track.stretches[0].marks[0].place + track.origin;
+            assert_eq!(first, start.ceil() as i64, "from {start}");
+        }
+    }
 
     fn wavy(edge: usize) -> f64 {
         let turn = std::f64::consts::TAU * edge as f64 / 60.0;

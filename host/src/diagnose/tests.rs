@@ -114,7 +114,7 @@ fn a_discs_own_pattern_comes_again_and_noise_that_is_more_than_declared_does_not
     let shares = |truth: &Twin| {
         let board = prepare::board(&[recorded(truth, &told)]).unwrap();
         let model = board.fit(board.nuisances()).unwrap();
-        let pattern = disc::pattern(&board, &model).unwrap();
+        let pattern = disc::pattern(&board, &model, false).unwrap();
         let shares = disc::comes_again(&board, &model.left, pattern.rms_rad);
         (pattern.score, shares)
     };

@@ -76,12 +76,11 @@ impl Walker {
         self.track
     }
 
-    /// One edge on, from the first rise: a wheel whose rows are mended.
+    /// One edge on: a wheel whose rows are mended. Edges of even number rise.
     fn one_on(&self, sample: Sample) -> Outcome {
         let edge = match self.last_edge {
             Some(last) => (last + 1) % self.track.edges,
-            None if sample.levels.a() => 0,
-            None => return Outcome::Idle,
+            None => i64::from(!sample.levels.a()),
         };
         let edge = u32::try_from(edge).unwrap_or(0);
         Outcome::Step(Step {
