@@ -6,7 +6,7 @@ use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use super::bench::Bench;
-use super::board::{Board, PARTS};
+use super::board::{Board, Column, PARTS};
 
 /// Which parts of the recordings count.
 pub type Kept<'a> = &'a dyn Fn(usize) -> bool;
@@ -77,7 +77,7 @@ impl<'a> Disc<'a> {
     }
 
     /// What orders of the pattern's own make of a row, each times a weight.
-    fn weighted(&self, row: &[f64], weight: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    pub fn weighted(&self, row: &[f64], weight: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let spectrum = self.spectrum(row.to_vec());
         let mut kept = vec![Complex::new(0.0, 0.0); spectrum.len()];
         for &m in &self.orders {
@@ -118,6 +118,14 @@ impl<'a> Disc<'a> {
                 row[bench.part(part)].fill(0.0);
             }
         }
+    }
+
+    /// A column's rows, nothing where it does not show.
+    pub fn whole(&self, column: &Column) -> Vec<Vec<f64>> {
+        let parts = column.0.iter().zip(&self.board.benches);
+        parts
+            .map(|(part, bench)| part.clone().unwrap_or_else(|| vec![0.0; bench.seen.len()]))
+            .collect()
     }
 
     /// How strongly rows pull at every edge.

@@ -3,8 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::board::{Board, Column, Model, PARTS};
+use super::disc::put_back;
 use super::hypothesis::Hypothesis;
 use super::instants::Between;
+use super::joined;
 use super::refine::{slopes, steps};
 use super::search::Searched;
 
@@ -29,16 +31,21 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
     let mut columns: Vec<Column> = searched.model.columns.clone();
     let mut ranges = Vec::new();
     let mut at = searched.nuisances;
-    for found in &searched.found {
+    for (found, slopes) in searched.found.iter().zip(slopes_of(board, searched)) {
         let sizes = searched.model.sizes.as_slice()[at..at + found.columns.len()].to_vec();
         let first = columns.len();
-        let steps = steps(board, &found.hypothesis);
-        columns.extend(slopes(board, &found.hypothesis, &sizes, &steps));
+        columns.extend(slopes);
         ranges.push((at, sizes, first, columns.len()));
         at += found.columns.len();
     }
     // Where a searched number can't be told from a size, the sizes alone have to do.
-    let fitted: Option<Model> = board.fit(columns);
+    let mut fitted: Option<Model> = board.fit(columns);
+    if let (Some(model), Some(pattern)) = (&mut fitted, &searched.pattern) {
+        let there = put_back(board, model, pattern);
+        if let Some(covariance) = joined::covariance(board, &model.columns, &there, pattern) {
+            model.covariance = covariance;
+        }
+    }
     let variance = spread(&searched.model).max(1.0);
     let wider = widened(board, fitted.as_ref().unwrap_or(&searched.model));
     ranges
@@ -68,6 +75,19 @@ pub fn estimates(board: &Board, searched: &Searched) -> Vec<Estimate> {
             }
         })
         .collect()
+}
+
+/// How the angles change with what was searched for, finding by finding.
+#[must_use]
+pub fn slopes_of(board: &Board, searched: &Searched) -> Vec<Vec<Column>> {
+    let mut at = searched.nuisances;
+    let each = searched.found.iter().map(|found| {
+        let sizes = &searched.model.sizes.as_slice()[at..at + found.columns.len()];
+        at += found.columns.len();
+        let steps = steps(board, &found.hypothesis);
+        slopes(board, &found.hypothesis, sizes, &steps)
+    });
+    each.collect()
 }
 
 /// How much larger the variance of each number of a model is than noise makes it, by how it scatters from part to part of the

@@ -22,6 +22,7 @@ pub mod hold;
 pub mod hypothesis;
 pub mod index;
 pub mod instants;
+pub mod joined;
 pub mod judge;
 pub mod kalman;
 pub mod least_squares;

@@ -6,6 +6,7 @@ use super::conclude::Conclusion;
 use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
 use super::instants::sharpened;
+use super::joined::join;
 use super::judge::{self, HeldRatios, Judged};
 use super::leftover::leftovers;
 use super::mended;
@@ -64,13 +65,15 @@ pub fn settle(
     let before = given
         .fit(given.nuisances())
         .unwrap_or_else(|| Model::none(&given));
-    let (chosen, between) = sharpened(&board, chosen(&board, &searched, &concluded));
+    let mut joint = chosen(&board, &searched, &concluded);
+    join(&mut board, &mut joint);
+    let (chosen, between) = sharpened(&board, joint);
     let mut numbers = estimates(&board, &chosen);
     for (number, between) in numbers.iter_mut().zip(between) {
         number.between = between;
     }
     let marks = marks(&board, &chosen);
-    let pattern = searched.pattern.as_ref();
+    let pattern = chosen.pattern.as_ref();
     let mended = |numbers: &[Estimate]| mended::twins(rig, &given, pattern, numbers);
     // Against the mended twins only small rests are left of the sizes.
     let mut again = board;
@@ -124,7 +127,7 @@ pub fn settle(
         given,
         before,
         after,
-        pattern: searched.pattern.clone(),
+        pattern: chosen.pattern.clone(),
         concluded,
         estimates: numbers,
         marks,

@@ -144,14 +144,14 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
         };
         known.push((basis, vec![load.torque_n_m]));
     }
-    if let Some(ripple) = twin.threshold_ripple {
+    for ripple in &twin.threshold_ripple {
         let basis = Basis::LevelTone {
             f_hz: ripple.f_hz,
             channel: ripple.channel.map(|channel| channel as usize),
         };
         known.push((basis, round(ripple.angle_rad, ripple.phase_rad)));
     }
-    if let Some(drift) = twin.threshold_drift {
+    for drift in &twin.threshold_drift {
         let basis = Basis::LevelDrift {
             from_s: drift.from_s,
             tau_s: drift.tau_s,

@@ -110,7 +110,7 @@ fn values(numbers: &Numbers<'_>) -> Named {
 
 fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
     if let Basis::LevelDrift { from_s, tau_s } = basis {
-        mended.twin.threshold_drift = Some(ThresholdDrift {
+        mended.twin.threshold_drift.push(ThresholdDrift {
             angle_rad: sizes[0],
             tau_s,
             from_s: from_s.max(0.0),

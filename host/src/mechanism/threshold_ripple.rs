@@ -88,7 +88,7 @@ fn values(numbers: &Numbers<'_>) -> Named {
 fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
     if let Basis::LevelTone { f_hz, channel: on } = basis {
         let (angle_rad, phase_rad) = wave(sizes);
-        mended.twin.threshold_ripple = Some(ThresholdRipple {
+        mended.twin.threshold_ripple.push(ThresholdRipple {
             f_hz,
             phase_rad,
             angle_rad,

@@ -17,8 +17,8 @@ pub(super) struct Moving {
 /// How far along the disc marks of a class are passed beyond their place.
 #[derive(Clone, Debug)]
 pub(super) struct Shifts {
-    ripple: Option<ThresholdRipple>,
-    drift: Option<ThresholdDrift>,
+    ripples: Vec<ThresholdRipple>,
+    drifts: Vec<ThresholdDrift>,
     /// Half the angle and channel of each play.
     plays: Vec<(f64, Option<Channel>)>,
     step_rad: f64,
@@ -40,16 +40,16 @@ impl Shifts {
             .collect();
         slips.sort_by(|a, b| a.0.total_cmp(&b.0));
         let shifts = Self {
-            ripple: twin.threshold_ripple,
-            drift: twin.threshold_drift,
+            ripples: twin.threshold_ripple.clone(),
+            drifts: twin.threshold_drift.clone(),
             plays: hysteresis.into_iter().chain(backlash).collect(),
             step_rad: TAU / f64::from(twin.encoder.grid_edges()),
             slips,
             next_slip: 0,
             index_rad: 0.0,
         };
-        let any = shifts.ripple.is_some()
-            || shifts.drift.is_some()
+        let any = !shifts.ripples.is_empty()
+            || !shifts.drifts.is_empty()
             || !shifts.plays.is_empty()
             || !shifts.slips.is_empty()
             || twin.bearing.iter().any(|b| b.runout_rad.is_some());
@@ -86,13 +86,13 @@ impl Shifts {
         }
         let (_, rises) = class.bit_and_rise();
         let later = if rises { 1.0 } else { -1.0 };
-        if let Some(ripple) = self.ripple.filter(|ripple| on(ripple.channel)) {
+        for ripple in self.ripples.iter().filter(|ripple| on(ripple.channel)) {
             let turning = TAU * ripple.f_hz;
             let (sin, cos) = libm::sincos(turning * time_s + ripple.phase_rad);
             shift.value += later * ripple.angle_rad * sin;
             shift.rate += later * ripple.angle_rad * turning * cos;
         }
-        if let Some(drift) = self.drift.filter(|drift| on(drift.channel)) {
+        for drift in self.drifts.iter().filter(|drift| on(drift.channel)) {
             let since = (time_s - drift.from_s).max(0.0) / drift.tau_s;
             shift.value -= later * drift.angle_rad * libm::expm1(-since);
             if since > 0.0 {

@@ -97,12 +97,12 @@ pub struct Twin {
     /// Delays of whole channels; none where left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel_skew: Option<ChannelSkew>,
-    /// A tone on the comparator's level.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub threshold_ripple: Option<ThresholdRipple>,
-    /// A drift of the comparator's level.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub threshold_drift: Option<ThresholdDrift>,
+    /// Tones on the comparator's level.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub threshold_ripple: Vec<ThresholdRipple>,
+    /// Drifts of the comparator's level.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub threshold_drift: Vec<ThresholdDrift>,
     /// Edges that come late in either direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<Hysteresis>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Channel;
 
-/// `threshold_ripple`: mains or PWM pick-up: a shift of angle sin(2 pi f t + phase), taken at the very time of the edge.
+/// `[[threshold_ripple]]`: mains or PWM pick-up: a shift of angle sin(2 pi f t + phase), taken at the very time of the edge.
 ///
 /// Each mark changes once for each passage of the shaft: a shaft slower than the level's swing does not make it chatter, as a comparator's
 /// own hysteresis sees to it.
@@ -20,18 +20,18 @@ pub struct ThresholdRipple {
     /// Phase at time 0.
     #[serde(default)]
     pub phase_rad: f64,
-    /// Amplitude: the level's swing over the signal's slope; up to an eighth of a line, drift included.
+    /// Amplitude: the level's swing over the signal's slope; up to an eighth of a line, with all other shifts of the level.
     pub angle_rad: f64,
     /// The channel it is on; all where left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
 }
 
-/// `threshold_drift`: lamp or temperature: a shift of angle (1 - exp(-(t - from) / tau)) from a time on.
+/// `[[threshold_drift]]`: lamp or temperature: a shift of angle (1 - exp(-(t - from) / tau)) from a time on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThresholdDrift {
-    /// Where it settles, of either sign; up to an eighth of a line, ripple included.
+    /// Where it settles, of either sign; up to an eighth of a line, with all other shifts of the level.
     pub angle_rad: f64,
     /// Time constant, above 0.
     pub tau_s: f64,

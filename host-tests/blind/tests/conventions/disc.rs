@@ -62,12 +62,12 @@ fn levels_move_the_same_way() {
         channel: Some(0),
     };
     agree(&steady(), &[ripple], |twin| {
-        twin.threshold_ripple = Some(ThresholdRipple {
+        twin.threshold_ripple = vec![ThresholdRipple {
             f_hz: 50.0,
             phase_rad: 0.4,
             angle_rad: 5e-4,
             channel: Some(Channel::A),
-        });
+        }];
     });
     let drift = Effect::ThresholdDrift {
         angle_rad: -5e-4,
@@ -75,12 +75,12 @@ fn levels_move_the_same_way() {
         from_s: 0.3,
     };
     agree(&steady(), &[drift], |twin| {
-        twin.threshold_drift = Some(ThresholdDrift {
+        twin.threshold_drift = vec![ThresholdDrift {
             angle_rad: -5e-4,
             tau_s: 0.2,
             from_s: 0.3,
             channel: None,
-        });
+        }];
     });
 }
 

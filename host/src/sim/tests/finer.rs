@@ -60,23 +60,23 @@ fn rigs(r_min: f64) -> Vec<(&'static str, Twin)> {
         (
             "threshold ripple",
             with(&|t| {
-                t.threshold_ripple = Some(ThresholdRipple {
+                t.threshold_ripple = vec![ThresholdRipple {
                     f_hz: 50.0,
                     phase_rad: 0.0,
                     angle_rad: 1e-4,
                     channel: None,
-                });
+                }];
             }),
         ),
         (
             "threshold drift",
             with(&|t| {
-                t.threshold_drift = Some(ThresholdDrift {
+                t.threshold_drift = vec![ThresholdDrift {
                     angle_rad: 1e-4,
                     tau_s: turn_s,
                     from_s: 0.3 * turn_s,
                     channel: None,
-                });
+                }];
             }),
         ),
         (

@@ -62,18 +62,18 @@ fn the_level_of_the_very_time_of_each_edge_shifts_it() {
     for r_min in [40.0, -40.0] {
         let mut twin = real(r_min, 3.0);
         twin.ripple = Twin::paper().ripple;
-        twin.threshold_ripple = Some(ThresholdRipple {
+        twin.threshold_ripple = vec![ThresholdRipple {
             f_hz: 730.0,
             phase_rad: 0.4,
             angle_rad: 2e-4,
             channel: None,
-        });
-        twin.threshold_drift = Some(ThresholdDrift {
+        }];
+        twin.threshold_drift = vec![ThresholdDrift {
             angle_rad: -1e-4,
             tau_s: 0.7,
             from_s: 1.1,
             channel: Some(Channel::B),
-        });
+        }];
         let edges = beyond(&twin);
         assert!((29_990..=30_010).contains(&edges.len()));
         for (event, off) in edges {
@@ -96,12 +96,12 @@ fn the_level_of_the_very_time_of_each_edge_shifts_it() {
 #[test]
 fn a_shift_by_a_threshold_is_a_width_error_of_twice_its_size() {
     let mut settled = real(60.0, 2.0);
-    settled.threshold_drift = Some(ThresholdDrift {
+    settled.threshold_drift = vec![ThresholdDrift {
         angle_rad: 1e-4,
         tau_s: 1e-6,
         from_s: 0.0,
         channel: None,
-    });
+    }];
     let mean = |falls: bool| {
         let edges = beyond(&settled);
         let late: Vec<f64> = edges

@@ -27,31 +27,33 @@ impl Twin {
         // Half of what would bring the two edges of a pulse together.
         let largest = line_rad / 8.0;
         let advice = "lower it: the level leaves the signal";
-        if let Some(ripple) = &self.threshold_ripple {
-            c.positive(
-                "threshold_ripple.f_hz",
-                ripple.f_hz,
-                1e6,
-                "give a frequency",
-            );
-            c.phase("threshold_ripple.phase_rad", ripple.phase_rad);
-            let key = "threshold_ripple.angle_rad";
-            c.between(key, ripple.angle_rad, 0.0, largest, advice);
-            c.channel("threshold_ripple.channel", ripple.channel, self.encoder);
+        let mut left = largest;
+        for (i, ripple) in self.threshold_ripple.iter().enumerate() {
+            let key = |name: &str| format!("threshold_ripple[{i}].{name}");
+            c.positive(&key("f_hz"), ripple.f_hz, 1e6, "give a frequency");
+            c.phase(&key("phase_rad"), ripple.phase_rad);
+            c.between(&key("angle_rad"), ripple.angle_rad, 0.0, left, advice);
+            c.channel(&key("channel"), ripple.channel, self.encoder);
+            left -= ripple.angle_rad;
         }
-        if let Some(drift) = &self.threshold_drift {
-            let left = largest - self.threshold_ripple.map_or(0.0, |ripple| ripple.angle_rad);
-            let key = "threshold_drift.angle_rad";
-            c.between(key, drift.angle_rad, -left, left, advice);
+        for (i, drift) in self.threshold_drift.iter().enumerate() {
+            let key = |name: &str| format!("threshold_drift[{i}].{name}");
+            c.between(&key("angle_rad"), drift.angle_rad, -left, left, advice);
             c.positive(
-                "threshold_drift.tau_s",
+                &key("tau_s"),
                 drift.tau_s,
                 TIME_MAX,
                 "give its time constant",
             );
-            let key = "threshold_drift.from_s";
-            c.between(key, drift.from_s, 0.0, TIME_MAX, "say when it begins");
-            c.channel("threshold_drift.channel", drift.channel, self.encoder);
+            c.between(
+                &key("from_s"),
+                drift.from_s,
+                0.0,
+                TIME_MAX,
+                "say when it begins",
+            );
+            c.channel(&key("channel"), drift.channel, self.encoder);
+            left -= drift.angle_rad.abs();
         }
     }
 

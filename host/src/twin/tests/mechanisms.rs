@@ -50,18 +50,18 @@ fn all_mechanisms() -> Twin {
         load_psd_n2_m2_s: Some(1e-13),
         load_hold_s: Some(1.5e-4),
     });
-    twin.threshold_ripple = Some(ThresholdRipple {
+    twin.threshold_ripple = vec![ThresholdRipple {
         f_hz: 100.5,
         phase_rad: 1.25,
         angle_rad: 1.5e-5,
         channel: Some(Channel::A),
-    });
-    twin.threshold_drift = Some(ThresholdDrift {
+    }];
+    twin.threshold_drift = vec![ThresholdDrift {
         angle_rad: -2.5e-5,
         tau_s: 6.5,
         from_s: 1.75,
         channel: None,
-    });
+    }];
     twin.hysteresis = Some(Hysteresis {
         angle_rad: 3.5e-5,
         channel: Some(Channel::B),
@@ -152,14 +152,14 @@ fn a_mechanism_out_of_its_range_is_placed_by_line_and_key() {
             "drag_n_m_s2 = -0.1",
             "shaft.drag_n_m_s2",
         ),
-        ("f_hz = 100.5", "f_hz = -100.5", "threshold_ripple.f_hz"),
+        ("f_hz = 100.5", "f_hz = -100.5", "threshold_ripple[0].f_hz"),
         (
             "angle_rad = 0.000015",
             "angle_rad = 0.1",
-            "threshold_ripple.angle_rad",
+            "threshold_ripple[0].angle_rad",
         ),
-        ("tau_s = 6.5", "tau_s = nan", "threshold_drift.tau_s"),
-        ("from_s = 1.75", "from_s = -1.75", "threshold_drift.from_s"),
+        ("tau_s = 6.5", "tau_s = nan", "threshold_drift[0].tau_s"),
+        ("from_s = 1.75", "from_s = -1.75", "threshold_drift[0].from_s"),
         (
             "angle_rad = 0.000035",
             "angle_rad = -1.0",
