@@ -86,7 +86,10 @@ fn follow(board: &Board, searched: &mut Searched, moved: Vec<Vec<f64>>) -> Optio
         let steps = steps(board, &hypothesis);
         for ((change, step), by) in steps.iter().zip(moved) {
             let by = by.clamp(-FAR * step, FAR * step);
-            hypothesis.bases.iter_mut().for_each(|basis| change(basis, by));
+            hypothesis
+                .bases
+                .iter_mut()
+                .for_each(|basis| change(basis, by));
         }
         let columns = hypothesis.columns(board);
         if columns.len() == found.columns.len() {

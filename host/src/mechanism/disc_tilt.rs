@@ -10,6 +10,8 @@
 use super::eccentricity::{listed, sum};
 use super::line_error::{add_order, columns, instead_of, of_rhythm, round_order, text, values};
 use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use crate::diagnose::basis::Basis;
+use crate::diagnose::hypothesis::Hypothesis;
 
 /// Largest amplitude: a tilt of 36 degrees.
 const LARGEST_RAD: f64 = 0.1;
@@ -45,6 +47,7 @@ pub const CARD: Card = Card {
                    at order 2 falls with the square of the speed.",
     handling: Handling {
         makes: |basis| round_order(basis).is_some_and(own),
+        proposed: |_| vec![Hypothesis::by(Basis::Round { order: 2.0 })],
         columns,
         of_rhythm: |rhythm| of_rhythm(rhythm, own),
         instead_of: |found, setting| instead_of(found, setting, own),

@@ -10,6 +10,8 @@
 
 use super::line_error::{add_order, columns, instead_of, of_rhythm, round_order, text, values};
 use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use crate::diagnose::basis::Basis;
+use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::mended::Mended;
 use crate::twin::Harmonic;
 
@@ -49,6 +51,7 @@ pub const CARD: Card = Card {
                    at order 1 (imbalance) falls with the square of the speed.",
     handling: Handling {
         makes: |basis| round_order(basis).is_some_and(own),
+        proposed: |_| vec![Hypothesis::by(Basis::Round { order: 1.0 })],
         columns,
         of_rhythm: |rhythm| of_rhythm(rhythm, own),
         instead_of: |found, setting| instead_of(found, setting, own),

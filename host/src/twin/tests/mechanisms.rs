@@ -159,7 +159,11 @@ fn a_mechanism_out_of_its_range_is_placed_by_line_and_key() {
             "threshold_ripple[0].angle_rad",
         ),
         ("tau_s = 6.5", "tau_s = nan", "threshold_drift[0].tau_s"),
-        ("from_s = 1.75", "from_s = -1.75", "threshold_drift[0].from_s"),
+        (
+            "from_s = 1.75",
+            "from_s = -1.75",
+            "threshold_drift[0].from_s",
+        ),
         (
             "angle_rad = 0.000035",
             "angle_rad = -1.0",
