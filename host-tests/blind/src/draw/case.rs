@@ -161,7 +161,7 @@ pub(super) fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> 
     } else {
         rigs
     };
-    let ideal = Ideal::new(seen);
+    let ideal = Ideal::of(seen, effect);
     let (effect, times, ideal_size) = match effect.clone() {
         Effect::LostEdges { seed, .. } => {
             let count = times as u32;

@@ -59,6 +59,15 @@ impl Effect {
         }
     }
 
+    /// Whether it changes the shaft's speed for long, and nothing else.
+    #[must_use]
+    pub const fn is_slow(&self) -> bool {
+        matches!(
+            self,
+            Self::Friction { .. } | Self::LoadStep { .. } | Self::SpeedDrift { .. }
+        )
+    }
+
     /// Dry friction at a speed, N m, without its sign.
     #[must_use]
     pub fn dry(&self, speed: f64) -> f64 {

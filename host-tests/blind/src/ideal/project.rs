@@ -115,9 +115,12 @@ pub(super) fn take_out(signal: &mut [f64], others: Vec<Vec<f64>>) {
 fn nuisances(sight: &Sight) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     // An angle that is off moves all edges alike; a speed that is off moves one by the time gone, or by the way where it is off by a
-    // share.
-    let ones = vec![1.0; sight.time.len()];
-    for column in [ones, sight.time.clone(), sight.angle.clone()] {
+    // share, as that of a shaft which was let go faster is.
+    let mut columns = vec![vec![1.0; sight.time.len()], sight.angle.clone()];
+    if !sight.runs_down {
+        columns.push(sight.time.clone());
+    }
+    for column in columns {
         let mut white = sight.whitener.apply(&column);
         let before = dot(&white, &white);
         for _ in 0..2 {

@@ -1,7 +1,8 @@
 use super::{DETECTABLE, Ideal};
 use crate::effect::Effect;
-use crate::rig::{Profile, Rig};
+use crate::rig::{Order, Profile, Rig};
 use crate::testing::plain;
+use crate::turning::turn_evenly;
 
 fn noisy() -> Rig {
     Rig {
@@ -14,7 +15,7 @@ fn noisy() -> Rig {
 
 fn edges(rig: &Rig) -> f64 {
     let count = rig.encoder.edges() as f64;
-    rig.turns * count - 2.0 * (1.0 + (super::END_RAD / rig.encoder.step_rad()).ceil())
+    rig.turns * count - 2.0 * (1.0 + (super::sight::END_RAD / rig.encoder.step_rad()).ceil())
 }
 
 const WIDTH: Effect = Effect::WidthError { rad: [1e-6; 3] };
@@ -132,5 +133,43 @@ fn one_speed_does_not_tell_a_width_from_a_delay_and_two_do() {
     assert!(
         (apart / distance / expected - 1.0).abs() < 0.01,
         "{apart} {distance}"
+    );
+}
+
+#[test]
+fn nobody_tells_a_friction_better_than_torque_noise_lets_them() {
+    let mut rig = noisy();
+    rig.stiffness = 0.0;
+    rig.profile = Profile::RunDown {
+        speed: 10.0,
+        off_s: 0.5,
+    };
+    rig.viscous = 0.1 * rig.inertia;
+    rig.noise_psd = 1e-5 * rig.inertia * rig.inertia;
+    let ripple = Order {
+        order: 6.0,
+        phase_rad: 0.3,
+        torque_n_m: 20.0 * rig.inertia,
+    };
+    rig.ripples = vec![ripple];
+    let coulomb_n_m = 1e-3 * rig.inertia;
+    let friction = Effect::Friction {
+        coulomb_n_m,
+        viscous_n_m_s: 0.0,
+        drag_n_m_s2: 0.0,
+        stribeck_n_m: 0.0,
+        stribeck_rad_s: 1.0,
+    };
+    let rigs = [rig];
+    let distance = Ideal::of(&rigs, &friction).distance(&friction);
+    // A constant deceleration in white acceleration noise: its square over the density, for as long as it lasts.
+    let seconds = turn_evenly(&rigs[0], &[])
+        .crossings
+        .last()
+        .map_or(0.0, |last| last.time_s);
+    let bound = 1e-3 * ((seconds - 0.5) / 1e-5).sqrt();
+    assert!(
+        distance < 1.01 * bound && distance > 0.2 * bound,
+        "{distance} of {bound} in {seconds} s"
     );
 }

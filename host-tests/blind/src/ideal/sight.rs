@@ -1,0 +1,162 @@
+//! One recording as the ideal detector has it, and what an effect changes in it.
+
+use std::collections::HashMap;
+
+use super::changed;
+use crate::capture::arrivals;
+use crate::effect::Effect;
+use crate::rig::{Profile, Rig};
+use crate::turning::{Course, turn_evenly};
+use crate::whiten::{Edge, Whitener};
+
+/// Way at either end of a run that is left out, rad: as far as an effect moves an edge.
+pub const END_RAD: f64 = 0.06;
+
+/// Edges at the end of a run that say how it would go on.
+const SLOPE: usize = 40;
+
+/// What the ideal detector has of one recording: base run without noise, and the noise's filter.
+pub(crate) struct Sight {
+    course: Course,
+    /// Times and speeds of a run without ripples.
+    course_speed: Vec<(f64, f64)>,
+    times: Vec<f64>,
+    pub(crate) whitener: Whitener,
+    /// Which of the base run's crossings are edges.
+    edges: Vec<usize>,
+    /// How often the place of each was passed before.
+    visit: Vec<u32>,
+    /// Edge of the turn, for each.
+    pub(crate) k: Vec<usize>,
+    /// Time of each.
+    pub(crate) time: Vec<f64>,
+    /// Shaft angle of each, rad.
+    pub(crate) angle: Vec<f64>,
+    pub(crate) speed: Vec<f64>,
+    pub(crate) noise: Vec<Edge>,
+    pub(crate) density: f64,
+    /// Whether nothing drives the shaft in the end.
+    pub(crate) runs_down: bool,
+}
+
+impl Sight {
+    pub fn new(rig: &Rig) -> Self {
+        let course = turn_evenly(rig, &[]);
+        let calm = Rig {
+            ripples: Vec::new(),
+            ..rig.clone()
+        };
+        let course_speed = turn_evenly(&calm, &[]).crossings;
+        let course_speed = course_speed.iter().map(|c| (c.time_s, c.speed)).collect();
+        let times = arrivals(&course, &[]);
+        let mut edges: Vec<usize> = (0..course.crossings.len())
+            .filter(|&at| course.crossings[at].class.is_some())
+            .collect();
+        let mut visits: HashMap<i64, u32> = HashMap::new();
+        let visit = |at: &usize| {
+            let count = visits.entry(course.crossings[*at].place).or_insert(0);
+            *count += 1;
+            *count - 1
+        };
+        let mut visit: Vec<u32> = edges.iter().map(visit).collect();
+        // Edges at the very ends may not be met with an effect. What they might have said must not be made up.
+        let ends = 1 + (END_RAD / rig.encoder.step_rad()).ceil() as usize;
+        edges.truncate(edges.len().saturating_sub(ends));
+        edges.drain(..ends.min(edges.len()));
+        visit.truncate(ends + edges.len());
+        visit.drain(..ends.min(visit.len()));
+        let count = rig.encoder.edges() as i64;
+        let stamp = rig.stamp_rms_s();
+        let mut last = 0.0;
+        let mut noise = Vec::with_capacity(edges.len());
+        for &at in &edges {
+            let crossing = &course.crossings[at];
+            noise.push(Edge {
+                since_s: (times[at] - last).max(0.0),
+                damping: rig.noise_damping(crossing.time_s),
+                own_rad2: (crossing.speed * stamp).powi(2).max(1e-24),
+            });
+            last = times[at];
+        }
+        let density = rig.noise_psd / (rig.inertia * rig.inertia);
+        let crossing = |at: &usize| &course.crossings[*at];
+        Self {
+            whitener: Whitener::new(&noise, density),
+            k: (edges.iter().map(crossing))
+                .map(|c| c.place.rem_euclid(count) as usize)
+                .collect(),
+            time: edges.iter().map(|&at| times[at]).collect(),
+            angle: (edges.iter().map(crossing))
+                .map(|c| c.place as f64 * rig.encoder.step_rad())
+                .collect(),
+            speed: edges.iter().map(|at| crossing(at).speed).collect(),
+            times,
+            edges,
+            visit,
+            noise,
+            density,
+            runs_down: matches!(rig.profile, Profile::RunDown { .. }),
+            course,
+            course_speed,
+        }
+    }
+
+    /// Speed without the rig's ripples at a time. A shaft that lags keeps the ripples' places, so its lag in time, at this speed, is
+    /// smooth; at the speed with ripples it would seem to swing.
+    fn smooth(&self, time_s: f64) -> f64 {
+        let after = self.course_speed.partition_point(|(at, _)| *at <= time_s);
+        let at = |i: usize| {
+            self.course_speed
+                .get(i.min(self.course_speed.len().saturating_sub(1)))
+        };
+        match (at(after.saturating_sub(1)), at(after)) {
+            (Some(&(t0, v0)), Some(&(t1, v1))) if t1 > t0 => {
+                let share = ((time_s - t0) / (t1 - t0)).clamp(0.0, 1.0);
+                v0 + share * (v1 - v0)
+            }
+            (Some(&(_, v)), _) => v,
+            _ => 0.0,
+        }
+    }
+
+    /// Angle by which the effect moves each edge, rad: 0 where the effect keeps an edge from being met.
+    pub fn signal(&self, rig: &Rig, effect: &Effect) -> Vec<f64> {
+        let changed = changed(rig, effect);
+        let effects = std::slice::from_ref(effect);
+        let course = turn_evenly(&changed, effects);
+        let times = arrivals(&course, effects);
+        // An edge is the same if it is the nth time that its place is passed.
+        let mut met: HashMap<(i64, u32), f64> = HashMap::with_capacity(times.len());
+        let mut visits: HashMap<i64, u32> = HashMap::new();
+        for (crossing, &time) in course.crossings.iter().zip(&times) {
+            if crossing.class.is_some() {
+                let visit = visits.entry(crossing.place).or_insert(0);
+                met.insert((crossing.place, *visit), time);
+                *visit += 1;
+            }
+        }
+        let each = self.edges.iter().zip(&self.visit).map(|(&at, &visit)| {
+            let crossing = &self.course.crossings[at];
+            let time = met.get(&(crossing.place, visit));
+            time.map(|time| (time - self.times[at]) * self.smooth(crossing.time_s))
+        });
+        let signal: Vec<Option<f64>> = each.collect();
+        // Few are not met, as at a reversal: the difference beside one holds.
+        let met_last = signal.iter().rposition(Option::is_some);
+        let mut last = signal.iter().flatten().next().copied().unwrap_or(0.0);
+        let filled = signal.into_iter().map(|value| {
+            last = value.unwrap_or(last);
+            last
+        });
+        let mut filled: Vec<f64> = filled.collect();
+        // A run that the effect slows down ends before: it goes on as it went, or its end would be an effect.
+        if let Some(end) = met_last.filter(|end| *end > SLOPE) {
+            let from = end - SLOPE;
+            let slope = (filled[end] - filled[from]) / (self.time[end] - self.time[from]);
+            for at in end + 1..filled.len() {
+                filled[at] = filled[end] + slope * (self.time[at] - self.time[end]);
+            }
+        }
+        filled
+    }
+}
