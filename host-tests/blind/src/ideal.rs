@@ -61,7 +61,7 @@ impl<'a> Ideal<'a> {
     }
 
     /// The detector for an effect. What changes the shaft's speed slowly also changes how far ripples swing it; so does noise, so
-    /// that tells nothing of the effect, and the ripples are left out.
+    /// that tells nothing of the effect, and the ripples are left out. So is the disc, for the shaft's angles are compared.
     #[must_use]
     pub fn of(rigs: &'a [Rig], effect: &Effect) -> Self {
         if !effect.is_slow() {
@@ -69,6 +69,7 @@ impl<'a> Ideal<'a> {
         }
         let calm = rigs.iter().map(|rig| Rig {
             ripples: Vec::new(),
+            disc_rad: vec![0.0; rig.disc_rad.len()],
             ..rig.clone()
         });
         Self::over(Cow::Owned(calm.collect()))

@@ -6,7 +6,7 @@ use super::changed;
 use crate::capture::arrivals;
 use crate::effect::Effect;
 use crate::rig::{Profile, Rig};
-use crate::turning::{Course, turn_evenly};
+use crate::turning::{Course, Crossing, turn_evenly};
 use crate::whiten::{Edge, Whitener};
 
 /// Way at either end of a run that is left out, rad: as far as an effect moves an edge.
@@ -124,6 +124,9 @@ impl Sight {
         let changed = changed(rig, effect);
         let effects = std::slice::from_ref(effect);
         let course = turn_evenly(&changed, effects);
+        if effect.is_slow() {
+            return self.lag(rig, &course);
+        }
         let times = arrivals(&course, effects);
         // An edge is the same if it is the nth time that its place is passed.
         let mut met: HashMap<(i64, u32), f64> = HashMap::with_capacity(times.len());
@@ -158,5 +161,36 @@ impl Sight {
             }
         }
         filled
+    }
+
+    /// Angle by which the shaft of another course lags at the time of each edge of an even disc: edge by edge a drive that goes off
+    /// at a time would seem to go off at a place.
+    fn lag(&self, rig: &Rig, other: &Course) -> Vec<f64> {
+        let step = rig.encoder.step_rad();
+        let marks: Vec<&Crossing> = (other.crossings.iter())
+            .filter(|crossing| crossing.class.is_some())
+            .collect();
+        let each = self.time.iter().zip(&self.angle).map(|(&time, &angle)| {
+            let after = marks.partition_point(|mark| mark.time_s <= time);
+            let (Some(from), Some(to)) =
+                (marks.get(after.saturating_sub(1)), marks.get(after.max(1)))
+            else {
+                return None;
+            };
+            // Hermite's cubic by the speeds at both marks.
+            let h = to.time_s - from.time_s;
+            let x = (time - from.time_s) / h;
+            let (low, high) = (from.place as f64 * step, to.place as f64 * step);
+            let there = low
+                + (high - low) * x * x * (3.0 - 2.0 * x)
+                + h * x * (1.0 - x) * (from.speed * (1.0 - x) - to.speed * x);
+            Some(angle - there)
+        });
+        let mut last = 0.0;
+        each.map(|lag| {
+            last = lag.unwrap_or(last);
+            last
+        })
+        .collect()
     }
 }

@@ -161,7 +161,10 @@ fn nobody_tells_a_friction_better_than_torque_noise_lets_them() {
         stribeck_rad_s: 1.0,
     };
     let rigs = [rig];
-    let distance = Ideal::of(&rigs, &friction).distance(&friction);
+    let ideal = Ideal::of(&rigs, &friction);
+    let distance = ideal.distance(&friction);
+    let larger = ideal.distance(&friction.scaled(20.0));
+    assert!((larger / distance / 20.0 - 1.0).abs() < 0.05, "{larger}");
     // A constant deceleration in white acceleration noise: its square over the density, for as long as it lasts.
     let seconds = turn_evenly(&rigs[0], &[])
         .crossings
