@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use super::kalman::Reading;
 use super::shaft::ShaftLaw;
 use super::still::Still;
-use super::swing::Torques;
+use super::swing::{Torques, swing};
 use super::ties::Tie;
 use super::track::Track;
 use crate::sensor::SensorPlan;
@@ -26,18 +26,24 @@ pub struct Seen {
     pub shift: i64,
     /// Errors of the disc that are known, rad, for every edge of the grid: the twin's, and what was learned since.
     pub errors: Vec<f64>,
+    /// How much further along the twin's marks lie forward than in reverse, rad.
+    pub(super) play_rad: f64,
     /// Where each edge is on the grid, turns counted through.
     pub places: Vec<i64>,
     /// When it came, s.
     pub times_s: Vec<f64>,
     /// Speed of the twin there, rad/s, negative in reverse.
     pub speeds: Vec<f64>,
+    /// Acceleration of the twin's shaft over the interval before it, rad/s^2.
+    pub(super) bends: Vec<f64>,
     /// Its angle less the twin's, rad.
     pub angles: Vec<f64>,
     /// What the noise model needs of it.
     pub readings: Vec<Reading>,
     /// Whether the shaft is pushed now and then by what the twin does not have (see [`super::pushed`]).
     pub pushed: bool,
+    /// Speed below which the twin's ripple may send the shaft to and fro, rad/s.
+    pub(super) slow: f64,
     /// Samples of a speed loop that may have seen an edge or not.
     pub ties: Vec<Tie>,
     /// The twin's torques, and the angles that they give, rad.
@@ -148,7 +154,28 @@ impl Seen {
     /// True angle of an edge as the twin's disc has it, rad.
     #[must_use]
     pub fn true_theta(&self, at: usize) -> f64 {
-        self.theta(at) - self.errors.get(self.edge(at)).copied().unwrap_or(0.0)
+        let error = self.errors.get(self.edge(at)).copied().unwrap_or(0.0);
+        self.theta(at) - error + self.play_rad * self.side(at)
+    }
+
+    /// Half of the way it goes at an edge: 0.5 forward, -0.5 in reverse.
+    #[must_use]
+    pub fn side(&self, at: usize) -> f64 {
+        0.5_f64.copysign(self.speeds[at])
+    }
+
+    /// How much further the twin's torques take each edge where its marks lie so much further along forward than in reverse, rad;
+    /// nothing where no torque goes with the angle.
+    #[must_use]
+    pub fn torques_move(&self, play_rad: f64) -> Vec<f64> {
+        if !self.torques.turn() {
+            return Vec::new();
+        }
+        let mut other = self.clone();
+        other.play_rad += play_rad;
+        let there = swing(&other, &self.torques).angles;
+        let each = there.iter().zip(&self.swings);
+        each.map(|(there, here)| there - here).collect()
     }
 
     /// Class of an edge.

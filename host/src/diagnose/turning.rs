@@ -15,9 +15,12 @@ use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::slow::too_slow;
 use super::still::Still;
-use super::swing::{Torques, swing};
+use super::swing::{Known, Torques, swing};
 use super::track::{Mark, Track};
-use crate::twin::{RiseFall, Twin};
+use crate::twin::{Drive, RiseFall, Twin};
+
+/// What is taken for the error of a swing, over its change from the last pass but one to the last.
+const DOUBT: f64 = 2.0;
 
 /// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
 /// none where it is not known.
@@ -34,6 +37,8 @@ impl Seen {
         let step = TAU / track.edges as f64;
         let pushed = pushed::course(&marks, track, twin);
         self.pushed = pushed.is_some();
+        // What pushes the shaft by what was seen of it goes no even way from edge to edge.
+        let even = twin.speed_loop().is_none() && !self.pushed;
         let course = match (twin.speed_loop(), pushed) {
             (Some(model), _) => {
                 let (course, ties) = looped(&marks, track, twin, &model);
@@ -45,6 +50,10 @@ impl Seen {
         };
         let mut before: Option<(Mark, i64)> = None;
         let slow = too_slow(twin, law, &course);
+        // A shaft that comes to rest is held by friction too; one that is driven round goes on, and its edges say which way it went.
+        let rests = matches!(twin.drive, Drive::RunDown { .. });
+        self.slow = if rests { 0.0 } else { slow };
+        let mut last_speed = None;
         let mut anew = false;
         // What nothing holds, or something else pushes, goes at its own speed, not at the twin's.
         let unheld = !law.held() || self.pushed;
@@ -58,11 +67,18 @@ impl Seen {
                 continue;
             };
             let own = measured.get(at).copied().flatten();
-            if slow > 0.0 && own.unwrap_or(speed).abs().min(speed.abs()) < slow {
+            let slowly = own.unwrap_or(speed).abs().min(speed.abs()) < slow;
+            if slowly && rests {
                 anew = true;
                 continue;
             }
-            let speed = own.filter(|_| unheld).unwrap_or(speed);
+            let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
+            let bend = match last_speed.replace(speed) {
+                Some(last) if even && after_s > 0.0 => (speed - last) / after_s,
+                _ => 0.0,
+            };
+            self.bends.push(bend);
+            let speed = own.filter(|_| unheld || slowly).unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
                 let apart = (mark.place - last.0.place) * direction;
@@ -77,7 +93,6 @@ impl Seen {
             let edge = (mark.place + still.origin - still.shift).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
             let error = still.errors.get(edge).copied().unwrap_or(0.0);
-            let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
             self.places.push(mark.place + still.origin);
             self.times_s.push(mark.time_s);
             self.speeds.push(speed.abs() * *direction as f64);
@@ -101,20 +116,34 @@ impl Seen {
 
     /// Takes off what the twin's torques do on the disc as it is known now.
     pub(super) fn swing(&mut self) {
-        let swings = swing(self, &self.torques);
-        let each = swings.iter().zip(&self.swings);
+        let swing = swing(self, &self.torques);
+        let each = swing.angles.iter().zip(&self.swings);
         for (angle, (now, before)) in self.angles.iter_mut().zip(each) {
             *angle -= now - before;
         }
-        self.swings = swings;
+        self.swings = swing.angles;
+        for (at, way) in swing.ways.into_iter().enumerate() {
+            if self.speeds[at].abs() >= self.slow {
+                continue;
+            }
+            let reading = &mut self.readings[at];
+            match way {
+                Known::Within(speed) => reading.jolt = (DOUBT * speed).powi(2),
+                Known::Unseen => reading.anew = true,
+            }
+        }
     }
 
     /// Takes off what the twin's torques, delays, levels and play do.
     pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
         self.torques = Torques::of(twin, law);
+        self.play_rad = play_rad(twin);
         self.swings = vec![0.0; self.len()];
         self.swing();
         let looped = twin.speed_loop().is_some();
+        for at in 0..self.len() {
+            self.angles[at] += self.play_rad * self.side(at);
+        }
         for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
                 for (angle, value) in self.angles.iter_mut().zip(column) {
@@ -123,6 +152,11 @@ impl Seen {
             }
         }
     }
+}
+
+/// How much further along a twin's marks lie forward than in reverse, rad.
+fn play_rad(twin: &Twin) -> f64 {
+    twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad)
 }
 
 /// What a twin has beside disc, shaft, drive, torques and loads, as patterns with sizes.
@@ -172,9 +206,6 @@ fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
         known.push((rise, vec![delay.rise_s - delay.fall_s]));
         known.push((Basis::Late { channel }, vec![delay.fall_s + skew]));
     }
-    let play =
-        twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad);
-    known.push((Basis::Direction, vec![play]));
     known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
     known
 }
