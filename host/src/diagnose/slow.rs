@@ -1,4 +1,4 @@
-//! Where a ripple that the twin declares holds the shaft, and a small swing about the twin's course says nothing.
+//! Where a ripple that the twin declares sends the shaft to and fro, and a small swing about the twin's course says nothing.
 
 use std::f64::consts::TAU;
 

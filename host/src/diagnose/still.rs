@@ -120,10 +120,9 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
         }
     }
     let turns = track.turns();
-    let turns_back = matches!(still.drive, Drive::Ramp { from_r_min, to_r_min, .. } if from_r_min * to_r_min < 0.0);
     still.duration = match still.duration {
         // Ripple may hold a shaft for a while where it turns round, and without ripple the turns are over before.
-        Duration::Turns(_) if turns_back => {
+        Duration::Turns(_) if still.drive.reverses() => {
             Duration::Seconds(1.05 * track.end_s().unwrap_or_default())
         }
         // Before the index nothing has a place.

@@ -55,8 +55,8 @@ impl Seen {
         self.slow = if rests { 0.0 } else { slow };
         let mut last_speed = None;
         let mut anew = false;
-        // What nothing holds, or something else pushes, goes at its own speed, not at the twin's.
-        let unheld = !law.held() || self.pushed;
+        // What nothing holds, something else pushes, or turns round, goes at its own speed, not at the twin's.
+        let unheld = !law.held() || self.pushed || twin.drive.reverses();
         let measured = if unheld || slow > 0.0 {
             speeds(&marks, track)
         } else {
@@ -67,6 +67,8 @@ impl Seen {
                 continue;
             };
             let own = measured.get(at).copied().flatten();
+            // What goes to and fro about one edge has no speed that shows.
+            let own = if self.slow > 0.0 { own.or(Some(0.0)) } else { own };
             let slowly = own.unwrap_or(speed).abs().min(speed.abs()) < slow;
             if slowly && rests {
                 anew = true;
@@ -78,7 +80,7 @@ impl Seen {
                 _ => 0.0,
             };
             self.bends.push(bend);
-            let speed = own.filter(|_| unheld || slowly).unwrap_or(speed);
+            let speed = own.filter(|_| unheld).unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
                 let apart = (mark.place - last.0.place) * direction;
