@@ -37,6 +37,7 @@ pub mod noise;
 pub mod noise_fit;
 mod pairs;
 pub mod place;
+pub mod play;
 pub mod plots;
 pub mod prepare;
 pub mod propose;

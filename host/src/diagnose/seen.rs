@@ -5,11 +5,12 @@
 //! profile, is out of the residual; the mean speed, which nobody knows exactly, and the start are taken from the recording.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use super::kalman::Reading;
 use super::shaft::ShaftLaw;
 use super::still::Still;
-use super::swing::{Torques, swing};
+use super::swing::Torques;
 use super::ties::Tie;
 use super::track::Track;
 use crate::sensor::SensorPlan;
@@ -49,6 +50,8 @@ pub struct Seen {
     /// The twin's torques, and the angles that they give, rad.
     pub(super) torques: Torques,
     pub(super) swings: Vec<f64>,
+    /// The play that leaves the smoothest motion, rad, once it was asked for.
+    pub(super) smoothest: OnceLock<f64>,
 }
 
 impl Seen {
@@ -127,8 +130,9 @@ impl Seen {
             self.angles[at] - (1.0 - share) * self.angles[at - 1] - share * self.angles[at + 1]
         };
         let whole = (1..self.len().saturating_sub(1)).filter(|at| {
-            // Where it turns round or the count was lost, neighbours are none.
+            // Where it turns round or the count was lost, neighbours are none; a swing to and fro is rougher than any disc.
             self.places[at + 1].abs_diff(self.places[at - 1]) == 2
+                && self.speeds[*at].abs() >= self.slow
         });
         whole.map(off).map(|off| off * off).sum()
     }
@@ -164,18 +168,11 @@ impl Seen {
         0.5_f64.copysign(self.speeds[at])
     }
 
-    /// How much further the twin's torques take each edge where its marks lie so much further along forward than in reverse, rad;
-    /// nothing where no torque goes with the angle.
+    /// Whether it goes both ways.
     #[must_use]
-    pub fn torques_move(&self, play_rad: f64) -> Vec<f64> {
-        if !self.torques.turn() {
-            return Vec::new();
-        }
-        let mut other = self.clone();
-        other.play_rad += play_rad;
-        let there = swing(&other, &self.torques).angles;
-        let each = there.iter().zip(&self.swings);
-        each.map(|(there, here)| there - here).collect()
+    pub fn reverses(&self) -> bool {
+        let [low, high] = self.speed_range();
+        low < 0.0 && high > 0.0
     }
 
     /// Class of an edge.

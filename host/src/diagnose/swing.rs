@@ -53,10 +53,10 @@ impl Torques {
         }
     }
 
-    /// Whether any goes with the angle.
+    /// Most cycles a turn of a torque that goes with the angle; 0 where none does.
     #[must_use]
-    pub const fn turn(&self) -> bool {
-        !self.turning.is_empty()
+    pub fn order(&self) -> f64 {
+        self.turning.iter().map(|t| t.rate.abs()).fold(0.0, f64::max)
     }
 }
 

@@ -124,6 +124,7 @@ impl Seen {
             *angle -= now - before;
         }
         self.swings = swing.angles;
+        self.smoothest = std::sync::OnceLock::new();
         for (at, way) in swing.ways.into_iter().enumerate() {
             if self.speeds[at].abs() >= self.slow {
                 continue;

@@ -13,11 +13,10 @@ use super::card::ERROR_RAD;
 use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
 use crate::diagnose::basis::Basis;
 use crate::diagnose::board::Board;
-use crate::diagnose::classes::by_edge;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::mended::Mended;
 use crate::diagnose::named::Numbers;
-use crate::diagnose::seen::Seen;
+use crate::diagnose::play;
 use crate::twin::Hysteresis;
 
 /// Its card.
@@ -45,7 +44,7 @@ pub const CARD: Card = Card {
                    of the head stays. It is below half a line, and a channel may have its own.",
     handling: Handling {
         makes: |basis| matches!(basis, Basis::Direction),
-        columns: |_, seen, _| marks(seen),
+        columns: |_, seen, _| vec![play::column(seen)],
         proposed,
         values: |_| vec![("angle_rad".to_owned(), Numbers::size(0))],
         text: |_| "forward against reverse, all edges alike".to_owned(),
@@ -54,23 +53,9 @@ pub const CARD: Card = Card {
     },
 };
 
-/// Marks displaced by the direction, and what the twin's torques do to a shaft that is elsewhere by as much.
-fn marks(seen: &Seen) -> Vec<Vec<f64>> {
-    /// A little play, rad.
-    const LITTLE_RAD: f64 = 1e-6;
-    let moved = seen.torques_move(LITTLE_RAD);
-    by_edge(seen, |at, _| {
-        moved.get(at).map_or(0.0, |moved| moved / LITTLE_RAD) - seen.side(at)
-    })
-}
-
 /// Where any recording goes both ways.
 fn proposed(board: &Board) -> Vec<Hypothesis> {
-    let reverses = board.benches.iter().any(|bench| {
-        let [low, high] = bench.seen.speed_range();
-        low < 0.0 && high > 0.0
-    });
-    if reverses {
+    if board.benches.iter().any(|bench| bench.seen.reverses()) {
         vec![Hypothesis::by(Basis::Direction)]
     } else {
         Vec::new()
