@@ -35,6 +35,7 @@ pub mod named;
 pub mod next;
 pub mod noise;
 pub mod noise_fit;
+pub mod one_channel;
 mod pairs;
 pub mod place;
 pub mod play;

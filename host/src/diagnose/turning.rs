@@ -91,6 +91,10 @@ impl Seen {
             let last = self.readings.last();
             let begins = self.pushed && jolt > 0.0 && last.is_none_or(|last| last.jolt == 0.0);
             let fresh = lost || begins;
+            // How it turned round was not seen.
+            anew |= before.as_ref().is_some_and(|last| {
+                last.1 != *direction && (mark.place - last.0.place).abs() > track.classes
+            });
             before = Some((*mark, *direction));
             let edge = (mark.place + still.origin - still.shift).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
