@@ -49,7 +49,11 @@ pub fn turned(mut track: Track, twin: &Twin) -> Result<Track, Undecided> {
     if track.classes < 2 {
         return Err(Undecided::OneFlank);
     }
-    let marks: Vec<Mark> = track.stretches.iter().flat_map(|s| s.marks.clone()).collect();
+    let marks: Vec<Mark> = track
+        .stretches
+        .iter()
+        .flat_map(|s| s.marks.clone())
+        .collect();
     let way = Way::of(&marks, track.edges).ok_or(Undecided::Alike)?;
     let last = way.last_forward().ok_or(Undecided::Alike)?;
     let left_out = way.doubtful(last, still_rad_s(twin));

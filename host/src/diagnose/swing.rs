@@ -56,7 +56,10 @@ impl Torques {
     /// Most cycles a turn of a torque that goes with the angle; 0 where none does.
     #[must_use]
     pub fn order(&self) -> f64 {
-        self.turning.iter().map(|t| t.rate.abs()).fold(0.0, f64::max)
+        self.turning
+            .iter()
+            .map(|t| t.rate.abs())
+            .fold(0.0, f64::max)
     }
 }
 
@@ -90,7 +93,10 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
     let fastest = |torques: &[Torque]| torques.iter().map(|t| t.rate.abs()).fold(0.0, f64::max);
     let (order, pulsation) = (fastest(turning), fastest(tones));
     let hardest: f64 = turning.iter().map(|t| t.acceleration.abs()).sum();
-    let stiffness: f64 = turning.iter().map(|t| (t.rate * t.acceleration).abs()).sum();
+    let stiffness: f64 = turning
+        .iter()
+        .map(|t| (t.rate * t.acceleration).abs())
+        .sum();
     let theta: Vec<f64> = (0..seen.len()).map(|at| seen.true_theta(at)).collect();
     let mut path = Path::default();
     let mut gains = vec![0.0; seen.len()];

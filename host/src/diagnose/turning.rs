@@ -68,7 +68,11 @@ impl Seen {
             };
             let own = measured.get(at).copied().flatten();
             // What goes to and fro about one edge has no speed that shows.
-            let own = if self.slow > 0.0 { own.or(Some(0.0)) } else { own };
+            let own = if self.slow > 0.0 {
+                own.or(Some(0.0))
+            } else {
+                own
+            };
             let slowly = own.unwrap_or(speed).abs().min(speed.abs()) < slow;
             if slowly && rests {
                 anew = true;
