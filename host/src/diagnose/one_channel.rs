@@ -9,8 +9,9 @@ use std::f64::consts::TAU;
 
 use thiserror::Error;
 
+use super::slow::Pull;
 use super::track::{Mark, Stretch, Track};
-use crate::twin::{Drive, Twin};
+use crate::twin::Twin;
 
 /// Why it is not known where a shaft turned round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -82,26 +83,12 @@ pub fn turned(mut track: Track, twin: &Twin) -> Result<Track, Undecided> {
 
 /// Speed, rad/s, below which the twin's ripple may turn the shaft round; 0 where the drive is stronger.
 fn still_rad_s(twin: &Twin) -> f64 {
-    let Drive::Ramp {
-        from_r_min,
-        to_r_min,
-        over_s,
-    } = twin.drive
-    else {
-        return 0.0;
-    };
-    let inertia = twin.shaft.inertia_kg_m2;
-    let torques = twin.ripple.iter().chain(&twin.gear_mesh);
-    let pushes: Vec<(f64, f64)> = torques
-        .filter_map(|ripple| Some((ripple.order, ripple.torque_n_m?.abs() / inertia)))
-        .collect();
-    let hardest: f64 = pushes.iter().map(|(_, push)| push).sum();
-    if hardest < (to_r_min - from_r_min).abs() * (TAU / 60.0) / over_s {
+    let pull = Pull::of(twin);
+    if !pull.holds(twin, 1.0) {
         return 0.0;
     }
     // From the top of its potential to the bottom.
-    let thrown: f64 = pushes.iter().map(|(order, push)| 2.0 * push / order).sum();
-    (2.0 * OVER * thrown).sqrt()
+    (4.0 * OVER * pull.thrown).sqrt()
 }
 
 /// A recording's edges, counted forward.
@@ -198,7 +185,7 @@ impl<'a> Way<'a> {
         let step = TAU / self.edges as f64;
         let mut slow = (0..self.marks.len() - 1).filter(|at| step / after(*at) < still_rad_s);
         let first = slow.next()?.max(1);
-        let end = slow.last().unwrap_or(first) + 1;
+        let end = slow.next_back().unwrap_or(first) + 1;
         (end + 1 < self.marks.len()).then_some(first..end)
     }
 }

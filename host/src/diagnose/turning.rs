@@ -49,7 +49,7 @@ impl Seen {
             (None, None) => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
-        let slow = too_slow(twin, law, &course);
+        let slow = too_slow(twin, &course);
         // A shaft that comes to rest is held by friction too; one that is driven round goes on, and its edges say which way it went.
         let rests = matches!(twin.drive, Drive::RunDown { .. });
         self.slow = if rests { 0.0 } else { slow };

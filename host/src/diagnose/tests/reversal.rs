@@ -162,7 +162,7 @@ fn an_even_disc_with_one_channel_does_not_show_where_it_turned_round() {
         turned(one.track.clone(), &even).unwrap_err(),
         Undecided::Alike
     );
-    assert!(prepare::board(&[one.clone()]).is_err());
+    assert!(prepare::board(std::slice::from_ref(&one)).is_err());
     let mut pulses = one.track;
     pulses.classes = 1;
     assert_eq!(turned(pulses, &even).unwrap_err(), Undecided::OneFlank);
