@@ -23,6 +23,7 @@ pub mod hypothesis;
 pub mod index;
 pub mod judge;
 pub mod kalman;
+mod known;
 pub mod least_squares;
 pub mod leftover;
 pub mod locate;

@@ -37,6 +37,8 @@ pub struct Seen {
     pub speeds: Vec<f64>,
     /// Acceleration of the twin's shaft over the interval before it, rad/s^2.
     pub(super) bends: Vec<f64>,
+    /// Variance of the speed that friction makes over the interval before it against the twin's way, (rad/s)^2.
+    pub(super) rubbed: Vec<f64>,
     /// Its angle less the twin's, rad.
     pub angles: Vec<f64>,
     /// What the noise model needs of it.

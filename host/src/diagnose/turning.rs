@@ -7,8 +7,8 @@
 
 use std::f64::consts::TAU;
 
-use super::basis::Basis;
 use super::kalman::Reading;
+use super::known::{known, play_rad};
 use super::looped::looped;
 use super::pushed;
 use super::seen::Seen;
@@ -17,7 +17,7 @@ use super::slow::too_slow;
 use super::still::Still;
 use super::swing::{Known, Torques, swing};
 use super::track::{Mark, Track};
-use crate::twin::{Drive, RiseFall, Twin};
+use crate::twin::{Drive, Twin};
 
 /// What is taken for the error of a swing, over its change from the last pass but one to the last.
 const DOUBT: f64 = 2.0;
@@ -84,6 +84,13 @@ impl Seen {
                 _ => 0.0,
             };
             self.bends.push(bend);
+            // Dry friction turns with the shaft, and not when the twin's does.
+            let turns = before.is_some_and(|last| last.1 != *direction) && self.slow > 0.0;
+            let along = speed * *direction as f64;
+            let rubs = twin.drive.reverses() && (turns || along <= 0.0);
+            let rub = 2.0 * twin.friction_n_m(0.0) / law.inertia * after_s;
+            let rubbed = if rubs { rub * rub } else { 0.0 };
+            self.rubbed.push(rubbed);
             let speed = own.filter(|_| unheld).unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
@@ -116,7 +123,7 @@ impl Seen {
                 at_s: mark.time_s,
                 fresh,
                 anew: std::mem::take(&mut anew),
-                jolt,
+                jolt: jolt + rubbed,
             });
         }
         // The counts of recording and twin may be whole turns apart.
@@ -139,7 +146,7 @@ impl Seen {
             }
             let reading = &mut self.readings[at];
             match way {
-                Known::Within(speed) => reading.jolt = (DOUBT * speed).powi(2),
+                Known::Within(speed) => reading.jolt = self.rubbed[at] + (DOUBT * speed).powi(2),
                 Known::Unseen => reading.anew = true,
             }
         }
@@ -163,62 +170,6 @@ impl Seen {
             }
         }
     }
-}
-
-/// How much further along a twin's marks lie forward than in reverse, rad.
-fn play_rad(twin: &Twin) -> f64 {
-    twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad)
-}
-
-/// What a twin has beside disc, shaft, drive, torques and loads, as patterns with sizes.
-fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
-    let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
-    // size sin(x + phase)
-    let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
-    for bearing in &twin.bearing {
-        if let Some(runout) = bearing.runout_rad {
-            let order = bearing.order;
-            known.push((Basis::Round { order }, round(runout, bearing.phase_rad)));
-        }
-    }
-    // Without a loop the simulated course has felt them.
-    for load in twin.load_step.iter().filter(|_| looped) {
-        let basis = Basis::Load {
-            from_s: load.from_s,
-            until_s: load.until_s.unwrap_or(f64::INFINITY),
-        };
-        known.push((basis, vec![load.torque_n_m]));
-    }
-    if let Some(ripple) = twin.threshold_ripple {
-        let basis = Basis::LevelTone {
-            f_hz: ripple.f_hz,
-            channel: ripple.channel.map(|channel| channel as usize),
-        };
-        known.push((basis, round(ripple.angle_rad, ripple.phase_rad)));
-    }
-    if let Some(drift) = twin.threshold_drift {
-        let basis = Basis::LevelDrift {
-            from_s: drift.from_s,
-            tau_s: drift.tau_s,
-        };
-        known.push((basis, vec![drift.angle_rad]));
-    }
-    let delay = twin.edge_delay.unwrap_or_default();
-    let skew = twin.channel_skew.unwrap_or_default();
-    let channels: [(RiseFall, f64); 3] = [
-        (delay.a, skew.a_s),
-        (delay.b, skew.b_s),
-        (delay.c, skew.c_s),
-    ];
-    for (channel, (delay, skew)) in channels.into_iter().enumerate() {
-        let rise = Basis::RiseLate {
-            channel: Some(channel),
-        };
-        known.push((rise, vec![delay.rise_s - delay.fall_s]));
-        known.push((Basis::Late { channel }, vec![delay.fall_s + skew]));
-    }
-    known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
-    known
 }
 
 /// The twin's shaft without disturbance, by the cubic through four of its edges.

@@ -167,3 +167,18 @@ fn an_even_disc_with_one_channel_does_not_show_where_it_turned_round() {
     pulses.classes = 1;
     assert_eq!(turned(pulses, &even).unwrap_err(), Undecided::OneFlank);
 }
+
+/// Dry friction that turns with the shaft, while the twin's goes one way.
+#[test]
+fn friction_of_a_shaft_that_goes_to_and_fro_is_no_more_than_noise() {
+    let rubs = |seed| {
+        held(seed, FINE)
+            .replace("torque_n_m = 2.4e-2", "torque_n_m = 0.12")
+            .replace("viscous_n_m_s", "coulomb_n_m = 2e-2\nviscous_n_m_s")
+    };
+    for seed in [1, 3] {
+        let rig = twin(&rubs(seed));
+        let (mean, _) = left(&rig, &rig);
+        assert!((mean - 1.0).abs() < 0.03, "{seed}: {mean}");
+    }
+}
