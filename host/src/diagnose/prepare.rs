@@ -4,10 +4,12 @@ use std::f64::consts::TAU;
 
 use super::board::{Bench, Board};
 use super::kalman::ShaftNoise;
+use super::one_channel::turned;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
 use super::shaft::ShaftLaw;
 use super::ties;
+use super::track::Track;
 use crate::sim::NOISE_STEPS;
 use crate::twin::{Drive, Noise, Twin, TwinError};
 
@@ -36,9 +38,21 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
 /// The residual of one recording.
 ///
 /// # Errors
-/// [`TwinError`] where the twin can't be run.
-pub fn seen(one: &Recorded) -> Result<Seen, TwinError> {
-    let mut track = one.track.clone();
+/// As [`board`].
+pub fn seen(one: &Recorded) -> Result<Seen, DiagnoseError> {
+    Ok(seen_of(whole(one)?, one)?)
+}
+
+/// Its edges, each with its place also where one channel hides which way the shaft went.
+fn whole(one: &Recorded) -> Result<Track, DiagnoseError> {
+    turned(one.track.clone(), &one.twin).map_err(|why| DiagnoseError::OtherMotion {
+        file: one.file.clone(),
+        twin: one.twin.name.clone(),
+        why: why.to_string(),
+    })
+}
+
+fn seen_of(mut track: Track, one: &Recorded) -> Result<Seen, TwinError> {
     if !track.anchored && !track.placed {
         track.starts_at(one.twin.shaft.initial_angle_rad);
     }
@@ -57,20 +71,6 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             file: one.file.clone(),
             edges,
             turns,
-        });
-    }
-    if let Drive::Ramp {
-        from_r_min,
-        to_r_min,
-        ..
-    } = one.twin.drive
-        && from_r_min * to_r_min < 0.0
-        && one.track.classes < 4
-    {
-        return Err(DiagnoseError::OtherMotion {
-            file: one.file.clone(),
-            twin: one.twin.name.clone(),
-            why: "it reverses, which one channel does not show".to_owned(),
         });
     }
     let seen = seen(one)?;

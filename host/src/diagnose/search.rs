@@ -1,5 +1,6 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
+use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
 use super::disc::{self, Pattern};
@@ -16,6 +17,9 @@ use crate::mechanism::Mechanism;
 const MOST: usize = 12;
 /// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
 pub const BEYOND: f64 = 60.0;
+/// The same for what is tried whatever the residual shows, at no place that was searched for, and seen in one place of a recording:
+/// five standard errors.
+const AT_ONCE: f64 = 20.0;
 /// Edges of a disc whose whole pattern must be worth two of its rhythms.
 const FINE: f64 = 40.0;
 /// Part of the score of anything else that more of a pattern that was learned must have.
@@ -153,10 +157,14 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
             }
             continue;
         }
-        let Some(best) = best.filter(|best| best.score > BEYOND) else {
+        let Some(best) = best.filter(|best| best.score > beyond(&best.hypothesis)) else {
             break;
         };
         found.push(best);
+        if passing > 0.0 {
+            // What came and went may have been this.
+            (passing, patterns) = (0.0, 0);
+        }
         let Some(fitted) = board.fit(columns(&nuisances, &found)) else {
             found.pop();
             break;
@@ -175,6 +183,14 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         left,
         passing,
     })
+}
+
+/// What a finding must explain beyond its cost.
+fn beyond(hypothesis: &Hypothesis) -> f64 {
+    match hypothesis.bases.as_slice() {
+        [Basis::Direction] => AT_ONCE,
+        _ => BEYOND,
+    }
 }
 
 /// Sum of squares that is left.

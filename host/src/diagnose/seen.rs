@@ -5,6 +5,7 @@
 //! profile, is out of the residual; the mean speed, which nobody knows exactly, and the start are taken from the recording.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use super::kalman::Reading;
 use super::shaft::ShaftLaw;
@@ -26,23 +27,33 @@ pub struct Seen {
     pub shift: i64,
     /// Errors of the disc that are known, rad, for every edge of the grid: the twin's, and what was learned since.
     pub errors: Vec<f64>,
+    /// How much further along the twin's marks lie forward than in reverse, rad.
+    pub(super) play_rad: f64,
     /// Where each edge is on the grid, turns counted through.
     pub places: Vec<i64>,
     /// When it came, s.
     pub times_s: Vec<f64>,
     /// Speed of the twin there, rad/s, negative in reverse.
     pub speeds: Vec<f64>,
+    /// Acceleration of the twin's shaft over the interval before it, rad/s^2.
+    pub(super) bends: Vec<f64>,
+    /// Variance of the speed that friction makes over the interval before it against the twin's way, (rad/s)^2.
+    pub(super) rubbed: Vec<f64>,
     /// Its angle less the twin's, rad.
     pub angles: Vec<f64>,
     /// What the noise model needs of it.
     pub readings: Vec<Reading>,
     /// Whether the shaft is pushed now and then by what the twin does not have (see [`super::pushed`]).
     pub pushed: bool,
+    /// Speed below which the twin's ripple may send the shaft to and fro, rad/s.
+    pub(super) slow: f64,
     /// Samples of a speed loop that may have seen an edge or not.
     pub ties: Vec<Tie>,
     /// The twin's torques, and the angles that they give, rad.
     pub(super) torques: Torques,
     pub(super) swings: Vec<f64>,
+    /// The play that leaves the smoothest motion, rad, once it was asked for.
+    pub(super) smoothest: OnceLock<f64>,
 }
 
 impl Seen {
@@ -121,8 +132,9 @@ impl Seen {
             self.angles[at] - (1.0 - share) * self.angles[at - 1] - share * self.angles[at + 1]
         };
         let whole = (1..self.len().saturating_sub(1)).filter(|at| {
-            // Where it turns round or the count was lost, neighbours are none.
+            // Where it turns round or the count was lost, neighbours are none; a swing to and fro is rougher than any disc.
             self.places[at + 1].abs_diff(self.places[at - 1]) == 2
+                && self.speeds[*at].abs() >= self.slow
         });
         whole.map(off).map(|off| off * off).sum()
     }
@@ -148,7 +160,21 @@ impl Seen {
     /// True angle of an edge as the twin's disc has it, rad.
     #[must_use]
     pub fn true_theta(&self, at: usize) -> f64 {
-        self.theta(at) - self.errors.get(self.edge(at)).copied().unwrap_or(0.0)
+        let error = self.errors.get(self.edge(at)).copied().unwrap_or(0.0);
+        self.theta(at) - error + self.play_rad * self.side(at)
+    }
+
+    /// Half of the way it goes at an edge: 0.5 forward, -0.5 in reverse.
+    #[must_use]
+    pub fn side(&self, at: usize) -> f64 {
+        0.5_f64.copysign(self.speeds[at])
+    }
+
+    /// Whether it goes both ways.
+    #[must_use]
+    pub fn reverses(&self) -> bool {
+        let [low, high] = self.speed_range();
+        low < 0.0 && high > 0.0
     }
 
     /// Class of an edge.

@@ -6,7 +6,7 @@ use quadcal::edge::Levels;
 
 use super::track::{Mark, Stretch, Track};
 use crate::sensor::{PlanError, SensorKind, SensorPlan};
-use crate::sim::Simulation;
+use crate::sim::{Class, Simulation};
 use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
 
 /// The twin's shaft as nothing disturbs it.
@@ -67,10 +67,34 @@ pub fn simulators(plan: SensorPlan) -> SensorPlan {
 
 /// Stretches of a twin's edges.
 fn simulated(plan: SensorPlan, twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
+    if let SensorKind::Wheel {
+        both_edges: true, ..
+    } = plan.kind
+        && twin.drive.reverses()
+    {
+        return to_and_fro(twin);
+    }
     let rows = Simulation::new(twin)?.map(|event| Ok::<_, PlanError>(event.row));
     let track = Track::of(simulators(plan), twin.timer.clock_hz, rows);
     // The plan has decoded the recording, so it decodes this.
     Ok(track.map_or_else(|_| Vec::new(), |track| track.stretches))
+}
+
+/// Edges of a twin with one channel, which does not show which way it goes: the simulator knows. Counted from the first rise on.
+fn to_and_fro(twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
+    let edges = f64::from(twin.encoder.grid_edges());
+    let events = Simulation::new(twin)?.filter(|event| event.truth.edge.is_some());
+    let mut marks: Vec<Mark> = events
+        .skip_while(|event| event.truth.class != Class::ARise)
+        .map(|event| Mark {
+            time_s: event.truth.time_s,
+            place: (event.truth.angle_rad / TAU * edges).round() as i64,
+        })
+        .collect();
+    let first = marks.first().map_or(0, |mark| mark.place);
+    marks.iter_mut().for_each(|mark| mark.place -= first);
+    let direction = 1;
+    Ok(vec![Stretch { marks, direction }])
 }
 
 /// Without randomness, with time stamps as good as exact, at the recording's mean speed where it is to hold one.
@@ -121,6 +145,10 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
     }
     let turns = track.turns();
     still.duration = match still.duration {
+        // Ripple may hold a shaft for a while where it turns round, and without ripple the turns are over before.
+        Duration::Turns(_) if still.drive.reverses() => {
+            Duration::Seconds(1.05 * track.end_s().unwrap_or_default())
+        }
         // Before the index nothing has a place.
         Duration::Turns(declared) => Duration::Turns(declared.max(turns) * 1.02 + 3.0),
         Duration::Seconds(declared) => {

@@ -14,10 +14,14 @@ use crate::twin::Twin;
 const STEP: f64 = 0.5;
 /// Steps from edge to edge at the most.
 const STEPS_MOST: f64 = 400.0;
-/// Passes: each adds a power of the swing over a cycle.
-const PASSES: usize = 3;
-/// Swing over a cycle, rad, below which one pass does.
-const SMALL: f64 = 1e-4;
+/// Passes at the most: each adds a power of the swing over a cycle.
+const PASSES: usize = 8;
+/// Swing over a cycle, rad, that no second pass is needed for.
+const SLIGHT: f64 = 1e-4;
+/// Change of the swing from pass to pass, over a cycle, rad, that is small enough.
+const SMALL: f64 = 1e-6;
+/// Square of the phase by which the torques alone would swing a shaft within an interval, from which on its ends do not say its way.
+const UNSEEN: f64 = 8.0;
 
 /// One torque: its rate, cycles a turn or Hz, acceleration, rad/s^2, and phase, rad.
 #[derive(Clone, Copy, Debug)]
@@ -48,28 +52,65 @@ impl Torques {
             tones: tones.collect(),
         }
     }
+
+    /// Most cycles a turn of a torque that goes with the angle; 0 where none does.
+    #[must_use]
+    pub fn order(&self) -> f64 {
+        self.turning
+            .iter()
+            .map(|t| t.rate.abs())
+            .fold(0.0, f64::max)
+    }
 }
 
-/// Angle that the torques give each edge, rad.
+/// What the torques do to the shaft along a residual.
+#[derive(Clone, Debug)]
+pub struct Swing {
+    /// Angle that they give each edge, rad.
+    pub angles: Vec<f64>,
+    /// How well the way of the interval before each edge is known.
+    pub ways: Vec<Known>,
+}
+
+/// How well the way of an interval is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Known {
+    /// Its ends say it, but for a speed at its end that may be off by so much, rad/s.
+    Within(f64),
+    /// It may have gone to and fro unseen.
+    Unseen,
+}
+
+/// What the torques do.
 #[must_use]
-pub fn swing(seen: &Seen, torques: &Torques) -> Vec<f64> {
+pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
     let Torques { turning, tones } = torques;
+    let mut angles = vec![0.0; seen.len()];
+    let mut ways = vec![Known::Within(0.0); seen.len()];
     if turning.is_empty() && tones.is_empty() {
-        return vec![0.0; seen.len()];
+        return Swing { angles, ways };
     }
     let fastest = |torques: &[Torque]| torques.iter().map(|t| t.rate.abs()).fold(0.0, f64::max);
     let (order, pulsation) = (fastest(turning), fastest(tones));
+    let hardest: f64 = turning.iter().map(|t| t.acceleration.abs()).sum();
+    let stiffness: f64 = turning
+        .iter()
+        .map(|t| (t.rate * t.acceleration).abs())
+        .sum();
     let theta: Vec<f64> = (0..seen.len()).map(|at| seen.true_theta(at)).collect();
     let mut path = Path::default();
-    let mut angles = vec![0.0; seen.len()];
-    for _ in 0..PASSES {
+    let mut gains = vec![0.0; seen.len()];
+    for pass in 0..PASSES {
         let before = std::mem::take(&mut path);
         let mut state = [0.0; 2];
         let mut cursor = 0;
+        let (mut most, mut furthest) = (0.0_f64, 0.0_f64);
         for at in 1..seen.len() {
             let whole = seen.readings[at].leap;
             let came = theta[at] - theta[at - 1];
-            let cycles = (order * came).abs() + pulsation * whole.after_s;
+            let bend = seen.bends[at];
+            let bowed = 0.25 * (hardest + bend.abs()) * whole.after_s * whole.after_s;
+            let cycles = order * (came.abs() + bowed) + pulsation * whole.after_s;
             let steps = (cycles / STEP).ceil().clamp(1.0, STEPS_MOST);
             let leap = Leap {
                 after_s: whole.after_s / steps,
@@ -80,11 +121,13 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Vec<f64> {
             let push = |place: usize| {
                 let share = place as f64 / places as f64;
                 let off = before.at(cursor, place, places);
-                let angle = theta[at - 1] + share * came + off;
+                let bow = 0.5 * bend * share * (share - 1.0) * whole.after_s * whole.after_s;
+                let angle = theta[at - 1] + share * came + bow + off;
                 let time = seen.times_s[at] - (1.0 - share) * whole.after_s;
                 sum(turning, angle) + sum(tones, time)
             };
             path.swings.push(state[0]);
+            let free = whole.step(state, [0.0; 3]);
             let mut first = push(0);
             for step in 0..places / 2 {
                 let [half, last] = [push(2 * step + 1), push(2 * step + 2)];
@@ -98,17 +141,30 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Vec<f64> {
                 first = last;
             }
             cursor += places + 1;
+            let gain = state[1] - free[1];
+            let change = (gain - std::mem::replace(&mut gains[at], gain)).abs();
+            furthest = furthest.max(change * whole.after_s);
+            ways[at] = if stiffness * whole.after_s * whole.after_s > UNSEEN {
+                Known::Unseen
+            } else {
+                Known::Within(change)
+            };
             if seen.follows(at) {
                 state = [0.0; 2];
             }
             angles[at] = state[0];
+            most = most.max(state[0].abs());
         }
-        let most = path.swings.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-        if order * most < SMALL {
+        // The first pass goes the straight way, which a slight swing hardly leaves.
+        if pass == 0 && order * most < SLIGHT {
+            ways.fill(Known::Within(0.0));
+            break;
+        }
+        if order * furthest < SMALL {
             break;
         }
     }
-    angles
+    Swing { angles, ways }
 }
 
 /// Swings of a pass at every place of every interval, its ends included.

@@ -1,5 +1,7 @@
 //! What is left of a recording whose twin knows all.
 
+mod reversal;
+
 use super::basis::Basis;
 use super::disc;
 use super::prepare;
@@ -15,7 +17,13 @@ fn recorded(truth: &Twin, told: &Twin) -> Recorded {
     let (kind, lines) = match truth.encoder {
         Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
         Encoder::Quadrature { lines, .. } => (SensorKind::Quadrature { index_state: None }, lines),
-        Encoder::Wheel { .. } => unreachable!("no wheel here"),
+        Encoder::Wheel { teeth, .. } => {
+            let kind = SensorKind::Wheel {
+                both_edges: true,
+                missing: 0,
+            };
+            (kind, teeth)
+        }
     };
     let plan = SensorPlan { kind, lines };
     let rows = Simulation::new(truth).unwrap();

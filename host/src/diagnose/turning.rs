@@ -7,17 +7,20 @@
 
 use std::f64::consts::TAU;
 
-use super::basis::Basis;
 use super::kalman::Reading;
+use super::known::{known, play_rad};
 use super::looped::looped;
 use super::pushed;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::slow::too_slow;
 use super::still::Still;
-use super::swing::{Torques, swing};
+use super::swing::{Known, Torques, swing};
 use super::track::{Mark, Track};
-use crate::twin::{RiseFall, Twin};
+use crate::twin::{Drive, Twin};
+
+/// What is taken for the error of a swing, over its change from the last pass but one to the last.
+const DOUBT: f64 = 2.0;
 
 /// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
 /// none where it is not known.
@@ -34,6 +37,8 @@ impl Seen {
         let step = TAU / track.edges as f64;
         let pushed = pushed::course(&marks, track, twin);
         self.pushed = pushed.is_some();
+        // What pushes the shaft by what was seen of it goes no even way from edge to edge.
+        let even = twin.speed_loop().is_none() && !self.pushed;
         let course = match (twin.speed_loop(), pushed) {
             (Some(model), _) => {
                 let (course, ties) = looped(&marks, track, twin, &model);
@@ -44,10 +49,14 @@ impl Seen {
             (None, None) => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
-        let slow = too_slow(twin, law, &course);
+        let slow = too_slow(twin, &course);
+        // A shaft that comes to rest is held by friction too; one that is driven round goes on, and its edges say which way it went.
+        let rests = matches!(twin.drive, Drive::RunDown { .. });
+        self.slow = if rests { 0.0 } else { slow };
+        let mut last_speed = None;
         let mut anew = false;
-        // What nothing holds, or something else pushes, goes at its own speed, not at the twin's.
-        let unheld = !law.held() || self.pushed;
+        // What nothing holds, something else pushes, or turns round, goes at its own speed, not at the twin's.
+        let unheld = !law.held() || self.pushed || twin.drive.reverses();
         let measured = if unheld || slow > 0.0 {
             speeds(&marks, track)
         } else {
@@ -58,10 +67,30 @@ impl Seen {
                 continue;
             };
             let own = measured.get(at).copied().flatten();
-            if slow > 0.0 && own.unwrap_or(speed).abs().min(speed.abs()) < slow {
+            // What goes to and fro about one edge has no speed that shows.
+            let own = if self.slow > 0.0 {
+                own.or(Some(0.0))
+            } else {
+                own
+            };
+            let slowly = own.unwrap_or(speed).abs().min(speed.abs()) < slow;
+            if slowly && rests {
                 anew = true;
                 continue;
             }
+            let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
+            let bend = match last_speed.replace(speed) {
+                Some(last) if even && after_s > 0.0 => (speed - last) / after_s,
+                _ => 0.0,
+            };
+            self.bends.push(bend);
+            // Dry friction turns with the shaft, and not when the twin's does.
+            let turns = before.is_some_and(|last| last.1 != *direction) && self.slow > 0.0;
+            let along = speed * *direction as f64;
+            let rubs = twin.drive.reverses() && (turns || along <= 0.0);
+            let rub = 2.0 * twin.friction_n_m(0.0) / law.inertia * after_s;
+            let rubbed = if rubs { rub * rub } else { 0.0 };
+            self.rubbed.push(rubbed);
             let speed = own.filter(|_| unheld).unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
             let near = |last: &(Mark, i64)| {
@@ -73,11 +102,14 @@ impl Seen {
             let last = self.readings.last();
             let begins = self.pushed && jolt > 0.0 && last.is_none_or(|last| last.jolt == 0.0);
             let fresh = lost || begins;
+            // How it turned round was not seen.
+            anew |= before.as_ref().is_some_and(|last| {
+                last.1 != *direction && (mark.place - last.0.place).abs() > track.classes
+            });
             before = Some((*mark, *direction));
             let edge = (mark.place + still.origin - still.shift).rem_euclid(track.edges);
             let edge = usize::try_from(edge).unwrap_or(0);
             let error = still.errors.get(edge).copied().unwrap_or(0.0);
-            let after_s = self.times_s.last().map_or(0.0, |last| mark.time_s - last);
             self.places.push(mark.place + still.origin);
             self.times_s.push(mark.time_s);
             self.speeds.push(speed.abs() * *direction as f64);
@@ -91,7 +123,7 @@ impl Seen {
                 at_s: mark.time_s,
                 fresh,
                 anew: std::mem::take(&mut anew),
-                jolt,
+                jolt: jolt + rubbed,
             });
         }
         // The counts of recording and twin may be whole turns apart.
@@ -101,20 +133,35 @@ impl Seen {
 
     /// Takes off what the twin's torques do on the disc as it is known now.
     pub(super) fn swing(&mut self) {
-        let swings = swing(self, &self.torques);
-        let each = swings.iter().zip(&self.swings);
+        let swing = swing(self, &self.torques);
+        let each = swing.angles.iter().zip(&self.swings);
         for (angle, (now, before)) in self.angles.iter_mut().zip(each) {
             *angle -= now - before;
         }
-        self.swings = swings;
+        self.swings = swing.angles;
+        self.smoothest = std::sync::OnceLock::new();
+        for (at, way) in swing.ways.into_iter().enumerate() {
+            if self.speeds[at].abs() >= self.slow {
+                continue;
+            }
+            let reading = &mut self.readings[at];
+            match way {
+                Known::Within(speed) => reading.jolt = self.rubbed[at] + (DOUBT * speed).powi(2),
+                Known::Unseen => reading.anew = true,
+            }
+        }
     }
 
     /// Takes off what the twin's torques, delays, levels and play do.
     pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
         self.torques = Torques::of(twin, law);
+        self.play_rad = play_rad(twin);
         self.swings = vec![0.0; self.len()];
         self.swing();
         let looped = twin.speed_loop().is_some();
+        for at in 0..self.len() {
+            self.angles[at] += self.play_rad * self.side(at);
+        }
         for (basis, sizes) in known(twin, looped) {
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
                 for (angle, value) in self.angles.iter_mut().zip(column) {
@@ -123,60 +170,6 @@ impl Seen {
             }
         }
     }
-}
-
-/// What a twin has beside disc, shaft, drive, torques and loads, as patterns with sizes.
-fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
-    let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
-    // size sin(x + phase)
-    let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
-    for bearing in &twin.bearing {
-        if let Some(runout) = bearing.runout_rad {
-            let order = bearing.order;
-            known.push((Basis::Round { order }, round(runout, bearing.phase_rad)));
-        }
-    }
-    // Without a loop the simulated course has felt them.
-    for load in twin.load_step.iter().filter(|_| looped) {
-        let basis = Basis::Load {
-            from_s: load.from_s,
-            until_s: load.until_s.unwrap_or(f64::INFINITY),
-        };
-        known.push((basis, vec![load.torque_n_m]));
-    }
-    for ripple in &twin.threshold_ripple {
-        let basis = Basis::LevelTone {
-            f_hz: ripple.f_hz,
-            channel: ripple.channel.map(|channel| channel as usize),
-        };
-        known.push((basis, round(ripple.angle_rad, ripple.phase_rad)));
-    }
-    for drift in &twin.threshold_drift {
-        let basis = Basis::LevelDrift {
-            from_s: drift.from_s,
-            tau_s: drift.tau_s,
-        };
-        known.push((basis, vec![drift.angle_rad]));
-    }
-    let delay = twin.edge_delay.unwrap_or_default();
-    let skew = twin.channel_skew.unwrap_or_default();
-    let channels: [(RiseFall, f64); 3] = [
-        (delay.a, skew.a_s),
-        (delay.b, skew.b_s),
-        (delay.c, skew.c_s),
-    ];
-    for (channel, (delay, skew)) in channels.into_iter().enumerate() {
-        let rise = Basis::RiseLate {
-            channel: Some(channel),
-        };
-        known.push((rise, vec![delay.rise_s - delay.fall_s]));
-        known.push((Basis::Late { channel }, vec![delay.fall_s + skew]));
-    }
-    let play =
-        twin.hysteresis.map_or(0.0, |h| h.angle_rad) + twin.backlash.map_or(0.0, |b| b.gap_rad);
-    known.push((Basis::Direction, vec![play]));
-    known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
-    known
 }
 
 /// The twin's shaft without disturbance, by the cubic through four of its edges.

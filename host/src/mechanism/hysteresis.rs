@@ -13,10 +13,10 @@ use super::card::ERROR_RAD;
 use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
 use crate::diagnose::basis::Basis;
 use crate::diagnose::board::Board;
-use crate::diagnose::classes::by_edge;
 use crate::diagnose::hypothesis::Hypothesis;
 use crate::diagnose::mended::Mended;
 use crate::diagnose::named::Numbers;
+use crate::diagnose::play;
 use crate::twin::Hysteresis;
 
 /// Its card.
@@ -44,7 +44,7 @@ pub const CARD: Card = Card {
                    of the head stays. It is below half a line, and a channel may have its own.",
     handling: Handling {
         makes: |basis| matches!(basis, Basis::Direction),
-        columns: |_, seen, _| by_edge(seen, |at, _| if seen.speeds[at] < 0.0 { 0.5 } else { -0.5 }),
+        columns: |_, seen, _| vec![play::column(seen)],
         proposed,
         values: |_| vec![("angle_rad".to_owned(), Numbers::size(0))],
         text: |_| "forward against reverse, all edges alike".to_owned(),
@@ -55,11 +55,7 @@ pub const CARD: Card = Card {
 
 /// Where any recording goes both ways.
 fn proposed(board: &Board) -> Vec<Hypothesis> {
-    let reverses = board.benches.iter().any(|bench| {
-        let [low, high] = bench.seen.speed_range();
-        low < 0.0 && high > 0.0
-    });
-    if reverses {
+    if board.benches.iter().any(|bench| bench.seen.reverses()) {
         vec![Hypothesis::by(Basis::Direction)]
     } else {
         Vec::new()

@@ -126,6 +126,12 @@ pub struct Step {
 }
 
 impl Drive {
+    /// Whether it turns the shaft one way and then the other.
+    #[must_use]
+    pub fn reverses(&self) -> bool {
+        matches!(*self, Self::Ramp { from_r_min, to_r_min, .. } if from_r_min * to_r_min < 0.0)
+    }
+
     /// The nominal speed, rad/s, that relative sizes (ripple, wander) refer to: the fastest the profile has; negative for reverse.
     #[must_use]
     pub fn nominal_rad_s(&self) -> f64 {
