@@ -96,14 +96,20 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         free_speed,
         hold_s(&one.twin, &law),
     );
-    for _ in 0..SETTLES {
-        let turned = ties::decide(&mut bench);
-        if !turned || bench.declared.is_some() {
+    let ties = !bench.seen.ties.is_empty();
+    for _ in 0..if ties { SETTLES } else { 0 } {
+        // Pushes that were none, and what else a twin lacks, are no noise that it declares: until they are off, there is more of it.
+        // With less of it more ties are decided.
+        bench.set_noise(bench.noise_of(&bench.seen.angles));
+        if !ties::decide(&mut bench) {
             break;
         }
-        // Noise that was found with pushes that were none is too much; with less of it more ties are decided.
-        bench.set_noise(bench.noise_of(&bench.seen.angles));
     }
+    bench.set_noise(match declared {
+        Some(declared) => declared,
+        None if ties => bench.noise_of(&bench.seen.angles),
+        None => bench.noise,
+    });
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
         .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))

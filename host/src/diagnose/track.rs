@@ -49,6 +49,8 @@ pub struct Track {
     pub anchored: bool,
     /// What a place lacks to be an edge of the disc, as far as it is known from elsewhere.
     pub origin: i64,
+    /// Edges before the first index, which say where they were once it has come; most of what is looked at begins with the index.
+    pub early: Vec<Mark>,
     /// All stretches, by time.
     pub stretches: Vec<Stretch>,
     /// Where the count was disturbed.
@@ -87,6 +89,7 @@ impl Track {
             tick_s: 1.0 / clock_hz as f64,
             anchored: plan.anchor() == Anchor::Index,
             origin: 0,
+            early: Vec::new(),
             stretches: Vec::new(),
             slips: Vec::new(),
             faults: mended.faults,
