@@ -18,6 +18,8 @@ pub struct Tie {
     pub push: f64,
     /// And how much more from then on, as its integral remembers, rad/s^2.
     pub after: f64,
+    /// Whether it was decided against the order of the stamps.
+    pub turned: bool,
 }
 
 /// Samples in which the push and its echo show.
@@ -45,6 +47,7 @@ pub fn decide(bench: &mut Bench) -> bool {
                 }
                 bench.set_noise(bench.noise);
                 (tie.push, tie.after, tie.apart_s) = (-tie.push, -tie.after, -tie.apart_s);
+                tie.turned = !tie.turned;
                 turned = true;
             }
         }

@@ -15,10 +15,13 @@ use crate::sim::Simulation;
 /// Turns that are looked at, and edges at the most.
 const TURNS: f64 = 1.5;
 const EDGES_MOST: usize = 6_000;
+/// Edges that laws to begin with are found by, and the law at last.
+const EDGES_FIRST: usize = 600;
+const EDGES_LAST: usize = 3_000;
 /// Edges needed.
 const EDGES_LEAST: usize = 100;
 /// Share of the mean speed below which it stands or has hardly begun to move.
-const SLOW: f64 = 0.4;
+const SLOW: f64 = 0.6;
 /// Evidence, as -2 log likelihood, of spring and drop each.
 const EVIDENCE_LEAST: f64 = 50.0;
 /// Turns that noise and law are found by, first and at last.
@@ -83,6 +86,7 @@ pub fn broke_away(one: &Recorded) -> Option<BrokeAway> {
 
 /// The best law with a damping, from where springs and friction come to lie.
 fn best(slide: &Slide, damping: f64) -> Option<SlideFit> {
+    let thin = slide.thinned(EDGES_FIRST);
     let last = slide.ways.len() - 1;
     let middle = last / 2;
     let pull =
@@ -117,7 +121,7 @@ fn best(slide: &Slide, damping: f64) -> Option<SlideFit> {
                 0.0,
                 begins,
             ];
-            tries.extend(fitted(slide, start, &FREE, noise, FIRST));
+            tries.extend(fitted(&thin, start, &FREE, noise, FIRST));
         }
     }
     let best = tries.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
@@ -151,7 +155,7 @@ fn slide(one: &Recorded) -> Option<(Slide, f64)> {
     };
     let last = marks.len() - 1;
     let usual = speed(last / 2, last);
-    let begins = speed(0, 1).max(speed(1, 2));
+    let begins = speed(0, 2);
     let starts_at_rest = marks[0].time_s > 0.0 && begins < SLOW * usual;
     // One that stands again is fitted slip by slip.
     let goes_on = marks[3..].windows(2).all(|pair| {
@@ -177,5 +181,5 @@ fn slide(one: &Recorded) -> Option<(Slide, f64)> {
         ways: marks.iter().map(|m| angle(m.place) - begin).collect(),
         waves: waves.collect(),
     };
-    Some((slide, marks[0].time_s))
+    Some((slide.thinned(EDGES_LAST), marks[0].time_s))
 }

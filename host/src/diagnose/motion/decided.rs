@@ -48,18 +48,15 @@ pub fn decided(
                 twin: with(&one.twin, sizes),
                 ..one.clone()
             };
-            let as_stamped = prepare::seen(&looped).ok()?.ties;
             let mut bench = prepare::bench(&looped).ok()?;
             let squares: f64 = bench.white.iter().map(|white| white * white).sum();
             if squares > VARIANCE * bench.white.len() as f64 {
                 bench.set_noise(bench.noise_of(&bench.seen.angles));
             }
             let mut missed = side.sampled.missed(f_hz);
-            for (tie, before) in bench.seen.ties.iter().zip(&as_stamped) {
-                if tie.push * before.push < 0.0
-                    && let Some(miss) = missed.get_mut((before.at_s * f_hz).round() as usize)
-                {
-                    *miss += before.push / sizes[0];
+            for tie in bench.seen.ties.iter().filter(|tie| tie.turned) {
+                if let Some(miss) = missed.get_mut((tie.at_s * f_hz).round() as usize) {
+                    *miss -= tie.push / sizes[0];
                     turned += 1;
                 }
             }

@@ -10,6 +10,9 @@ use super::slip::Wave;
 /// far end, logarithm of the damping, and how far ahead of the first edge it starts and how fast.
 pub const NUMBERS: usize = 8;
 
+/// Steps from edge to edge at the most: a law that needs more is none.
+const STEPS_MOST: f64 = 20.0;
+
 /// The law of a sliding shaft; torques over the inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlideLaw {
@@ -38,6 +41,26 @@ pub struct Slide {
     pub ways: Vec<f64>,
     /// Torques locked to the shaft, with the phase at the first edge.
     pub waves: Vec<Wave>,
+}
+
+impl Slide {
+    /// With fewer edges: all of the first ones, in which it breaks away, and every so many after them.
+    #[must_use]
+    pub fn thinned(&self, edges: usize) -> Self {
+        let begins = edges / 4;
+        let rest = self.ways.len().saturating_sub(begins);
+        let each = rest.div_ceil(edges - begins).max(1);
+        let kept = |row: &[f64]| {
+            let (begin, rest) = row.split_at(begins.min(row.len()));
+            let later = rest.iter().step_by(each);
+            begin.iter().chain(later).copied().collect()
+        };
+        Self {
+            times_s: kept(&self.times_s),
+            ways: kept(&self.ways),
+            waves: self.waves.clone(),
+        }
+    }
 }
 
 /// Noise of a slide.
@@ -124,7 +147,7 @@ impl SlideLaw {
         let mut white = Vec::with_capacity(slide.ways.len());
         let mut scale = 0.0;
         for (&time, &way) in slide.times_s.iter().zip(&slide.ways) {
-            let steps = ((time - now) / step_s).ceil().max(1.0);
+            let steps = ((time - now) / step_s).ceil().clamp(1.0, STEPS_MOST);
             let h = (time - now) / steps;
             for i in 0..steps as usize {
                 let (on, stays) = self.went(&slide.waves, now + h * i as f64, state, h);
