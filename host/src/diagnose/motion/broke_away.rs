@@ -61,27 +61,45 @@ pub fn broke_away(one: &Recorded) -> Option<BrokeAway> {
         .filter_map(|(beside, damping)| Some((beside, best(&slide, damping)?)))
         .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
     let law = SlideLaw::of(&found.at);
-    let mut springless = found.at;
-    springless[0] = NONE;
-    let mut smooth = found.at;
-    smooth[1] = NONE;
-    let others = [
-        (springless, [1, 2, 3, 5, 6, 7]),
-        (smooth, [0, 3, 4, 5, 6, 7]),
-    ];
-    let others = others.map(|(start, free)| {
-        fitted(&slide, start, &free, found.noise, LAST).map_or(f64::INFINITY, |fit| fit.cost)
-    });
-    let delta_bic = others[0].min(others[1]) - found.cost - (slide.ways.len() as f64).ln();
+    let other = without_spring(&slide, &found)?.min(without_drop(&slide, &found)?);
+    let delta_bic = other - found.cost - (slide.ways.len() as f64).ln();
     let known = found.errors[..3].iter().all(|error| *error < 0.5);
     (delta_bic > EVIDENCE_LEAST && known && law.pull_rad_s > 0.0).then(|| BrokeAway {
         errors: [found.errors[0], found.errors[1], found.errors[2]],
         delta_bic,
         at_s,
-        coulomb: (law.spring * law.pull_rad_s * at_s - law.push).max(0.0),
+        // It stood somewhere between two edges.
+        coulomb: (law.spring * (law.pull_rad_s * at_s - 0.5 * slide.ways[1]) - law.push).max(0.0),
         law,
         beside,
     })
+}
+
+/// -2 log likelihood of a shaft that friction lets go and its drive brings up to speed, whatever holds that.
+fn without_spring(slide: &Slide, found: &SlideFit) -> Option<f64> {
+    let law = SlideLaw::of(&found.at);
+    let starts = [0.3, 1.0, 3.0].into_iter().flat_map(|faster| {
+        let damping = faster * law.spring.sqrt();
+        let steady = damping * law.pull_rad_s;
+        [law.drop, 0.1 * steady].map(|drop| {
+            let mut at = found.at;
+            (at[0], at[1], at[3], at[5]) = (NONE, drop.ln(), steady, damping.ln());
+            at
+        })
+    });
+    let fits = starts.filter_map(|at| fitted(slide, at, &[1, 2, 3, 5, 6, 7], found.noise, FIRST));
+    fits.map(|fit| fit.cost).reduce(f64::min)
+}
+
+/// The same of a shaft on a spring whose friction does not fall.
+fn without_drop(slide: &Slide, found: &SlideFit) -> Option<f64> {
+    let starts = [0.5, 1.0, 2.0].into_iter().map(|factor: f64| {
+        let mut at = found.at;
+        (at[0], at[1]) = (at[0] + factor.ln(), NONE);
+        at
+    });
+    let fits = starts.filter_map(|at| fitted(slide, at, &[0, 3, 4, 5, 6, 7], found.noise, FIRST));
+    fits.map(|fit| fit.cost).reduce(f64::min)
 }
 
 /// The best law with a damping, from where springs and friction come to lie.

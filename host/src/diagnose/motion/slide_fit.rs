@@ -65,7 +65,10 @@ fn descended(
     noise: SlideNoise,
 ) -> Option<SlideFit> {
     let left = |at: &[f64; NUMBERS]| SlideLaw::of(at).white(slide, noise);
-    let pull = start[4];
+    let pull = start[4].abs();
+    if !(pull.is_finite() && pull > 0.0 && start[3].is_finite()) {
+        return None;
+    }
     let push = start[3].abs().max(pull * pull);
     let step = slide.ways.get(1)? - slide.ways.first()?;
     // Of the numbers that are no logarithms.
