@@ -79,6 +79,7 @@ pub fn looped(
                     apart_s,
                     push: model.gains.kp * (here - other),
                     after: model.gains.ki / model.rate_hz * (here - other),
+                    turned: false,
                 });
             }
             let miss = target - seen.unwrap_or(target);

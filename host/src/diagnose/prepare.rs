@@ -17,6 +17,8 @@ use crate::twin::{Drive, Noise, Twin, TwinError};
 const EDGES_LEAST: usize = 200;
 /// Times that noise is found and ties are decided by turns.
 const SETTLES: usize = 4;
+/// Variance of the white residual from which on the noise is not what the twin declares.
+const VARIANCE: f64 = 1.1;
 const TURNS_LEAST: f64 = 3.0;
 
 /// Compares all recordings with their twins.
@@ -96,19 +98,33 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         free_speed,
         hold_s(&one.twin, &law),
     );
-    for _ in 0..SETTLES {
-        let turned = ties::decide(&mut bench);
-        if !turned || bench.declared.is_some() {
-            break;
-        }
-        // Noise that was found with pushes that were none is too much; with less of it more ties are decided.
-        bench.set_noise(bench.noise_of(&bench.seen.angles));
+    if !bench.seen.ties.is_empty() {
+        decide(&mut bench);
     }
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
         .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))
         .collect();
     Ok(bench)
+}
+
+/// Decides the ties of a recording.
+fn decide(bench: &mut Bench) {
+    for _ in 0..SETTLES {
+        let squares: f64 = bench.white.iter().map(|white| white * white).sum();
+        if squares > VARIANCE * bench.white.len() as f64 {
+            // Pushes that were none, and what else a twin lacks, are no noise that it declares: until they are off, there is more.
+            bench.set_noise(bench.noise_of(&bench.seen.angles));
+        }
+        if !ties::decide(bench) {
+            break;
+        }
+        // With less of it more ties are decided.
+        bench.set_noise(bench.noise_of(&bench.seen.angles));
+    }
+    if let Some(declared) = bench.declared {
+        bench.set_noise(declared);
+    }
 }
 
 /// The noise that a twin declares; none where it says nothing of torque noise.

@@ -83,6 +83,7 @@ fn a_push_that_stamps_leave_open_is_settled_by_the_edges_after_it() {
         apart_s: 1e-8,
         push: 40.0,
         after: 0.0,
+        turned: false,
     };
     let before = bench.seen.angles.clone();
     bench.seen.ties = vec![tie];

@@ -18,6 +18,8 @@ pub struct Tie {
     pub push: f64,
     /// And how much more from then on, as its integral remembers, rad/s^2.
     pub after: f64,
+    /// Whether it was decided against the order of the stamps.
+    pub turned: bool,
 }
 
 /// Samples in which the push and its echo show.
@@ -45,6 +47,7 @@ pub fn decide(bench: &mut Bench) -> bool {
                 }
                 bench.set_noise(bench.noise);
                 (tie.push, tie.after, tie.apart_s) = (-tie.push, -tie.after, -tie.apart_s);
+                tie.turned = !tie.turned;
                 turned = true;
             }
         }
@@ -57,17 +60,32 @@ pub fn decide(bench: &mut Bench) -> bool {
     any
 }
 
-/// By how much the squares fall if the loop pushed the other way.
+/// By how much the squares fall if the loop pushed the other way. A steady push, of the load or of what the loop's integral remembers,
+/// is none of it.
 fn gain(bench: &Bench, tie: Tie) -> f64 {
     let times = &bench.seen.times_s;
     let first = times.partition_point(|time| *time < tie.at_s);
     let lasts_s = SAMPLES * (tie.until_s - tie.at_s);
     let last = times.partition_point(|time| *time < tie.at_s + lasts_s);
     let last = last.max(first + EDGES_LEAST).min(times.len());
-    let mut white = pushed(&bench.seen, tie, first..last);
-    bench.whitener().whiten_from(first, &mut white);
-    let left = &bench.white[first..last];
-    white.iter().zip(left).map(|(c, w)| (2.0 * w - c) * c).sum()
+    let from = first.saturating_sub(last - first);
+    let mut white = vec![0.0; first - from];
+    white.extend(pushed(&bench.seen, tie, first..last));
+    bench.whitener().whiten_from(from, &mut white);
+    let always = Tie {
+        at_s: f64::NEG_INFINITY,
+        until_s: f64::INFINITY,
+        push: 1.0,
+        ..tie
+    };
+    let mut steady = pushed(&bench.seen, always, from..last);
+    bench.whitener().whiten_from(from, &mut steady);
+    let left = &bench.white[from..last];
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let own = product(&steady, &steady).max(f64::MIN_POSITIVE);
+    let (of_white, of_left) = (product(&steady, &white), product(&steady, left));
+    2.0 * (product(&white, left) - of_white * of_left / own)
+        - (product(&white, &white) - of_white * of_white / own)
 }
 
 /// What the other push makes of the angles of some edges, rad.

@@ -51,6 +51,8 @@ pub struct Track {
     pub origin: i64,
     /// Whether that was found already.
     pub placed: bool,
+    /// Edges before the first index, which say where they were once it has come; most of what is looked at begins with the index.
+    pub early: Vec<Mark>,
     /// All stretches, by time.
     pub stretches: Vec<Stretch>,
     /// Where the count was disturbed.
@@ -90,6 +92,7 @@ impl Track {
             anchored: plan.anchor() == Anchor::Index,
             origin: 0,
             placed: false,
+            early: Vec::new(),
             stretches: Vec::new(),
             slips: Vec::new(),
             faults: mended.faults,

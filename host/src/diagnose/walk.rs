@@ -23,6 +23,8 @@ pub(super) struct Walker {
     /// The last step: when, which way, and how many edges it stood for.
     last: Option<(f64, i64, i64)>,
     referenced: bool,
+    /// Whether an edge came since.
+    indexed: bool,
     z: Option<bool>,
     passes: Vec<Pass>,
     /// Passes since the last step: their place between edges is not known yet.
@@ -41,6 +43,7 @@ impl Walker {
             count: 0,
             last: None,
             referenced: false,
+            indexed: false,
             z: None,
             passes: Vec::new(),
             open: Vec::new(),
@@ -120,9 +123,18 @@ impl Walker {
         self.last_edge = Some(edge);
         self.referenced |= step.flags.contains(Flags::REFERENCED);
         if self.track.anchored && !step.flags.contains(Flags::REFERENCED) {
+            if captured {
+                let place = self.count;
+                self.track.early.push(Mark { time_s, place });
+            }
             return;
         }
         let place = self.turns * self.track.edges + edge;
+        if !self.indexed {
+            self.indexed = true;
+            let ahead = place - self.count;
+            (self.track.early.iter_mut()).for_each(|mark| mark.place += ahead);
+        }
         let goes_on = self.next == Some(place)
             && (self.track.stretches.last()).is_some_and(|s| s.direction == direction);
         self.next = Some(place + direction);

@@ -7,11 +7,12 @@
 use std::f64::consts::TAU;
 
 use super::MotionFinding;
-use super::gains::{Gains, Side, dot, gains, noise_of};
+use super::decided::decided;
+use super::gains::{Side, gains, noise_of};
 use super::sampled::Sampled;
 use super::scan;
+use super::sharp::{beside, polished, rate_error, sharpened};
 use crate::diagnose::board::{Bench, Board};
-use crate::diagnose::kalman::Whitener;
 use crate::diagnose::noise_fit::{self, Free};
 use crate::diagnose::prepare;
 use crate::diagnose::run::Recorded;
@@ -31,6 +32,9 @@ const EVIDENCE_AN_EDGE: f64 = 0.02;
 /// unknown pattern explains by chance, rates beside explain as well.
 const BESIDE: f64 = 8.0;
 const FINGERPRINT: f64 = 0.25;
+/// Standard errors by which the gain is off zero: before and after samples that fall on an edge are decided.
+const KNOWN_FIRST: f64 = 8.0;
+const KNOWN: f64 = 25.0;
 /// White variance from which the noise that a twin declares does not explain a recording.
 const VARIANCE: f64 = 1.15;
 
@@ -61,27 +65,38 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
         }
         (f_hz, found) = sharpened(&sides, f_hz)?;
     }
-    let open: f64 = sides.iter().map(|side| open_cost(side, f_hz)).sum();
-    let delta_bic = open - found.cost - 3.0 * found.edges.ln();
+    f_hz = polished(&sides, f_hz, found.sizes);
     let [kp, ki] = found.sizes;
-    let error = |i: usize| found.errors[i];
-    let damps = ki < kp * kp && ki > -2.0 * error(1);
-    let known = kp > 25.0 * error(0) && BANDWIDTH_HZ.contains(&(kp / TAU));
-    if delta_bic < EVIDENCE_LEAST.max(EVIDENCE_AN_EDGE * found.edges) || !damps || !known {
+    if kp < KNOWN_FIRST * found.errors[0] {
         return None;
     }
     let fingerprint = beside(&sides, f_hz, BESIDE) - found.cost;
+    let put = |twin: &Twin, [kp, ki]: [f64; 2]| with(twin, f_hz, kp, ki.max(0.0));
+    let decided = decided(rig, &sides, f_hz, [kp, ki], &put)?;
+    let [kp, ki] = decided.sizes;
+    let [kp_error, ki_error] = decided.errors;
+    let delta_bic = sides
+        .iter()
+        .zip(&decided.benches)
+        .map(|(side, looped)| gained(side.bench, looped))
+        .sum::<f64>()
+        - (3.0 + decided.turned as f64) * found.edges.ln();
+    let damps = ki < kp * kp && ki > -2.0 * ki_error;
+    let known = kp > KNOWN * kp_error && BANDWIDTH_HZ.contains(&(kp / TAU));
+    if delta_bic < EVIDENCE_LEAST.max(EVIDENCE_AN_EDGE * found.edges) || !damps || !known {
+        return None;
+    }
     if fingerprint < FINGERPRINT * delta_bic {
         return None;
     }
-    let f_error = rate_error(&sides, f_hz, found.cost);
+    let f_error = rate_error(&sides, f_hz, [kp, ki]);
     let inertia = board.benches[0].law.inertia;
     let ki = ki.max(0.0);
     let finding = MotionFinding {
         mechanism: Mechanism::ClosedLoop,
         parameters: vec![
-            ("kp_n_m_s", kp * inertia, error(0) * inertia),
-            ("ki_n_m", ki * inertia, error(1) * inertia),
+            ("kp_n_m_s", kp * inertia, kp_error * inertia),
+            ("ki_n_m", ki * inertia, ki_error * inertia),
             ("f_hz", f_hz, f_error),
         ],
         delta_bic,
@@ -153,59 +168,18 @@ fn side<'a>(one: &Recorded, bench: &'a Bench) -> Side<'a> {
     }
 }
 
-/// -2 log likelihood of the twin's own drive over the same edges, the noise fitted.
-fn open_cost(side: &Side, f_hz: f64) -> f64 {
-    let from = side.sampled.edges_for(f_hz, 1)[0];
-    let seen = &side.bench.seen;
-    let noise = side.bench.noise_of(&seen.angles);
-    let whitener = Whitener::new(&seen.readings[from..], noise);
-    let mut white = seen.angles[from..].to_vec();
-    whitener.whiten(&mut white);
-    dot(&white, &white) + whitener.log_variance()
-}
-
-/// The best rate near one, to a small part of what shifts the last sample by an edge.
-fn sharpened(sides: &[Side], f_hz: f64) -> Option<(f64, Gains)> {
-    let edges = sides
-        .iter()
-        .map(|side| side.sampled.edges_since_zero())
-        .fold(0.0, f64::max);
-    let mut best = (f_hz, gains(sides, f_hz)?);
-    let mut step = 0.2 / edges;
-    while step > 2e-3 / edges {
-        let around = [1.0 - step, 1.0 + step].map(|factor| best.0 * factor);
-        let tried = around
-            .into_iter()
-            .filter_map(|f_hz| Some((f_hz, gains(sides, f_hz)?)));
-        match tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)) {
-            Some(better) if better.1.cost < best.1.cost => best = better,
-            _ => step *= 0.5,
-        }
-    }
-    Some(best)
-}
-
-/// Least -2 log likelihood of the rates that shift the last sample by so many edges.
-fn beside(sides: &[Side], f_hz: f64, shift: f64) -> f64 {
-    let edges = sides
-        .iter()
-        .map(|side| side.sampled.edges_since_zero())
-        .fold(0.0, f64::max);
-    let costs = [-1.0, 1.0].map(|way| gains(sides, f_hz * (1.0 + way * shift / edges)));
-    let each = costs.map(|gains| gains.map_or(f64::INFINITY, |gains| gains.cost));
-    each[0].min(each[1])
-}
-
-/// Standard error of the rate: half of what makes the likelihood fall to a 95 % interval's edge.
-fn rate_error(sides: &[Side], f_hz: f64, cost: f64) -> f64 {
-    // Stamps and steps of the search are no finer than some hundredths of an edge at the end.
-    let edges = sides
-        .iter()
-        .map(|side| side.sampled.edges_since_zero())
-        .fold(0.0, f64::max);
-    let mut shift = 0.04;
-    while shift < 0.3 * edges && beside(sides, f_hz, shift) - cost < 4.0 {
-        shift *= 2.0;
-    }
-    0.5 * shift / edges * f_hz
+/// By how much a loop in the twin makes a recording more likely, in -2 log likelihood, the noise fitted to both.
+fn gained(open: &Bench, looped: &Bench) -> f64 {
+    // The loop's residual begins once it has sampled; what both have is compared.
+    let edges = open.seen.len().min(looped.seen.len());
+    let cost = |bench: &Bench| {
+        let noise = bench.noise_of(&bench.seen.angles);
+        let from = bench.seen.len() - edges;
+        noise_fit::cost(
+            &bench.seen.readings[from..],
+            &bench.seen.angles[from..],
+            noise,
+        )
+    };
+    cost(open) - cost(looped)
 }

@@ -3,12 +3,10 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::sampled::Sampled;
+use super::solve::{Rows, dot, solved};
 use crate::diagnose::board::Bench;
 use crate::diagnose::kalman::{ShaftNoise, Whitener};
 use crate::diagnose::noise_fit::{self, Free};
-
-/// Parts of a recording whose scatter is looked at.
-const PARTS: usize = 10;
 
 /// One recording as a loop would explain it.
 pub struct Side<'a> {
@@ -41,72 +39,29 @@ fn columns(side: &Side, edges: &[usize], f_hz: f64) -> [Vec<f64>; 4] {
 /// Gains by least squares over all sides, each with its own steady pushes.
 #[must_use]
 pub fn gains(sides: &[Side], f_hz: f64) -> Option<Gains> {
-    let mut parts = Vec::new();
-    let (mut cost, mut edges) = (0.0, 0.0);
+    let (mut rows, mut scale, mut edges) = (Vec::new(), 0.0, 0.0);
     for side in sides {
         let all = side.sampled.edges_for(f_hz, 1);
         let whitener = side.sampled.whitener(&all, side.noise);
-        let mut columns = columns(side, &all, f_hz);
-        columns
-            .iter_mut()
-            .for_each(|column| whitener.whiten(column));
+        let [kp, ki, level, slope] = columns(side, &all, f_hz).map(|mut column| {
+            whitener.whiten(&mut column);
+            column
+        });
         let mut left = side.sampled.angles_at(&all);
         whitener.whiten(&mut left);
-        cost += dot(&left, &left) + whitener.log_variance();
+        scale += whitener.log_variance();
         edges += all.len() as f64;
-        let [kp, ki, level, slope] = &columns;
-        // The steady pushes taken out.
-        let unit = |row: &[f64]| {
-            let size = dot(row, row).sqrt();
-            row.iter().map(|value| value / size).collect::<Vec<f64>>()
-        };
-        let level = unit(level);
-        let share = dot(slope, &level);
-        let slope = unit(
-            &slope
-                .iter()
-                .zip(&level)
-                .map(|(s, l)| s - share * l)
-                .collect::<Vec<_>>(),
-        );
-        cost -= dot(&left, &level).powi(2) + dot(&left, &slope).powi(2);
-        let clear = |row: &[f64]| {
-            let (a, b) = (dot(row, &level), dot(row, &slope));
-            let steady = level.iter().zip(&slope);
-            row.iter()
-                .zip(steady)
-                .map(|(value, (l, s))| value - a * l - b * s)
-                .collect::<Vec<f64>>()
-        };
-        let (kp, ki, left) = (clear(kp), clear(ki), clear(&left));
-        let part = left.len().div_ceil(PARTS);
-        for ((kp, ki), left) in kp.chunks(part).zip(ki.chunks(part)).zip(left.chunks(part)) {
-            let across = dot(kp, ki);
-            parts.push((
-                Matrix2::new(dot(kp, kp), across, across, dot(ki, ki)),
-                Vector2::new(dot(kp, left), dot(ki, left)),
-            ));
-        }
+        rows.push(Rows {
+            columns: [kp, ki],
+            steady: [level, slope],
+            left,
+        });
     }
-    let gram: Matrix2<f64> = parts.iter().map(|part| part.0).sum();
-    let right: Vector2<f64> = parts.iter().map(|part| part.1).sum();
-    let inverse = gram.try_inverse()?;
-    let sizes = inverse * right;
-    cost -= right.dot(&sizes);
-    // Between parts the gains may scatter more than the noise says: a sample at the very time of an edge goes either way.
-    let scatter: Matrix2<f64> = parts
-        .iter()
-        .map(|(gram, right)| {
-            let off = right - gram * sizes;
-            off * off.transpose()
-        })
-        .sum();
-    let count = parts.len() as f64;
-    let between = inverse * scatter * inverse * (count / (count - 2.0));
+    let solved = solved(rows)?;
     Some(Gains {
-        sizes: [sizes[0], sizes[1]],
-        errors: [0, 1].map(|i| inverse[(i, i)].max(between[(i, i)]).sqrt()),
-        cost,
+        sizes: solved.sizes,
+        errors: solved.errors,
+        cost: solved.squares + scale,
         edges,
     })
 }
@@ -148,10 +103,4 @@ pub fn noise_of(side: &Side, f_hz: f64, sizes: [f64; 2]) -> ShaftNoise {
         side.noise,
         Free::Sizes,
     )
-}
-
-/// Product of two rows.
-#[must_use]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -1,12 +1,18 @@
 //! Mechanisms that make another motion altogether: they are recognised before anything small is looked for.
 
+pub mod broke_away;
 pub mod closed_loop;
+pub mod decided;
 pub mod gains;
 pub mod rests;
 pub mod sampled;
 pub mod scan;
+pub mod sharp;
+pub mod slide;
+pub mod slide_fit;
 pub mod slip;
 pub mod slip_fit;
+pub mod solve;
 pub mod stick_slip;
 #[cfg(test)]
 mod tests;

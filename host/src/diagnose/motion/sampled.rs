@@ -77,6 +77,13 @@ impl Sampled {
         (known..self.len()).step_by(each.max(1)).collect()
     }
 
+    /// The edge that came at a time.
+    #[must_use]
+    pub fn edge_of(&self, time_s: f64) -> Option<usize> {
+        let edge = self.times_s.partition_point(|time| *time < time_s);
+        (self.times_s.get(edge) == Some(&time_s)).then_some(edge)
+    }
+
     /// Time of an edge, s.
     #[must_use]
     pub fn time_s(&self, edge: usize) -> f64 {
@@ -149,13 +156,40 @@ impl Sampled {
     /// Responses at some edges to both gains, sampled at `f_hz`.
     #[must_use]
     pub fn gains(&self, edges: &[usize], f_hz: f64) -> [Vec<f64>; 2] {
+        let mut near = edges[0];
+        self.responses(edges, f_hz, |sample| {
+            near = self.edge_at(sample / f_hz, near);
+            self.misses[near]
+        })
+    }
+
+    /// What a loop sampled at `f_hz` missed at each sample, from sample 0 on.
+    #[must_use]
+    pub fn missed(&self, f_hz: f64) -> Vec<f64> {
+        let last = (self.times_s[self.len() - 1] * f_hz).floor();
+        let mut near = 1;
+        (0..=last as usize)
+            .map(|sample| {
+                near = self.edge_at(sample as f64 / f_hz, near);
+                self.misses[near]
+            })
+            .collect()
+    }
+
+    /// Responses at some edges to both gains of a loop that misses at each sample what it says.
+    #[must_use]
+    pub fn responses(
+        &self,
+        edges: &[usize],
+        f_hz: f64,
+        mut missed: impl FnMut(f64) -> f64,
+    ) -> [Vec<f64>; 2] {
         let mut out = [
             Vec::with_capacity(edges.len()),
             Vec::with_capacity(edges.len()),
         ];
         let (mut states, mut pushes) = ([[0.0; 2]; 2], [0.0; 2]);
         let mut now = self.times_s[edges[0]];
-        let mut near = edges[0];
         let mut sample = (now * f_hz).floor() - 1.0;
         for &edge in edges {
             let end = self.times_s[edge];
@@ -170,10 +204,9 @@ impl Sampled {
                     }
                     now = next;
                 }
-                near = self.edge_at(next, near);
                 pushes[1] += pushes[0] / f_hz;
-                pushes[0] = self.misses[near];
                 sample += 1.0;
+                pushes[0] = missed(sample);
             }
             for (state, push) in states.iter_mut().zip(pushes) {
                 *state = went(*state, push, end - now, self.damping);

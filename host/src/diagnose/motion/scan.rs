@@ -5,16 +5,20 @@
 //! for rates with few of their edges; what is best there is followed through ever longer pieces.
 
 use super::sampled::Sampled;
+use super::solve::{dot, without};
 use crate::diagnose::kalman::ShaftNoise;
 
-/// Samples of the first pieces.
-const SAMPLES: f64 = 16.0;
+/// Samples of the first pieces, and most edges between samples for which so many are gone through: short ones find a loop whose push
+/// stands out of the noise, long ones take long.
+const FIRST: [(f64, f64); 2] = [(16.0, APART_MOST), (48.0, 300.0)];
 /// Edges looked at for each sample.
 const NODES: f64 = 4.0;
 /// Rates kept after the first pieces.
 const KEPT: usize = 24;
 /// Slowest loop, Hz.
 const SLOWEST_HZ: f64 = 20.0;
+/// Least edges between samples.
+const APART_LEAST: f64 = 2.0;
 /// Most edges between samples.
 const APART_MOST: f64 = 2_000.0;
 /// Least evidence of a first piece.
@@ -22,6 +26,9 @@ const EVIDENCE_LEAST: f64 = 32.0;
 
 /// Least evidence of longer pieces an edge.
 const EVIDENCE_AN_EDGE: f64 = 0.015;
+
+/// Rates that a rate may stand for, by their shares of it.
+const MULTIPLES: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 1.5, 0.5, 1.0 / 3.0];
 
 /// A rate and what speaks for it.
 #[derive(Clone, Copy, Debug)]
@@ -105,25 +112,24 @@ impl<'a> Piece<'a> {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn without(row: &mut [f64], unit: &[f64]) {
-    let share = dot(row, unit);
-    row.iter_mut()
-        .zip(unit)
-        .for_each(|(value, unit)| *value -= share * unit);
-}
-
 /// The rate at which a loop samples, if there seems to be one.
 #[must_use]
 pub fn rate(sampled: &Sampled, noise: ShaftNoise) -> Option<Rate> {
-    let mut kept: Vec<(Rate, usize)> = Vec::new();
-    let mut apart = 2.0;
-    while apart < APART_MOST && sampled.rate_hz / apart > SLOWEST_HZ {
+    let each = FIRST.into_iter();
+    let mut tries = each.map(|(samples, most)| {
+        let kept = first(sampled, noise, samples, most);
+        followed(sampled, noise, kept)
+    });
+    tries.find_map(|rate| rate)
+}
+
+/// Rates for which a first piece speaks, and the edges of the piece.
+fn first(sampled: &Sampled, noise: ShaftNoise, samples: f64, most: f64) -> Vec<(Rate, usize)> {
+    let mut kept = Vec::new();
+    let mut apart = APART_LEAST;
+    while apart < most && sampled.rate_hz / apart > SLOWEST_HZ {
         let top = sampled.rate_hz / apart;
-        let count = ((SAMPLES * 1.4 * apart) as usize + 64).min(sampled.len());
+        let count = ((samples * 1.4 * apart) as usize + 64).min(sampled.len());
         let mut edges = sampled.edges_for(0.5 * top, (1.4 * apart / NODES) as usize);
         edges.retain(|edge| *edge < count);
         let piece = Piece::new(sampled, edges, noise);
@@ -139,6 +145,11 @@ pub fn rate(sampled: &Sampled, noise: ShaftNoise) -> Option<Rate> {
         }
         apart *= 2.0;
     }
+    kept
+}
+
+/// The best of some rates, followed through ever longer pieces; none where it was chance.
+fn followed(sampled: &Sampled, noise: ShaftNoise, mut kept: Vec<(Rate, usize)>) -> Option<Rate> {
     kept.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
     let mut rates: Vec<Rate> = Vec::new();
     let mut count = kept.first()?.1.max(256);
@@ -159,7 +170,20 @@ pub fn rate(sampled: &Sampled, noise: ShaftNoise) -> Option<Rate> {
             return None;
         }
     }
-    rates.first().copied()
+    let best = rates.first()?;
+    // A loop that took every second sample only would explain half as much.
+    let nearby = MULTIPLES.map(|multiple| Rate {
+        f_hz: best.f_hz * multiple,
+        ..*best
+    });
+    let possible = nearby.into_iter().filter(|rate| {
+        let apart = sampled.rate_hz / rate.f_hz;
+        (APART_LEAST..APART_MOST).contains(&apart) && rate.f_hz > SLOWEST_HZ
+    });
+    let possible: Vec<Rate> = possible.collect();
+    longer(sampled, &possible, sampled.len(), noise)
+        .first()
+        .copied()
 }
 
 /// Rates near those before, best first, over a longer piece.

@@ -9,6 +9,16 @@ const ROUNDS: usize = 20;
 /// Free in the fit of one slip: logarithms of spring, drop and speed, instant of breaking away, place of rest.
 pub const FREE: usize = 5;
 
+/// Frequencies and drops of friction to begin with, against those of a free slip: much damping needs more of both.
+const FIRST: [(f64, f64); 6] = [
+    (1.0, 1.0),
+    (1.4, 1.0),
+    (0.7, 1.0),
+    (1.4, 2.0),
+    (1.0, 2.0),
+    (1.4, 4.0),
+];
+
 /// One slip, edge by edge.
 #[derive(Clone, Debug)]
 pub struct Cycle {
@@ -49,10 +59,10 @@ pub fn fitted(
     let (way, time) = (*usual.ways.last()?, *usual.times_s.last()?);
     let lost = way / usual.ways.len() as f64;
     let mut tries = Vec::new();
-    for faster in [1.0, 1.4, 0.7] {
+    for (faster, more) in FIRST {
         for over in [0.15, 0.4, 1.0] {
             let spring = (std::f64::consts::PI / time * faster).powi(2);
-            let drop = 0.5 * spring * (way - pull_rad_s * time).max(0.1 * way);
+            let drop = 0.5 * more * spring * (way - pull_rad_s * time).max(0.1 * way);
             let start = [
                 spring.ln(),
                 drop.ln(),

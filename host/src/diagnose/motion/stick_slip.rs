@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use super::MotionFinding;
+use super::broke_away::broke_away;
 use super::rests::{EDGES_LEAST, SLIPS_LEAST, Slips, slips};
 use super::slip::{SlipLaw, Wave};
 use super::slip_fit::{Cycle, Fitted, fitted, refitted};
@@ -18,20 +19,20 @@ use crate::twin::{Drive, Noise, StickSlip, Twin};
 /// Slips fitted at the most.
 const SLIPS_MOST: usize = 48;
 
-/// Stick-slip in one recording.
+/// Stick-slip in one recording; torques over the inertia.
 #[derive(Clone, Debug)]
 struct Seen {
-    law: SlipLaw,
+    spring: f64,
+    drop: f64,
+    over_rad_s: f64,
     /// Standard errors of the logarithms of spring, drop and speed.
     errors: [f64; 3],
+    /// Coulomb friction that explains it.
+    coulomb: f64,
     delta_bic: f64,
-    /// Way and time of a cycle.
-    cycle: (f64, f64),
-    slips: usize,
-    /// Stretch beyond the balance at the stop, s^-2: twice of it friction must hold.
-    overshoot: f64,
     /// Whether the drive pulls towards the speed beside the spring.
     beside: bool,
+    text: String,
 }
 
 /// Stick-slip that the twins of a rig lack.
@@ -47,46 +48,34 @@ pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
         .iter()
         .max_by(|a, b| a.1.delta_bic.total_cmp(&b.1.delta_bic))?;
     let inertia = rig[*best].twin.shaft.inertia_kg_m2;
-    let law = &found.law;
-    let coulomb = (0.5 * found.overshoot).max(0.0) + 0.5 * law.drop;
-    let twins = rig
-        .iter()
-        .map(|one| with(&one.twin, found, coulomb))
-        .collect();
+    let twins = rig.iter().map(|one| with(&one.twin, found)).collect();
     let [spring, drop, over] = found.errors;
-    let (stiffness, stribeck) = (law.spring * inertia, law.drop * inertia);
+    let (stiffness, stribeck) = (found.spring * inertia, found.drop * inertia);
     let finding = MotionFinding {
         mechanism: Mechanism::StickSlip,
         parameters: vec![
             ("stiffness_n_m_rad", stiffness, stiffness * spring),
             ("stribeck_n_m", stribeck, stribeck * drop),
-            ("stribeck_rad_s", law.over_rad_s, law.over_rad_s * over),
-            ("coulomb_n_m", coulomb * inertia, f64::INFINITY),
+            ("stribeck_rad_s", found.over_rad_s, found.over_rad_s * over),
+            ("coulomb_n_m", found.coulomb * inertia, f64::INFINITY),
         ],
         delta_bic: seen.iter().map(|(_, seen)| seen.delta_bic).sum(),
-        text: format!(
-            "The shaft stands and slips: {} slips of {:.2} degrees, one every {:.3} s. Coulomb friction only winds the spring up \
-             and can't be told from this recording.",
-            found.slips,
-            found.cycle.0.to_degrees(),
-            found.cycle.1
-        ),
+        text: found.text.clone(),
         twins,
     };
     finding.plausible().then_some(finding)
 }
 
 /// A twin with stick-slip in.
-fn with(twin: &Twin, found: &Seen, coulomb: f64) -> Twin {
+fn with(twin: &Twin, found: &Seen) -> Twin {
     let mut twin = twin.clone();
     let inertia = twin.shaft.inertia_kg_m2;
-    let law = &found.law;
     twin.stick_slip = Some(StickSlip {
-        stiffness_n_m_rad: law.spring * inertia,
+        stiffness_n_m_rad: found.spring * inertia,
     });
-    twin.shaft.stribeck_n_m = law.drop * inertia;
-    twin.shaft.stribeck_rad_s = law.over_rad_s;
-    twin.shaft.coulomb_n_m = twin.shaft.coulomb_n_m.max(coulomb * inertia);
+    twin.shaft.stribeck_n_m = found.drop * inertia;
+    twin.shaft.stribeck_rad_s = found.over_rad_s;
+    twin.shaft.coulomb_n_m = twin.shaft.coulomb_n_m.max(found.coulomb * inertia);
     if !found.beside {
         twin.shaft.stiffness_n_m_s = 0.0;
     }
@@ -99,6 +88,32 @@ fn looked_at(one: &Recorded) -> Option<Seen> {
     if !matches!(twin.drive, Drive::Constant { .. }) || twin.stick_slip.is_some() || wanders {
         return None;
     }
+    cycle_after_cycle(one).or_else(|| once(one))
+}
+
+/// A shaft that broke away once.
+fn once(one: &Recorded) -> Option<Seen> {
+    let found = broke_away(one)?;
+    let law = found.law;
+    Some(Seen {
+        spring: law.spring,
+        drop: law.drop,
+        over_rad_s: law.over_rad_s,
+        errors: found.errors,
+        coulomb: found.coulomb,
+        delta_bic: found.delta_bic,
+        beside: found.beside,
+        text: format!(
+            "The shaft stands until {:.3} s, breaks away and swings behind a spring; friction that falls with speed does not stop it \
+             again. Coulomb friction only winds the spring up and can't be told from this recording.",
+            found.at_s
+        ),
+    })
+}
+
+/// A shaft that sticks and slips on and on.
+fn cycle_after_cycle(one: &Recorded) -> Option<Seen> {
+    let twin = &one.twin;
     let slips = slips(one)?;
     let cycles = cycles(one, &slips)?;
     let shaft = &twin.shaft;
@@ -164,15 +179,25 @@ fn looked_at(one: &Recorded) -> Option<Seen> {
         edges += cycle.ways.len() as f64;
     }
     let delta_bic = edges * (before / after).ln() - (3.0 + 2.0 * good.len() as f64) * edges.ln();
+    let (whole, seconds) = (slip.whole(), slip.seconds());
+    // Stretch beyond the balance at the stop: twice of it friction must hold.
+    let overshoot = law.spring * (whole - pull_rad_s * seconds) - 2.0 * law.drop;
     // A steady shaft with a rhythm in it is no limit cycle.
     (after < 0.02 * before && delta_bic > 50.0).then(|| Seen {
+        spring: law.spring,
+        drop: law.drop,
+        over_rad_s: law.over_rad_s,
         errors,
+        coulomb: (0.5 * overshoot).max(0.0) + 0.5 * law.drop,
         delta_bic,
-        cycle: (slip.whole(), slip.whole() / pull_rad_s),
-        slips: slips.ends.len(),
-        overshoot: law.spring * (slip.whole() - pull_rad_s * slip.seconds()) - 2.0 * law.drop,
-        law,
         beside,
+        text: format!(
+            "The shaft stands and slips: {} slips of {:.2} degrees, one every {:.3} s. Coulomb friction only winds the spring up \
+             and can't be told from this recording.",
+            slips.ends.len(),
+            whole.to_degrees(),
+            whole / pull_rad_s
+        ),
     })
 }
 
