@@ -15,6 +15,9 @@ pub const END_RAD: f64 = 0.06;
 /// Edges at the end of a run that say how it would go on.
 const SLOPE: usize = 40;
 
+/// How much longer an effect on the speed is followed than the base run.
+const LONGER: f64 = 1.5;
+
 /// What the ideal detector has of one recording: base run without noise, and the noise's filter.
 pub(crate) struct Sight {
     course: Course,
@@ -121,12 +124,15 @@ impl Sight {
 
     /// Angle by which the effect moves each edge, rad: 0 where the effect keeps an edge from being met.
     pub fn signal(&self, rig: &Rig, effect: &Effect) -> Vec<f64> {
-        let changed = changed(rig, effect);
+        let mut changed = changed(rig, effect);
         let effects = std::slice::from_ref(effect);
-        let course = turn_evenly(&changed, effects);
         if effect.is_slow() {
-            return self.lag(rig, &course);
+            // Long enough to be where the base run is at its last edge, and when.
+            changed.turns *= LONGER;
+            changed.longest_s *= LONGER;
+            return self.lag(rig, &turn_evenly(&changed, effects));
         }
+        let course = turn_evenly(&changed, effects);
         let times = arrivals(&course, effects);
         // An edge is the same if it is the nth time that its place is passed.
         let mut met: HashMap<(i64, u32), f64> = HashMap::with_capacity(times.len());

@@ -176,3 +176,24 @@ fn nobody_tells_a_friction_better_than_torque_noise_lets_them() {
         "{distance} of {bound} in {seconds} s"
     );
 }
+
+#[test]
+fn a_drift_that_ends_a_run_sooner_has_no_end_in_it() {
+    let mut rig = noisy();
+    rig.noise_psd = 0.2 * rig.inertia * rig.inertia;
+    let drift = Effect::SpeedDrift {
+        fraction_per_s: 1e-2,
+    };
+    let rigs = [rig];
+    let ideal = Ideal::of(&rigs, &drift);
+    let white = ideal.residual(&drift);
+    let tenths: Vec<f64> = white
+        .chunks(white.len() / 10)
+        .map(|part| part.iter().map(|w| w * w).sum())
+        .collect();
+    // A torque that grows evenly, less its mean and trend, is largest at both ends.
+    assert!(
+        tenths[9] < 1.5 * tenths[0] && tenths[9] > 0.5 * tenths[0],
+        "{tenths:?}"
+    );
+}
