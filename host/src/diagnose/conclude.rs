@@ -4,15 +4,13 @@ use super::basis::Basis;
 use super::board::Board;
 use super::crowd::{Family, family, kin};
 use super::disc::{Pattern, comes_again, put_back};
-use super::estimate::Estimate;
 use super::hypothesis::Hypothesis;
-use super::instants::Between;
 use super::leftover::{Leftover, leftovers};
-use super::named::implausible;
+use super::named::no_rigs;
 use super::rivals::{ALIKE, rivals, same_mark};
 use super::search::{BEYOND, Found, Searched};
 use super::steady::steadiness;
-use crate::mechanism::{Mechanism, Quantity};
+use crate::mechanism::Mechanism;
 
 pub use super::crowd::{crowd, cycles_a_turn};
 
@@ -97,6 +95,8 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         conclusion.pattern &= !part(pattern.score, Family::Alike);
     }
     conclusion.named.sort_by(|a, b| b.score.total_cmp(&a.score));
+    // What the others explain as well, now that all are known, is nothing.
+    conclusion.named.pop_if(|last| last.score < 0.0);
     conclusion.nameless = nameless(board, searched, &odd, left).or_else(|| {
         (changing > 0.0).then(|| Nameless {
             text: "places of the disc, all edges alike; like line_error, but not the same in \
@@ -166,25 +166,6 @@ fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
     odd.sort_unstable();
     odd.dedup();
     odd
-}
-
-/// The number of a finding that no rig has, if one is.
-fn no_rigs(searched: &Searched, number: usize) -> Option<(&'static Quantity, f64)> {
-    let columns = |found: &Found| found.columns.len();
-    let before: usize = searched.found[..number].iter().map(columns).sum();
-    let (from, count) = (
-        searched.nuisances + before,
-        columns(&searched.found[number]),
-    );
-    let model = &searched.model;
-    let covariance = model.covariance.view((from, from), (count, count));
-    implausible(&Estimate {
-        hypothesis: searched.found[number].hypothesis.clone(),
-        sizes: model.sizes.as_slice()[from..from + count].to_vec(),
-        searched: Vec::new(),
-        covariance: covariance.into_owned(),
-        between: Between::default(),
-    })
 }
 
 fn name(board: &Board, searched: &Searched, number: usize) -> Name {

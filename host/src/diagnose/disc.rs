@@ -6,6 +6,8 @@
 //! pattern's mean given the recording solves (A + 1/s^2) e = pull, A being how edges show through the noise: by conjugate gradients,
 //! started from g / (1 + g) of what each order pulls (Wiener).
 
+use realfft::num_complex::Complex;
+
 use super::board::{Board, Model, PARTS};
 use super::disc_shown::{Disc, Kept};
 
@@ -35,15 +37,7 @@ pub fn pattern(board: &Board, model: &Model, learned: bool) -> Option<Pattern> {
     let disc = Disc::of(board)?;
     let pulled = disc.own(&disc.folded(model.left.clone()));
     let spectrum = disc.spectrum(pulled.clone());
-    let modes: Vec<Mode> = disc
-        .orders
-        .iter()
-        .map(|&m| Mode {
-            squares: spectrum[m].norm_sqr() / (disc.edges as f64 * disc.clear[m]),
-            clear: disc.clear[m],
-            weight: disc.weight(m),
-        })
-        .collect();
+    let modes = modes(&disc, &spectrum);
     let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
     let edge_variance = shares.sum::<f64>() / disc.edges as f64;
     // What one order makes is a rhythm: others name it.
@@ -54,19 +48,41 @@ pub fn pattern(board: &Board, model: &Model, learned: bool) -> Option<Pattern> {
     }
     let (log_s2, most, bend) = likeliest(&modes)?;
     let s2 = log_s2.exp();
-    // -bend is twice the information on ln s^2.
+    Some(Pattern {
+        rms_rad: s2.sqrt(),
+        standard_error_rad: standard_error(log_s2, bend),
+        score: most - (board.edges() as f64).ln(),
+        errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
+        edge_error_rad: edge_variance.sqrt(),
+    })
+}
+
+/// Size and its standard error of a pattern that white rows still have, rad: with the noise and the findings beside it as they are
+/// known in the end.
+pub fn sized(disc: &Disc<'_>, there: &[Vec<f64>]) -> Option<(f64, f64)> {
+    let spectrum = disc.spectrum(disc.own(&disc.folded(there.to_vec())));
+    let (log_s2, _, bend) = likeliest(&modes(disc, &spectrum))?;
+    Some(((0.5 * log_s2).exp(), standard_error(log_s2, bend)))
+}
+
+/// -bend is twice the information on ln s^2.
+fn standard_error(log_s2: f64, bend: f64) -> f64 {
     let deviation = if bend < 0.0 {
         (2.0 / -bend).sqrt()
     } else {
         f64::INFINITY
     };
-    Some(Pattern {
-        rms_rad: s2.sqrt(),
-        standard_error_rad: 0.5 * deviation * s2.sqrt(),
-        score: most - (board.edges() as f64).ln(),
-        errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
-        edge_error_rad: edge_variance.sqrt(),
-    })
+    0.5 * deviation * (0.5 * log_s2).exp()
+}
+
+/// The orders' pulls.
+fn modes(disc: &Disc<'_>, spectrum: &[Complex<f64>]) -> Vec<Mode> {
+    let each = disc.orders.iter().map(|&m| Mode {
+        squares: spectrum[m].norm_sqr() / (disc.edges as f64 * disc.clear[m]),
+        clear: disc.clear[m],
+        weight: disc.weight(m),
+    });
+    each.collect()
 }
 
 /// What a model leaves together with a pattern that was taken off, white.

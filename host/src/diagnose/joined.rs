@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::board::{Board, Column, product};
-use super::disc::{Pattern, put_back};
+use super::disc::{Pattern, put_back, sized};
 use super::disc_shown::Disc;
 use super::estimate::slopes_of;
 use super::refine::steps;
@@ -39,7 +39,12 @@ fn joined(board: &mut Board, searched: &mut Searched, pattern: &mut Pattern) -> 
     let mut model = board.fit(columns.clone())?;
     let (beside, prior) = {
         let disc = Disc::of(board)?;
-        let prior = prior(&disc, &put_back(board, &model, pattern), pattern);
+        let there = put_back(board, &model, pattern);
+        if let Some((rms_rad, standard_error_rad)) = sized(&disc, &there) {
+            pattern.rms_rad = rms_rad;
+            pattern.standard_error_rad = standard_error_rad;
+        }
+        let prior = prior(&disc, &there, pattern);
         (Beside::of(&disc, &columns, &prior)?, prior)
     };
     for _ in 0..STEPS {

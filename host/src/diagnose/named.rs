@@ -8,6 +8,8 @@ use nalgebra::DVector;
 use super::basis::Basis;
 use super::diagnosis::Parameter;
 use super::estimate::Estimate;
+use super::instants::Between;
+use super::search::{Found, Searched};
 use crate::mechanism::Quantity;
 
 /// Standard errors to either side that hold 95 of 100.
@@ -54,13 +56,33 @@ fn values(estimate: &Estimate) -> Named {
 
 /// The first number of a fit that no rig has: which, and its value.
 #[must_use]
-pub fn implausible(estimate: &Estimate) -> Option<(&'static Quantity, f64)> {
+fn implausible(estimate: &Estimate) -> Option<(&'static Quantity, f64)> {
     let row = row(estimate);
     let named = values(estimate);
     let numbers = named
         .iter()
         .map(|(name, value)| (name.as_str(), value(&row)));
     estimate.hypothesis.mechanism.card().implausible(numbers)
+}
+
+/// The number of a finding that no rig has, if one is.
+#[must_use]
+pub fn no_rigs(searched: &Searched, number: usize) -> Option<(&'static Quantity, f64)> {
+    let columns = |found: &Found| found.columns.len();
+    let before: usize = searched.found[..number].iter().map(columns).sum();
+    let (from, count) = (
+        searched.nuisances + before,
+        columns(&searched.found[number]),
+    );
+    let model = &searched.model;
+    let covariance = model.covariance.view((from, from), (count, count));
+    implausible(&Estimate {
+        hypothesis: searched.found[number].hypothesis.clone(),
+        sizes: model.sizes.as_slice()[from..from + count].to_vec(),
+        searched: Vec::new(),
+        covariance: covariance.into_owned(),
+        between: Between::default(),
+    })
 }
 
 fn parameter(

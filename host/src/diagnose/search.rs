@@ -9,7 +9,7 @@ use super::pairs::pair;
 use super::propose::propose;
 use super::refine::refined;
 use super::scan::{defects, loads};
-use super::sift::{beside_disc, passes, trifle};
+use super::sift::{beside_disc, beyond_rigs, no_disc, passes, stands, trifle};
 use super::weigh::{Shelf, Weighed, weigh};
 use crate::mechanism::Mechanism;
 
@@ -95,6 +95,7 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     let mut found: Vec<Found> = Vec::new();
     let mut pattern: Option<Pattern> = None;
     let mut shelf = Shelf::default();
+    let mut refused: Vec<Hypothesis> = Vec::new();
     let mut model = board.fit(nuisances.clone())?;
     let mut left = 0.0;
     let mut patterns = 0;
@@ -108,6 +109,7 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         if learned || pattern.is_some() {
             proposed = beside_disc(board, &model, &mut shelf, proposed);
         }
+        proposed.retain(|one| !refused.contains(one));
         proposed.extend(loads(board, &model));
         proposed.extend(defects(board, &model));
         let best = best(board, &model, &mut shelf, proposed);
@@ -170,6 +172,10 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
             break;
         };
         model = fitted;
+        if let Some(number) = no_disc(&found, &model, nuisances.len()) {
+            refused.push(found.remove(number).hypothesis);
+            model = board.fit(columns(&nuisances, &found))?;
+        }
         // What can only be told by many rhythms side by side is none of them.
         if crowd(board, &found).len() >= 3 {
             break;
@@ -216,7 +222,8 @@ fn best(
             let columns = shelf.columns(board, &hypothesis);
             weigh(board, model, hypothesis, columns)
         })
-        .filter(|one| !trifle(board, model, one))
+        .filter(|one| !trifle(board, model, one) && !stands(board, one))
+        .filter(|one| !beyond_rigs(board, model, one))
         .collect();
     tried.sort_by(|a, b| b.score.total_cmp(&a.score));
     let top = tried.first()?.score;
@@ -235,6 +242,7 @@ fn best(
         kinds.push(kind);
         closer.push(refined(board, model, one));
     }
+    closer.retain(|one| !stands(board, one));
     closer.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut closer = closer.into_iter();
     let first = closer.next()?;

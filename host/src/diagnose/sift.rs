@@ -5,9 +5,13 @@ use super::basis::Basis;
 use super::board::{Board, Model};
 use super::disc::{Pattern, comes_again};
 use super::hypothesis::{Hypothesis, with_disc};
-use super::search::BEYOND;
+use super::least_squares::product;
+use super::search::{BEYOND, Found};
 use super::weigh::{Shelf, Weighed, weigh};
+use crate::mechanism::Mechanism;
 
+/// Part of the squares of one of its patterns that several together explain at the least.
+const CANCELLED: f64 = 1e-4;
 /// Part of a large error of the disc that a linear model may leave over.
 const SLIGHT: f64 = 1e-3;
 
@@ -34,6 +38,25 @@ pub fn beside_disc(
         (more > BEYOND + SLIGHT * disc).then_some(whole)
     });
     each.collect()
+}
+
+/// Whether it is a drift of the level that is over before the recordings have begun: what is then left is a width, of each recording's
+/// own.
+#[must_use]
+pub fn stands(board: &Board, one: &Weighed) -> bool {
+    /// Part of its mean by which a drift changes at the least, RMS.
+    const CHANGES: f64 = 0.1;
+    let Some(&Basis::LevelDrift { from_s, tau_s }) = one.hypothesis.bases.first() else {
+        return false;
+    };
+    board.benches.iter().all(|bench| {
+        let times = &bench.seen.times_s;
+        let level = |time: &f64| -((from_s - time).min(0.0) / tau_s).exp_m1();
+        let count = times.len() as f64;
+        let mean = times.iter().map(level).sum::<f64>() / count;
+        let squares = times.iter().map(|time| (level(time) - mean).powi(2));
+        squares.sum::<f64>() < (CHANGES * mean).powi(2) * count
+    })
 }
 
 /// Whether it is a small part of a torque that the twin declares: how exactly that is known, and followed, is not this good.
@@ -69,6 +92,42 @@ pub fn trifle(board: &Board, model: &Model, one: &Weighed) -> bool {
                 size * swing < PART * torque
             })
         })
+    })
+}
+
+/// Whether it is a disc that no rig has: what is far off the axis is none, but follows a motion that has another cause.
+#[must_use]
+pub fn beyond_rigs(board: &Board, model: &Model, one: &Weighed) -> bool {
+    let geometry = matches!(
+        one.hypothesis.mechanism,
+        Mechanism::Eccentricity | Mechanism::DiscTilt
+    );
+    let together = one.hypothesis.bases.len() > 1;
+    if !geometry && !together {
+        return false;
+    }
+    board.gain(model, &one.columns).is_some_and(|gain| {
+        let card = one.hypothesis.mechanism.card();
+        let size = [("amplitude_rad", gain.sizes.norm())];
+        // Patterns that all but cancel explain by what their laws leave out.
+        let largest = one.columns.iter().zip(gain.sizes.iter());
+        let largest = largest.map(|(column, size)| size * size * product(column, column));
+        geometry && card.implausible(size.into_iter()).is_some()
+            || together && gain.squares < CANCELLED * largest.fold(0.0, f64::max)
+    })
+}
+
+/// The first finding that beside the others has become a disc which no rig has.
+#[must_use]
+pub fn no_disc(found: &[Found], model: &Model, nuisances: usize) -> Option<usize> {
+    let mut at = nuisances;
+    found.iter().position(|one| {
+        let sizes = model.sizes.rows(at, one.columns.len());
+        at += one.columns.len();
+        let mechanism = one.hypothesis.mechanism;
+        let size = [("amplitude_rad", sizes.norm())];
+        matches!(mechanism, Mechanism::Eccentricity | Mechanism::DiscTilt)
+            && mechanism.card().implausible(size.into_iter()).is_some()
     })
 }
 
