@@ -1,7 +1,7 @@
 //! The true noise of edge angles as a state space, and the filter that makes it white.
 //!
-//! The speed wanders as dv = -d v dt + dW with density q, the angle is its integral, and every edge adds a white angle error of
-//! its own. A Kalman filter with a diffuse start turns the angles of the edges into innovations; divided by their standard
+//! The speed wanders as dv = -d v dt + s x dt + dW with density q, the angle x is its integral, and every edge adds a white angle
+//! error of its own; s is the slope of a torque that hangs on the angle. A Kalman filter with a diffuse start turns the angles of the edges into innovations; divided by their standard
 //! deviation they are white with variance 1. The filter is linear in the angles, so it whitens a signal as it whitens noise.
 
 /// Noise of one recording.
@@ -12,9 +12,8 @@ pub struct Whitener {
 
 #[derive(Clone, Copy, Debug)]
 struct Update {
-    /// Way that a speed makes until this edge, s, and what is left of it.
-    reach: f64,
-    decay: f64,
+    /// What angle and speed at the edge before make of angle and speed at this one.
+    step: [[f64; 2]; 2],
     gain: [f64; 2],
     /// Standard deviation of the innovation, rad.
     deviation: f64,
@@ -27,6 +26,8 @@ pub struct Edge {
     pub since_s: f64,
     /// Damping of the speed, 1/s.
     pub damping: f64,
+    /// Change of the acceleration with the angle, 1/s^2: negative where a torque holds the shaft as a spring does.
+    pub slope: f64,
     /// Variance of the edge's own angle error, rad^2.
     pub own_rad2: f64,
 }
@@ -40,25 +41,18 @@ impl Whitener {
         let steps = edges
             .iter()
             .map(|edge| {
-                let h = edge.since_s;
-                let x = edge.damping * h;
-                let (reach, decay) = if x < 1e-3 {
-                    (h * (1.0 - 0.5 * x), 1.0 - x + 0.5 * x * x)
-                } else {
-                    (-libm::expm1(-x) / edge.damping, libm::exp(-x))
-                };
-                let grown = grown(density, edge.damping, h);
-                let a = angle + 2.0 * reach * cross + reach * reach * speed + grown[0];
-                let c = decay * (cross + reach * speed) + grown[1];
-                let s = decay * decay * speed + grown[2];
+                let (step, grown) = between(edge, density);
+                let [[aa, av], [va, vv]] = step;
+                let a = aa * aa * angle + 2.0 * aa * av * cross + av * av * speed + grown[0];
+                let c = va * (aa * angle + av * cross) + vv * (aa * cross + av * speed) + grown[1];
+                let s = va * va * angle + 2.0 * va * vv * cross + vv * vv * speed + grown[2];
                 let total = a + edge.own_rad2;
                 let gain = [a / total, c / total];
                 angle = a * (edge.own_rad2 / total);
                 cross = c * (edge.own_rad2 / total);
                 speed = s - c * gain[1];
                 Update {
-                    reach,
-                    decay,
+                    step,
                     gain,
                     deviation: total.sqrt(),
                 }
@@ -72,10 +66,11 @@ impl Whitener {
     pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
         let (mut angle, mut speed) = (0.0, 0.0);
         let each = self.steps.iter().zip(signal).map(|(step, value)| {
-            let expected = angle + step.reach * speed;
+            let [[aa, av], [va, vv]] = step.step;
+            let expected = aa * angle + av * speed;
             let innovation = value - expected;
+            speed = va * angle + vv * speed + step.gain[1] * innovation;
             angle = expected + step.gain[0] * innovation;
-            speed = step.decay * speed + step.gain[1] * innovation;
             innovation / step.deviation
         });
         each.collect()
@@ -91,8 +86,8 @@ impl Whitener {
                 white[at] / step.deviation + step.gain[0] * angle + step.gain[1] * speed;
             signal[at] = innovation;
             let expected = angle - innovation;
-            speed = step.decay * speed + step.reach * expected;
-            angle = expected;
+            let [[aa, av], [va, vv]] = step.step;
+            (angle, speed) = (aa * expected + va * speed, vv * speed + av * expected);
         }
         signal
     }
@@ -101,6 +96,46 @@ impl Whitener {
     pub fn deviations(&self) -> impl Iterator<Item = f64> + '_ {
         self.steps.iter().map(|step| step.deviation)
     }
+}
+
+/// What the time until an edge makes of angle and speed, and what the noise adds.
+fn between(edge: &Edge, density: f64) -> ([[f64; 2]; 2], [f64; 3]) {
+    let (damping, slope) = (edge.damping, edge.slope);
+    if slope == 0.0 {
+        let h = edge.since_s;
+        let x = damping * h;
+        let (reach, decay) = if x < 1e-3 {
+            (h * (1.0 - 0.5 * x), 1.0 - x + 0.5 * x * x)
+        } else {
+            (-libm::expm1(-x) / damping, libm::exp(-x))
+        };
+        return ([[1.0, reach], [0.0, decay]], grown(density, damping, h));
+    }
+    // A series over a part of the time that is short, doubled until it is whole.
+    let quick = edge.since_s * (damping + slope.abs().sqrt());
+    let doublings = (quick / 1e-3).log2().ceil().clamp(0.0, 60.0);
+    let h = edge.since_s * (-doublings).exp2();
+    let (x, y) = (damping * h, slope * h * h);
+    let bend = 1.0 - 0.5 * x + (x * x + y) / 6.0;
+    let mut step = [
+        [1.0 + 0.5 * y * (1.0 - x / 3.0), h * bend],
+        [slope * h * bend, 1.0 - x + 0.5 * (x * x + y)],
+    ];
+    let mut sum = grown(density, damping, h);
+    for _ in 0..doublings as u32 {
+        let [[aa, av], [va, vv]] = step;
+        let [a, c, s] = sum;
+        sum = [
+            a + aa * aa * a + 2.0 * aa * av * c + av * av * s,
+            c + va * (aa * a + av * c) + vv * (aa * c + av * s),
+            s + va * va * a + 2.0 * va * vv * c + vv * vv * s,
+        ];
+        step = [
+            [aa * aa + av * va, aa * av + av * vv],
+            [va * aa + vv * va, va * av + vv * vv],
+        ];
+    }
+    (step, sum)
 }
 
 /// What the noise adds over a time: variance of the angle, covariance, variance of the speed.
@@ -133,6 +168,7 @@ mod tests {
         let edge = |k: usize| Edge {
             since_s: 1e-3 * (1.0 + 0.3 * (k as f64 * 0.1).sin()),
             damping: 3.0,
+            slope: 0.0,
             own_rad2: 1e-10,
         };
         (0..count).map(edge).collect()
