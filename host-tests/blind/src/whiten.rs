@@ -176,34 +176,79 @@ mod tests {
 
     #[test]
     fn noise_of_the_model_comes_out_white_with_variance_one() {
-        let (edges, density) = (edges(40_000), 1e-4);
-        let mut dice = Dice::new(5, 0);
-        let (mut angle, mut speed) = (0.0, 0.0);
-        let fine = 20;
-        let seen: Vec<f64> = edges
-            .iter()
-            .map(|edge| {
-                let h = edge.since_s / f64::from(fine);
-                for _ in 0..fine {
-                    speed += -edge.damping * speed * h + (density * h).sqrt() * dice.normal();
-                    angle += speed * h;
-                }
-                angle + edge.own_rad2.sqrt() * dice.normal()
-            })
-            .collect();
-        let white = Whitener::new(&edges, density).apply(&seen);
-        let white = &white[100..];
-        let count = white.len() as f64;
-        let variance = white.iter().map(|w| w * w).sum::<f64>() / count;
-        let next = white.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / count;
-        // Three and a half standard errors of a variance of 40,000 values.
-        assert!((variance - 1.0).abs() < 0.025, "{variance}");
-        assert!(next.abs() < 0.0175, "{next}");
+        for slope in [0.0, -1e4] {
+            let (mut edges, density) = (edges(40_000), 1e-4);
+            edges.iter_mut().for_each(|edge| edge.slope = slope);
+            let mut dice = Dice::new(5, 0);
+            let (mut angle, mut speed) = (0.0, 0.0);
+            let fine = 20;
+            let seen: Vec<f64> = edges
+                .iter()
+                .map(|edge| {
+                    let h = edge.since_s / f64::from(fine);
+                    for _ in 0..fine {
+                        let pull = slope * angle - edge.damping * speed;
+                        speed += pull * h + (density * h).sqrt() * dice.normal();
+                        angle += speed * h;
+                    }
+                    angle + edge.own_rad2.sqrt() * dice.normal()
+                })
+                .collect();
+            let white = Whitener::new(&edges, density).apply(&seen);
+            let white = &white[100..];
+            let count = white.len() as f64;
+            let variance = white.iter().map(|w| w * w).sum::<f64>() / count;
+            let next = white.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / count;
+            // Three and a half standard errors of a variance of 40,000 values.
+            assert!((variance - 1.0).abs() < 0.025, "{slope}: {variance}");
+            assert!(next.abs() < 0.0175, "{slope}: {next}");
+        }
+    }
+
+    #[test]
+    fn a_torque_that_hangs_on_the_angle_holds_as_a_spring_or_throws_over() {
+        let (h, density) = (0.02, 2.0);
+        let over = |slope: f64| {
+            let edge = Edge {
+                since_s: h,
+                damping: 0.0,
+                slope,
+                own_rad2: 1e-10,
+            };
+            between(&edge, density)
+        };
+        let w = 80.0_f64;
+        let (swing, held) = over(-w * w);
+        let (thrown, fled) = over(w * w);
+        let x = w * h;
+        // The last is the integral of the square of the answer to a push: 1/2 q (h -+ sin(2 w h) / (2 w)) / w^2.
+        for (found, expected) in [
+            (swing[0][0], x.cos()),
+            (swing[0][1], x.sin() / w),
+            (swing[1][0], -x.sin() * w),
+            (swing[1][1], x.cos()),
+            (thrown[0][0], x.cosh()),
+            (thrown[1][0], x.sinh() * w),
+            (
+                held[0],
+                0.5 * density * (h - (2.0 * x).sin() / (2.0 * w)) / (w * w),
+            ),
+            (
+                fled[0],
+                0.5 * density * ((2.0 * x).sinh() / (2.0 * w) - h) / (w * w),
+            ),
+            (fled[1], 0.5 * density * (x.sinh() / w).powi(2)),
+            (held[2], 0.5 * density * (h + (2.0 * x).sin() / (2.0 * w))),
+        ] {
+            assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+        }
     }
 
     #[test]
     fn transposed_is_the_transpose() {
-        let whitener = Whitener::new(&edges(300), 1e-4);
+        let mut edges = edges(300);
+        edges[150].slope = -3e5;
+        let whitener = Whitener::new(&edges, 1e-4);
         let mut dice = Dice::new(6, 0);
         let mut draw = || (0..300).map(|_| dice.normal()).collect::<Vec<f64>>();
         let (x, y) = (draw(), draw());

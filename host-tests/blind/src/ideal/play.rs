@@ -125,6 +125,38 @@ mod tests {
     }
 
     #[test]
+    fn estimates_from_noisy_runs_scatter_as_it_says() {
+        let mut rig = reversing();
+        // The speed forgets within a quarter of the time between the edges beside the turn.
+        rig.stiffness = 40.0 * rig.inertia;
+        rig.noise_psd = 2.0 * 40.0 * (0.03 * rig.inertia).powi(2);
+        let size = 2.0 * rig.encoder.step_rad();
+        let rigs = std::slice::from_ref(&rig);
+        let (count, mut sum, mut squares) = (400, 0.0, 0.0);
+        for seed in 0..count {
+            let (distance, course) = seen(&rig, size, Some(seed));
+            let run = Passed::recorded(&rig, &course, &[]);
+            let edges = course.crossings.iter().filter(|c| c.class.is_some());
+            let course_rad = |t: f64| rig.start_rad + 10.0 * t - 10.0 * t * t;
+            let off = (edges.clone())
+                .map(|c| course_rad(c.time_s) - c.place as f64 * rig.encoder.step_rad());
+            let signal = edges.map(|c| 0.5 * size * c.speed.signum());
+            let left = |values: Vec<f64>| project::residual(rigs, &[&run], &[values]);
+            let (off, signal) = (left(off.collect()), left(signal.collect()));
+            let dot: f64 = off.iter().zip(&signal).map(|(a, b)| a * b).sum();
+            let error = dot / distance - distance;
+            sum += error;
+            squares += error * error;
+        }
+        let (mean, rms) = (sum / count as f64, (squares / count as f64).sqrt());
+        // Three and a half standard errors.
+        assert!(
+            mean.abs() < 0.175 && (rms - 1.0).abs() < 0.125,
+            "{mean} {rms}"
+        );
+    }
+
+    #[test]
     fn a_ripple_that_holds_the_shaft_at_the_turn_keeps_noise_from_hiding_it() {
         let mut rig = reversing();
         rig.jitter_s = 1e-9;
