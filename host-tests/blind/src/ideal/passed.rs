@@ -26,7 +26,7 @@ pub(crate) struct Passed {
 impl Passed {
     /// Of crossings with their times of arrival. The torque noise moves the shaft as if the rig had no ripples.
     pub fn new<'a>(rig: &Rig, edges: impl Iterator<Item = (&'a Crossing, f64)>) -> Self {
-        Self::along(rig, edges, |_| 0.0)
+        Self::along(rig, edges, |_, _| 0.0)
     }
 
     /// Of a run as it was recorded: every edge that it passed. About a turn the shaft is slow enough for ripples to hold it or to
@@ -35,7 +35,14 @@ impl Passed {
         let times = arrivals(course, effects);
         let edges = course.crossings.iter().zip(times);
         let edges = edges.filter(|(crossing, _)| crossing.class.is_some());
-        let slope = |angle: f64| {
+        let play: f64 = effects.iter().map(Effect::play_rad).sum();
+        let angle = |crossing: &Crossing| {
+            let k = crossing.place.rem_euclid(rig.encoder.edges() as i64) as usize;
+            let late = if crossing.forward { play } else { -play };
+            crossing.place as f64 * rig.encoder.step_rad() - rig.disc_rad[k] + 0.5 * late
+        };
+        let slope = |from: &Crossing, to: &Crossing| {
+            let angle = 0.5 * (angle(from) + angle(to));
             let each = (rig.ripples.iter())
                 .map(|r| r.torque_n_m * r.order * libm::cos(r.order * angle + r.phase_rad));
             each.sum::<f64>() / rig.inertia
@@ -46,7 +53,7 @@ impl Passed {
     fn along<'a>(
         rig: &Rig,
         edges: impl Iterator<Item = (&'a Crossing, f64)>,
-        slope: impl Fn(f64) -> f64,
+        slope: impl Fn(&Crossing, &Crossing) -> f64,
     ) -> Self {
         let count = rig.encoder.edges() as i64;
         let stamp = rig.stamp_rms_s();
@@ -61,21 +68,22 @@ impl Passed {
             density,
             runs_down: matches!(rig.profile, Profile::RunDown { .. }),
         };
-        let mut last: Option<(f64, f64)> = None;
+        let mut last: Option<(&Crossing, f64)> = None;
         for (crossing, time) in edges {
-            let angle = crossing.place as f64 * rig.encoder.step_rad();
-            let (from, since) = last.unwrap_or((angle, 0.0));
+            let (from, since) = last.unwrap_or((crossing, 0.0));
             passed.noise.push(Edge {
                 since_s: (time - since).max(0.0),
                 damping: rig.noise_damping(crossing.time_s),
-                slope: slope(0.5 * (from + angle)),
+                slope: slope(from, crossing),
                 own_rad2: (crossing.speed * stamp).powi(2).max(1e-24),
             });
             passed.k.push(crossing.place.rem_euclid(count) as usize);
             passed.time.push(time);
-            passed.angle.push(angle);
+            passed
+                .angle
+                .push(crossing.place as f64 * rig.encoder.step_rad());
             passed.speed.push(crossing.speed);
-            last = Some((angle, time));
+            last = Some((crossing, time));
         }
         passed.whitener = Whitener::new(&passed.noise, density);
         passed
