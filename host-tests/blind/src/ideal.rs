@@ -12,8 +12,13 @@
 //!
 //! Effects that add no signal but variance have d' from the Fisher information of the innovations' variances; what comes in whole
 //! counts (lost edges, glitches, an index that slips) needs one.
+//!
+//! What a play shows after a reversal hangs on how near to the turn the last edges lie, and noise moves the turn by many edges: its
+//! d' is that of the run which was recorded (see [`play`]).
 
 mod alike;
+mod passed;
+mod play;
 mod project;
 mod sight;
 #[cfg(test)]
@@ -25,7 +30,9 @@ use std::borrow::Cow;
 use crate::effect::Effect;
 use crate::rig::{Profile, Rig};
 
-pub(crate) use sight::Sight;
+use passed::Passed;
+pub use play::{play, shows_play};
+use sight::Sight;
 
 /// d' at which an effect counts as detectable.
 pub const DETECTABLE: f64 = 5.0;
@@ -78,7 +85,7 @@ impl<'a> Ideal<'a> {
     /// d' of an effect.
     #[must_use]
     pub fn distance(&self, effect: &Effect) -> f64 {
-        if let Some(distance) = variance::distance(effect, &self.rigs, &self.sights) {
+        if let Some(distance) = variance::distance(effect, &self.rigs, &self.passed()) {
             return distance;
         }
         project::length(&self.residual(effect))
@@ -102,7 +109,11 @@ impl<'a> Ideal<'a> {
         let signals: Vec<Vec<f64>> = (self.rigs.iter().zip(&self.sights))
             .map(|(rig, sight)| sight.signal(rig, effect))
             .collect();
-        project::residual(&self.rigs, &self.sights, &signals)
+        project::residual(&self.rigs, &self.passed(), &signals)
+    }
+
+    fn passed(&self) -> Vec<&Passed> {
+        self.sights.iter().map(|sight| &sight.passed).collect()
     }
 
     /// RMS by which an effect moves the edges, rad, in the recording where it moves them most.

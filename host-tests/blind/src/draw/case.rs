@@ -9,9 +9,10 @@ use super::limits::plausible;
 use super::outside;
 use super::record::{happens_once, record};
 use super::rigs::{Shape, rigs};
+use super::settle::settle;
 use crate::capture::Row;
 use crate::effect::Effect;
-use crate::ideal::{DETECTABLE, Ideal, is_variance};
+use crate::ideal::{DETECTABLE, Ideal, is_variance, shows_play};
 use crate::random::Dice;
 use crate::rig::{Profile, Rig};
 
@@ -55,10 +56,14 @@ pub fn case(seed: u64, place: usize, kind: Kind, number: usize) -> Case {
     let own = Dice::new(seed, 1 + place as u64).seed();
     let mut dice = Dice::new(own, 0);
     for attempt in 0.. {
-        let Some(drawn) = draw(&mut dice, kind, number, attempt) else {
+        let Some(mut drawn) = draw(&mut dice, kind, number, attempt) else {
             continue;
         };
-        if let Some(case) = record(&drawn, kind, own, dice.seed()) {
+        let noise = dice.seed();
+        if settle(&mut drawn, noise).is_none() {
+            continue;
+        }
+        if let Some(case) = record(&drawn, kind, own, noise) {
             return case;
         }
     }
@@ -154,8 +159,18 @@ pub(super) fn add(dice: &mut Dice, drawn: &mut Drawn, id: &str, times: f64) -> O
     Some(())
 }
 
-/// The effect made so many times as large as the ideal detector needs; none where a rig can't have it.
+/// The effect made so many times as large as the ideal detector needs; none where a rig can't have it. That of a play is set when
+/// its recording is made, by [`settle`].
 pub(super) fn sized(rigs: &[Rig], effect: &Effect, times: f64) -> Option<Sized> {
+    if shows_play(effect, rigs) {
+        return Some(Sized {
+            times,
+            distance: DETECTABLE * times,
+            ideal: effect.size() / times,
+            separation: None,
+            effect: effect.clone(),
+        });
+    }
     let seen = if happens_once(effect) {
         &rigs[..1]
     } else {

@@ -52,7 +52,8 @@ pub fn plausible(effect: &Effect, rigs: &[Rig]) -> bool {
         Effect::CaptureTask {
             task_hz, busy_s, ..
         } => busy_s * top < 0.5 * step && busy_s * task_hz < 0.5,
-        Effect::Hysteresis { .. } | Effect::Backlash { .. } => size < 3.0 * step,
+        // No coupling is as loose as a tenth of a rad, however coarse the encoder.
+        Effect::Hysteresis { .. } | Effect::Backlash { .. } => size < (3.0 * step).min(0.1),
         Effect::Creep { .. } => size < 0.5 * step,
         Effect::LostEdges { .. }
         | Effect::ExtraEdges { .. }

@@ -8,6 +8,7 @@ mod limits;
 mod outside;
 mod record;
 mod rigs;
+mod settle;
 #[cfg(test)]
 mod tests;
 

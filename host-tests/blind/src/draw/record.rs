@@ -8,8 +8,8 @@ use crate::capture::rows;
 use crate::effect::Effect;
 use crate::encoder::Encoder;
 use crate::ideal::changed;
-use crate::rig::Profile;
-use crate::turning::turn;
+use crate::rig::{Profile, Rig};
+use crate::turning::{Course, turn};
 
 /// Whether an effect happens at a time: then in the first recording only.
 pub(super) const fn happens_once(effect: &Effect) -> bool {
@@ -19,17 +19,40 @@ pub(super) const fn happens_once(effect: &Effect) -> bool {
     )
 }
 
+/// One run of what was drawn, as it is recorded.
+pub(super) struct Run {
+    /// The rig that really turns.
+    real: Rig,
+    effects: Vec<Effect>,
+    pub(super) course: Course,
+}
+
+/// Turns the rig of a number with its effects and noise.
+pub(super) fn run(drawn: &Drawn, number: usize, noise: u64) -> Run {
+    let effects: Vec<Effect> = (drawn.effects.iter())
+        .map(|sized| sized.effect.clone())
+        .filter(|effect| number == 0 || !happens_once(effect))
+        .collect();
+    let rig = drawn.rigs[number].clone();
+    let real = effects.iter().fold(rig, |rig, e| changed(&rig, e));
+    let course = turn(&real, &effects, Some(noise ^ number as u64));
+    Run {
+        real,
+        effects,
+        course,
+    }
+}
+
 /// Makes the recordings; none where one is no use.
 pub(super) fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option<Case> {
     let mut runs = Vec::new();
     let mut events = Vec::new();
     for (number, rig) in drawn.rigs.iter().enumerate() {
-        let effects: Vec<Effect> = (drawn.effects.iter())
-            .map(|sized| sized.effect.clone())
-            .filter(|effect| number == 0 || !happens_once(effect))
-            .collect();
-        let real = effects.iter().fold(rig.clone(), |rig, e| changed(&rig, e));
-        let course = turn(&real, &effects, Some(noise ^ number as u64));
+        let Run {
+            real,
+            effects,
+            course,
+        } = run(drawn, number, noise);
         let (rows, at) = rows(&course, &real, &effects, noise ^ number as u64);
         let slow = course.speeds.0 <= 0.05 * rig.profile.top();
         let sticks = |e: &Effect| matches!(e, Effect::StickSlip { .. });

@@ -58,3 +58,25 @@ fn sizes_are_the_multiples_that_were_asked_for() {
         assert!((3.5..7.0).contains(&distance), "{distance}");
     }
 }
+
+#[test]
+fn a_play_is_as_large_as_its_own_recording_asks_for() {
+    // Both kinds that have one.
+    for (kind, number) in [(Kind::One, 22), (Kind::LookAlike, 8), (Kind::LookAlike, 9)] {
+        for seed in 0..2 {
+            let drawn = case(seed, number, kind, number);
+            let found = &drawn.truth["mechanisms"][0];
+            let value = |name: &str| found[name].as_f64().unwrap();
+            assert!(["hysteresis", "backlash"].contains(&found["id"].as_str().unwrap()));
+            let (times, distance) = (value("times_ideal"), value("d_prime"));
+            assert!((distance / (5.0 * times) - 1.0).abs() < 1e-9, "{distance}");
+            let near = |asked: f64| (0.8..=1.25).contains(&(times / asked));
+            assert!([3.0, 5.0, 10.0, 30.0].into_iter().any(near), "{times}");
+            let parameters = found["parameters"].as_object().unwrap();
+            let size = parameters.values().next().unwrap().as_f64().unwrap();
+            let step = drawn.runs[0].0.encoder.step_rad();
+            assert!((size / (times * value("ideal_size")) - 1.0).abs() < 1e-9);
+            assert!(size < 3.0 * step, "{size} {step}");
+        }
+    }
+}

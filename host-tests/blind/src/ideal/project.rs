@@ -2,7 +2,7 @@
 
 use realfft::RealFftPlanner;
 
-use super::Sight;
+use super::passed::Passed;
 use crate::rig::Rig;
 
 /// Steps of the conjugate gradients, at most.
@@ -10,13 +10,13 @@ const STEPS: usize = 60;
 
 /// What is left of the whitened signals after least squares in offset and mean speed of each recording, and in the disc's pattern, common to all, where
 /// the twin does not give it.
-pub(super) fn residual(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> Vec<f64> {
+pub(super) fn residual(rigs: &[Rig], runs: &[&Passed], signals: &[Vec<f64>]) -> Vec<f64> {
     let white = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        let each = sights.iter().zip(signals);
-        each.map(|(sight, signal)| sight.whitener.apply(signal))
+        let each = runs.iter().zip(signals);
+        each.map(|(run, signal)| run.whitener.apply(signal))
             .collect()
     };
-    let nuisances: Vec<Vec<Vec<f64>>> = sights.iter().map(nuisances).collect();
+    let nuisances: Vec<Vec<Vec<f64>>> = runs.iter().map(|run| nuisances(run)).collect();
     let mut left = white(signals);
     clear(&mut left, &nuisances);
     if rigs.iter().all(|rig| rig.disc_known) {
@@ -24,9 +24,9 @@ pub(super) fn residual(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> 
     }
     let edges = rigs[0].encoder.edges();
     let spread = |pattern: &[f64]| -> Vec<Vec<f64>> {
-        let out = sights
+        let out = runs
             .iter()
-            .map(|sight| sight.k.iter().map(|&k| pattern[k]).collect())
+            .map(|run| run.k.iter().map(|&k| pattern[k]).collect())
             .collect::<Vec<_>>();
         let mut out = white(&out);
         clear(&mut out, &nuisances);
@@ -34,9 +34,9 @@ pub(super) fn residual(rigs: &[Rig], sights: &[Sight], signals: &[Vec<f64>]) -> 
     };
     let gather = |left: &[Vec<f64>]| -> Vec<f64> {
         let mut sum = vec![0.0; edges];
-        for (sight, left) in sights.iter().zip(left) {
-            let back = sight.whitener.transposed(left);
-            for (&k, value) in sight.k.iter().zip(back) {
+        for (run, left) in runs.iter().zip(left) {
+            let back = run.whitener.transposed(left);
+            for (&k, value) in run.k.iter().zip(back) {
                 sum[k] += value;
             }
         }
@@ -112,16 +112,16 @@ pub(super) fn take_out(signal: &mut [f64], others: Vec<Vec<f64>>) {
 }
 
 /// Offset and mean speed of a recording, whitened, orthogonal and of length 1.
-fn nuisances(sight: &Sight) -> Vec<Vec<f64>> {
+fn nuisances(run: &Passed) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     // An angle that is off moves all edges alike; a speed that is off moves one by the time gone, or by the way where it is off by a
     // share, as that of a shaft which was let go faster is.
-    let mut columns = vec![vec![1.0; sight.time.len()], sight.angle.clone()];
-    if !sight.runs_down {
-        columns.push(sight.time.clone());
+    let mut columns = vec![vec![1.0; run.time.len()], run.angle.clone()];
+    if !run.runs_down {
+        columns.push(run.time.clone());
     }
     for column in columns {
-        let mut white = sight.whitener.apply(&column);
+        let mut white = run.whitener.apply(&column);
         let before = dot(&white, &white);
         for _ in 0..2 {
             for other in &basis {

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use super::changed;
+use super::passed::Passed;
 use crate::capture::arrivals;
 use crate::effect::Effect;
-use crate::rig::{Profile, Rig};
+use crate::rig::Rig;
 use crate::turning::{Course, Crossing, turn_evenly};
-use crate::whiten::{Edge, Whitener};
 
 /// Way at either end of a run that is left out, rad: as far as an effect moves an edge.
 pub const END_RAD: f64 = 0.06;
@@ -24,22 +24,11 @@ pub(crate) struct Sight {
     /// Times and speeds of a run without ripples.
     course_speed: Vec<(f64, f64)>,
     times: Vec<f64>,
-    pub(crate) whitener: Whitener,
     /// Which of the base run's crossings are edges.
     edges: Vec<usize>,
     /// How often the place of each was passed before.
     visit: Vec<u32>,
-    /// Edge of the turn, for each.
-    pub(crate) k: Vec<usize>,
-    /// Time of each.
-    pub(crate) time: Vec<f64>,
-    /// Shaft angle of each, rad.
-    pub(crate) angle: Vec<f64>,
-    pub(crate) speed: Vec<f64>,
-    pub(crate) noise: Vec<Edge>,
-    pub(crate) density: f64,
-    /// Whether nothing drives the shaft in the end.
-    pub(crate) runs_down: bool,
+    pub(crate) passed: Passed,
 }
 
 impl Sight {
@@ -68,37 +57,12 @@ impl Sight {
         edges.drain(..ends.min(edges.len()));
         visit.truncate(ends + edges.len());
         visit.drain(..ends.min(visit.len()));
-        let count = rig.encoder.edges() as i64;
-        let stamp = rig.stamp_rms_s();
-        let mut last = 0.0;
-        let mut noise = Vec::with_capacity(edges.len());
-        for &at in &edges {
-            let crossing = &course.crossings[at];
-            noise.push(Edge {
-                since_s: (times[at] - last).max(0.0),
-                damping: rig.noise_damping(crossing.time_s),
-                own_rad2: (crossing.speed * stamp).powi(2).max(1e-24),
-            });
-            last = times[at];
-        }
-        let density = rig.noise_psd / (rig.inertia * rig.inertia);
-        let crossing = |at: &usize| &course.crossings[*at];
+        let each = edges.iter().map(|&at| (&course.crossings[at], times[at]));
         Self {
-            whitener: Whitener::new(&noise, density),
-            k: (edges.iter().map(crossing))
-                .map(|c| c.place.rem_euclid(count) as usize)
-                .collect(),
-            time: edges.iter().map(|&at| times[at]).collect(),
-            angle: (edges.iter().map(crossing))
-                .map(|c| c.place as f64 * rig.encoder.step_rad())
-                .collect(),
-            speed: edges.iter().map(|at| crossing(at).speed).collect(),
+            passed: Passed::new(rig, each),
             times,
             edges,
             visit,
-            noise,
-            density,
-            runs_down: matches!(rig.profile, Profile::RunDown { .. }),
             course,
             course_speed,
         }
@@ -161,9 +125,10 @@ impl Sight {
         // A run that the effect slows down ends before: it goes on as it went, or its end would be an effect.
         if let Some(end) = met_last.filter(|end| *end > SLOPE) {
             let from = end - SLOPE;
-            let slope = (filled[end] - filled[from]) / (self.time[end] - self.time[from]);
+            let slope =
+                (filled[end] - filled[from]) / (self.passed.time[end] - self.passed.time[from]);
             for at in end + 1..filled.len() {
-                filled[at] = filled[end] + slope * (self.time[at] - self.time[end]);
+                filled[at] = filled[end] + slope * (self.passed.time[at] - self.passed.time[end]);
             }
         }
         filled
@@ -176,22 +141,27 @@ impl Sight {
         let marks: Vec<&Crossing> = (other.crossings.iter())
             .filter(|crossing| crossing.class.is_some())
             .collect();
-        let each = self.time.iter().zip(&self.angle).map(|(&time, &angle)| {
-            let after = marks.partition_point(|mark| mark.time_s <= time);
-            let (Some(from), Some(to)) =
-                (marks.get(after.saturating_sub(1)), marks.get(after.max(1)))
-            else {
-                return None;
-            };
-            // Hermite's cubic by the speeds at both marks.
-            let h = to.time_s - from.time_s;
-            let x = (time - from.time_s) / h;
-            let (low, high) = (from.place as f64 * step, to.place as f64 * step);
-            let there = low
-                + (high - low) * x * x * (3.0 - 2.0 * x)
-                + h * x * (1.0 - x) * (from.speed * (1.0 - x) - to.speed * x);
-            Some(angle - there)
-        });
+        let each = self
+            .passed
+            .time
+            .iter()
+            .zip(&self.passed.angle)
+            .map(|(&time, &angle)| {
+                let after = marks.partition_point(|mark| mark.time_s <= time);
+                let (Some(from), Some(to)) =
+                    (marks.get(after.saturating_sub(1)), marks.get(after.max(1)))
+                else {
+                    return None;
+                };
+                // Hermite's cubic by the speeds at both marks.
+                let h = to.time_s - from.time_s;
+                let x = (time - from.time_s) / h;
+                let (low, high) = (from.place as f64 * step, to.place as f64 * step);
+                let there = low
+                    + (high - low) * x * x * (3.0 - 2.0 * x)
+                    + h * x * (1.0 - x) * (from.speed * (1.0 - x) - to.speed * x);
+                Some(angle - there)
+            });
         let mut last = 0.0;
         each.map(|lag| {
             last = lag.unwrap_or(last);

@@ -1,6 +1,6 @@
 //! Effects that add variance and no signal.
 
-use super::Sight;
+use super::passed::Passed;
 use crate::effect::Effect;
 use crate::rig::Rig;
 use crate::whiten::Whitener;
@@ -19,7 +19,7 @@ pub const fn is_variance(effect: &Effect) -> bool {
 ///
 /// The mean of a latency is an offset that no one can see; its spread is what is left, the square of the mean. A torsional mode is
 /// driven by noise that no one knows, so what it shows is the ratio of the spectra of the angle with and without it.
-pub(super) fn distance(effect: &Effect, rigs: &[Rig], sights: &[Sight]) -> Option<f64> {
+pub(super) fn distance(effect: &Effect, rigs: &[Rig], runs: &[&Passed]) -> Option<f64> {
     if let Effect::TorsionalResonance {
         f_hz,
         damping_ratio,
@@ -28,19 +28,19 @@ pub(super) fn distance(effect: &Effect, rigs: &[Rig], sights: &[Sight]) -> Optio
     {
         let each = rigs
             .iter()
-            .zip(sights)
-            .map(|(rig, sight)| resonance(rig, sight, f_hz, damping_ratio, inertia_share));
+            .zip(runs)
+            .map(|(rig, run)| resonance(rig, run, f_hz, damping_ratio, inertia_share));
         return Some(each.sum::<f64>().sqrt());
     }
     let information = |added: &dyn Fn(f64) -> f64| -> f64 {
-        let each = sights.iter().map(|sight| {
-            let noise = sight.noise.iter().zip(&sight.speed).map(|(edge, &speed)| {
+        let each = runs.iter().map(|run| {
+            let noise = run.noise.iter().zip(&run.speed).map(|(edge, &speed)| {
                 let mut edge = *edge;
                 edge.own_rad2 += added(speed);
                 edge
             });
-            let with = Whitener::new(&noise.collect::<Vec<_>>(), sight.density);
-            let pairs = sight.whitener.deviations().zip(with.deviations());
+            let with = Whitener::new(&noise.collect::<Vec<_>>(), run.density);
+            let pairs = run.whitener.deviations().zip(with.deviations());
             // The first few innovations only find angle and speed.
             pairs
                 .skip(10)
@@ -70,20 +70,20 @@ pub(super) fn distance(effect: &Effect, rigs: &[Rig], sights: &[Sight]) -> Optio
 
 /// Squared d' of a torsional mode: half the sum, over the frequencies that a recording resolves, of the squared relative change of
 /// the angle's spectrum.
-fn resonance(rig: &Rig, sight: &Sight, f_hz: f64, damping_ratio: f64, share: f64) -> f64 {
-    let (Some(&first), Some(&last)) = (sight.time.first(), sight.time.last()) else {
+fn resonance(rig: &Rig, run: &Passed, f_hz: f64, damping_ratio: f64, share: f64) -> f64 {
+    let (Some(&first), Some(&last)) = (run.time.first(), run.time.last()) else {
         return 0.0;
     };
     let long = last - first;
-    let edges = sight.time.len() as f64;
-    let own: f64 = sight.noise.iter().map(|edge| edge.own_rad2).sum::<f64>() / edges;
+    let edges = run.time.len() as f64;
+    let own: f64 = run.noise.iter().map(|edge| edge.own_rad2).sum::<f64>() / edges;
     let floor = own * long / edges;
     let damping = rig.damping(true);
     let mode = std::f64::consts::TAU * f_hz;
     let mut sum = 0.0;
     for line in 1..(edges / 2.0) as u64 {
         let w = std::f64::consts::TAU * line as f64 / long;
-        let rigid = sight.density / (w * w * (w * w + damping * damping));
+        let rigid = run.density / (w * w * (w * w + damping * damping));
         // Seen from the near side the inertia is near + far k / (k - far w^2): dynamic stiffness with a damped spring.
         let near = 1.0 - share;
         let reduced = near * share;
@@ -94,7 +94,7 @@ fn resonance(rig: &Rig, sight: &Sight, f_hz: f64, damping_ratio: f64, share: f64
         let far = share * w * w;
         let inertia = near + share * spring / (spring - far);
         let response = nalgebra::Complex::new(0.0, damping * w) - inertia * w * w;
-        let coupled = sight.density / response.norm_sqr();
+        let coupled = run.density / response.norm_sqr();
         // Log ratio: as the relative change where that is small, and not carried away by one sharp line where it is not.
         let ratio = ((coupled + floor) / (rigid + floor)).ln();
         sum += 0.5 * ratio * ratio;
