@@ -90,7 +90,7 @@ pub fn find(board: &Board, left: &Model) -> Option<Mode> {
 }
 
 /// The mode that is most likely to make the spectrum of whole recordings.
-pub(super) fn likely(board: &Board, left: &Model) -> Option<Mode> {
+fn likely(board: &Board, left: &Model) -> Option<Mode> {
     let each = board.benches.iter().zip(&left.left);
     let all: Vec<Vec<Band>> = each.map(|(bench, white)| bands(bench, white)).collect();
     search(&all)
