@@ -8,7 +8,7 @@ use super::conclude::{Conclusion, conclude};
 use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
 use super::motion::{closed_loop, stick_slip};
 use super::next;
-use super::noise::{NoiseFinding, noise_findings};
+use super::noise::{NoiseFinding, is_own, noise_findings, own_columns};
 use super::prepare;
 use super::search::{Searched, search};
 use super::settle::settle;
@@ -133,25 +133,13 @@ fn noise(
     searched: &Searched,
     concluded: &mut Conclusion,
 ) -> Vec<Finding> {
-    let before = given
-        .fit(given.nuisances())
-        .unwrap_or_else(|| Model::none(given));
     let rhythms = searched
         .found
         .iter()
-        .filter(|f| f.hypothesis.rhythm().is_some());
-    let squares: f64 = rhythms.map(|f| f.score).sum();
+        .any(|f| f.hypothesis.rhythm().is_some());
     let mut noise: Vec<NoiseFinding> = Vec::new();
-    if squares > 0.0 || concluded.nameless.is_some() {
-        noise = noise_findings(given, &before);
-        // A mode or a task is one thing where rhythms are many.
-        noise.retain(|one| match one.mechanism {
-            Mechanism::TorsionalResonance => one.delta_bic > 0.3 * squares,
-            Mechanism::CaptureLatency => {
-                one.delta_bic > 0.8 * squares && !one.frequencies_hz.is_empty()
-            }
-            _ => false,
-        });
+    if rhythms || concluded.nameless.is_some() {
+        noise = instead(rig, given, searched);
         if !noise.is_empty() {
             concluded
                 .named
@@ -166,6 +154,43 @@ fn noise(
         .iter()
         .map(|one| of_noise(one, &rig[0].twin))
         .collect()
+}
+
+/// Noise that is one thing where the rhythms that were found are many: a mode or a task.
+fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFinding> {
+    /// Part of the rhythms' score that a mode needs, and a task.
+    const MODE: f64 = 0.3;
+    const TASK: f64 = 0.8;
+    let rhythms = || {
+        let all = searched.found.iter();
+        all.filter(|found| found.hypothesis.rhythm().is_some())
+    };
+    let score: f64 = rhythms().map(|found| found.score).sum();
+    let before = given
+        .fit(given.nuisances())
+        .unwrap_or_else(|| Model::none(given));
+    let mut noise = noise_findings(given, &before);
+    noise.retain(|one| match one.mechanism {
+        Mechanism::TorsionalResonance => one.delta_bic > MODE * score,
+        Mechanism::CaptureLatency => one.delta_bic > TASK * score && !one.frequencies_hz.is_empty(),
+        _ => false,
+    });
+    let own = own_columns(given, rig);
+    if !noise.is_empty() || own.is_empty() {
+        return noise;
+    }
+    // A mode answers the twin's own ripples otherwise than a stiff shaft does: what is left of them speaks neither for nor against it.
+    let others = rhythms().filter(|found| !is_own(given, rig, &found.hypothesis));
+    let score: f64 = others.map(|found| found.score).sum();
+    let columns = given.nuisances().into_iter().chain(own).collect();
+    let Some(before) = given.fit(columns) else {
+        return Vec::new();
+    };
+    let mut noise = noise_findings(given, &before);
+    noise.retain(|one| {
+        one.mechanism == Mechanism::TorsionalResonance && one.delta_bic > MODE * score
+    });
+    noise
 }
 
 /// A diagnosis of what stands for itself.

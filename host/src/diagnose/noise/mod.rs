@@ -11,7 +11,9 @@ mod latency;
 mod levels;
 mod mode_scan;
 mod odds;
+mod own;
 mod resonance;
+mod rings;
 mod spectral;
 mod task;
 #[cfg(test)]
@@ -21,6 +23,7 @@ mod two_mass;
 use super::board::{Board, Model};
 use crate::mechanism::Mechanism;
 
+pub use own::{is_own, own_columns};
 pub use resonance::Mode;
 pub use task::{Task, find as find_task};
 

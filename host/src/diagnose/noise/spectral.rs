@@ -1,6 +1,7 @@
 //! Spectrum of what is left along time, in bands, and the share of it that torque noise makes.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use super::super::board::Bench;
 use super::super::locate::{Along, Among, spectrum};
@@ -40,12 +41,41 @@ pub struct Band {
 /// Bands of what is left of a recording; none where its speed is not held.
 #[must_use]
 pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
+    if held(bench) {
+        within(bench, white, 0..white.len(), &rhythms(bench, white))
+    } else {
+        Vec::new()
+    }
+}
+
+/// The same of stretches of equal length, one after another.
+#[must_use]
+pub fn stretches(bench: &Bench, white: &[f64], count: usize) -> Vec<Vec<Band>> {
+    if !held(bench) {
+        return Vec::new();
+    }
+    let orders = rhythms(bench, white);
+    let at = |part: usize| part * white.len() / count.max(1);
+    (0..count)
+        .map(|part| within(bench, white, at(part)..at(part + 1), &orders))
+        .collect()
+}
+
+/// Whether a recording's speed is held.
+fn held(bench: &Bench) -> bool {
+    let [low, high] = bench.seen.speed_range();
+    low * high > 0.0 && high - low < HELD * high.abs().max(low.abs())
+}
+
+/// Bands of some edges, without the rhythms of these orders.
+fn within(bench: &Bench, white: &[f64], edges: Range<usize>, orders: &[f64]) -> Vec<Band> {
     let seen = &bench.seen;
-    let (length, count) = (seen.seconds(), seen.len() as f64);
-    let first = seen.times_s.first().copied().unwrap_or(0.0);
-    let [low, high] = seen.speed_range();
-    let held = low * high > 0.0 && high - low < HELD * high.abs().max(low.abs());
-    if !(length > 0.0 && held) {
+    let (times_s, white) = (&seen.times_s[edges.clone()], &white[edges.clone()]);
+    let (Some(first), Some(last)) = (times_s.first().copied(), times_s.last()) else {
+        return Vec::new();
+    };
+    let (length, count) = (last - first, times_s.len() as f64);
+    if length <= 0.0 {
         return Vec::new();
     }
     let rate = count / length;
@@ -53,14 +83,13 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
     let cell = 1.0 / (6.0 * most);
     // Faded in and out, so that a sharp peak does not leak into the dip beside it; of the same mean square.
     let faded = |time: f64| (2.0_f64 / 3.0).sqrt() * (1.0 - (TAU * time / length).cos());
-    let numbers = seen
-        .times_s
+    let numbers = times_s
         .iter()
         .zip(white)
         .map(|(time, white)| (time - first, faded(time - first) * white));
     let variance = numbers.clone().map(|(_, w)| w * w).sum::<f64>() / count;
     let spectrum = Spectrum::of(numbers, length, cell, most);
-    let speed2 = seen.speeds.iter().map(|w| w * w).sum::<f64>() / count;
+    let speed2 = seen.speeds[edges].iter().map(|w| w * w).sum::<f64>() / count;
     let floor = bench.noise.stamp_s * bench.noise.stamp_s * speed2 / rate;
     let damping = bench.law.damping(first, seen.mean_speed()) + bench.noise.forgets_per_s;
     // Every other entry: the spectrum is twice as fine as the recording is long.
@@ -76,10 +105,10 @@ pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
         .collect();
     let mut lines = without_tones(&lines);
     // Rhythms of the turn, as ripple that a mode answers more than a stiff shaft, are smeared as the speed wanders.
-    let turns_a_second = seen.turns() / length;
+    let turns_a_second = seen.turns() / seen.seconds();
     let wander = (bench.noise.acceleration / (2.0 * damping.max(1e-9))).sqrt() / speed2.sqrt();
     let smeared = (3.0 * wander).clamp(6e-3, 0.03);
-    for order in rhythms(bench, white) {
+    for order in orders {
         let middle = order * turns_a_second;
         let reach = (6.0 * spectrum.step).max(smeared * middle);
         let from = lines.partition_point(|line| line.0 < middle - reach);

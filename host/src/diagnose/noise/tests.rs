@@ -1,8 +1,12 @@
 use super::super::board::{Board, Model};
 use super::super::prepare;
 use super::super::run::Recorded;
+use super::super::run::diagnose;
 use super::super::track::Track;
-use super::{NoiseFinding, noise_findings};
+use super::resonance;
+use super::rings::rings;
+use super::spectral::stretches;
+use super::{NoiseFinding, is_own, noise_findings, own_columns};
 use crate::mechanism::Mechanism;
 use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::Simulation;
@@ -12,15 +16,19 @@ const SEEDS: [u64; 3] = [11, 12, 13];
 
 /// Recordings at two speeds of a twin with `more`, against the twin without.
 fn found(seed: u64, more: &str, jitter_s: f64) -> Vec<NoiseFinding> {
-    let rig: Vec<Recorded> = [200.0, 480.0]
-        .iter()
-        .map(|r_min| recorded(seed, *r_min, more, jitter_s))
-        .collect();
-    let board: Board = prepare::board(&rig).expect("a board");
+    let board = prepare::board(&rig(seed, "", more, jitter_s)).expect("a board");
     noise_findings(&board, &Model::none(&board))
 }
 
-fn recorded(seed: u64, r_min: f64, more: &str, jitter_s: f64) -> Recorded {
+fn rig(seed: u64, known: &str, more: &str, jitter_s: f64) -> Vec<Recorded> {
+    let speeds = [200.0, 480.0];
+    let each = speeds.iter();
+    each.map(|r_min| recorded(seed, *r_min, known, more, jitter_s))
+        .collect()
+}
+
+/// A recording of a twin with `known` and `more` against that with `known` alone.
+fn recorded(seed: u64, r_min: f64, known: &str, more: &str, jitter_s: f64) -> Recorded {
     let text = |jitter_s: f64, more: &str| {
         format!(
             "duration = {{ turns = 40 }}\nseed = {seed}\n[encoder.quadrature]\nlines = 100\nindex = false\n\
@@ -29,12 +37,13 @@ fn recorded(seed: u64, r_min: f64, more: &str, jitter_s: f64) -> Recorded {
         )
     };
     let twin = |text: String| Twin::parse(&text, "rig.toml").expect("a twin");
-    let known = twin(text(2e-7, ""));
+    let more = format!("{known}\n{more}");
+    let known = twin(text(2e-7, known));
     let plan = SensorPlan {
         kind: SensorKind::Quadrature { index_state: None },
         lines: 100,
     };
-    let real = twin(text(2e-7_f64.hypot(jitter_s), more));
+    let real = twin(text(2e-7_f64.hypot(jitter_s), &more));
     let rows = Simulation::new(&real)
         .expect("it runs")
         .map(|event| Ok::<_, PlanError>(event.row));
@@ -103,4 +112,84 @@ fn a_mode_that_torque_noise_excites_is_found_with_its_numbers() {
             ],
         );
     }
+}
+
+/// What declared noise leaves, with a swing of the white numbers on top: its phase in cycles and its size at a time.
+fn with_swing(seed: u64, swing: impl Fn(f64) -> (f64, f64)) -> (Board, Model) {
+    let board: Board = prepare::board(&rig(seed, "", "", 0.0)).expect("a board");
+    let mut model = Model::none(&board);
+    for (bench, left) in board.benches.iter().zip(&mut model.left) {
+        let first = bench.seen.times_s[0];
+        for (left, time_s) in left.iter_mut().zip(&bench.seen.times_s) {
+            let (cycles, size) = swing((time_s - first) / bench.seen.seconds());
+            *left += size * (std::f64::consts::TAU * cycles * bench.seen.seconds()).sin();
+        }
+    }
+    (board, model)
+}
+
+#[test]
+fn what_rings_for_a_while_or_sweeps_is_no_mode() {
+    let mode = "[torsional_resonance]\nf_hz = 52.0\ndamping_ratio = 0.03\ninertia_share = 0.3";
+    // A push's leftover rings at 52 Hz in a fifteenth of the time; a torque sweeps from 45 to 60 Hz.
+    let local = |x: f64| {
+        let there = (0.4..0.467).contains(&x);
+        (52.0 * x, if there { 3.0 } else { 0.0 })
+    };
+    let sweep = |x: f64| (45.0 * x + 7.5 * x * x, 0.6);
+    for seed in SEEDS {
+        let board = prepare::board(&rig(seed, "", mode, 0.0)).expect("a board");
+        let model = Model::none(&board);
+        let found = resonance::find(&board, &model).expect("a mode");
+        let rings_in = |board: &Board, model: &Model| {
+            let parts = stretches(&board.benches[0], &model.left[0], 8);
+            rings(&parts, &found, found.gains[0])
+        };
+        assert!(rings_in(&board, &model), "seed {seed}");
+        for (board, model) in [with_swing(seed, local), with_swing(seed, sweep)] {
+            assert!(!rings_in(&board, &model), "seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_mode_that_answers_the_twins_own_ripple_is_no_tone_beside_it() {
+    let ripple = "[[ripple]]\norder = 8.0\ntorque_n_m = 1e-4";
+    let mode = "[torsional_resonance]\nf_hz = 52.0\ndamping_ratio = 0.03\ninertia_share = 0.3";
+    for seed in SEEDS {
+        let rig = rig(seed, ripple, mode, 0.0);
+        let board = prepare::board(&rig).expect("a board");
+        assert_eq!(own_columns(&board, &rig).len(), 4);
+        let found = diagnose(&rig, &mut |_, _| ()).expect("a diagnosis");
+        let names: Vec<Mechanism> = found
+            .diagnosis
+            .findings
+            .iter()
+            .map(|f| f.mechanism)
+            .collect();
+        assert_eq!(names, [Mechanism::TorsionalResonance], "seed {seed}");
+    }
+}
+
+#[test]
+fn a_rhythm_is_the_twins_own_where_a_recording_has_it() {
+    use super::super::basis::Basis;
+    use super::super::hypothesis::Hypothesis;
+    let rig = rig(
+        SEEDS[0],
+        "[[ripple]]\norder = 8.0\ntorque_n_m = 1e-4",
+        "",
+        0.0,
+    );
+    let board = prepare::board(&rig).expect("a board");
+    let own = |f_hz: f64| {
+        let tone = Hypothesis {
+            mechanism: Mechanism::TorqueTone,
+            bases: vec![Basis::TorqueTone { f_hz }],
+        };
+        is_own(&board, &rig, &tone)
+    };
+    // 8 x 200 / 60 and 8 x 480 / 60.
+    assert!(own(26.67) && own(64.0));
+    assert!(!own(29.0) && !own(60.0));
 }
