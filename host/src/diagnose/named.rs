@@ -56,7 +56,6 @@ fn values(estimate: &Estimate) -> Named {
 
 /// The first number of a fit that no rig has: which, and its value.
 #[must_use]
-#[must_use]
 pub fn implausible(estimate: &Estimate) -> Option<(&'static Quantity, f64)> {
     let row = row(estimate);
     let named = values(estimate);

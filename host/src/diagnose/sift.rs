@@ -112,7 +112,7 @@ pub fn beyond_rigs(board: &Board, model: &Model, one: &Weighed) -> bool {
         // Patterns that all but cancel explain by what their laws leave out.
         let largest = one.columns.iter().zip(gain.sizes.iter());
         let largest = largest.map(|(column, size)| size * size * product(column, column));
-        geometry && card.implausible(size.into_iter()).is_some()
+        geometry && card.implausible(size).is_some()
             || together && gain.squares < CANCELLED * largest.fold(0.0, f64::max)
     })
 }
@@ -127,7 +127,7 @@ pub fn no_disc(found: &[Found], model: &Model, nuisances: usize) -> Option<usize
         let mechanism = one.hypothesis.mechanism;
         let size = [("amplitude_rad", sizes.norm())];
         matches!(mechanism, Mechanism::Eccentricity | Mechanism::DiscTilt)
-            && mechanism.card().implausible(size.into_iter()).is_some()
+            && mechanism.card().implausible(size).is_some()
     })
 }
 
