@@ -1,6 +1,6 @@
 //! Gains of a loop whose rate is known, once the samples that fall on an edge are decided.
 //!
-//! Which of two speeds such a sample saw is not said by the stamps (see [`crate::diagnose::ties`]). Taken the wrong way it pushes at random, which
+//! Which of two speeds such a sample saw is not said by the stamps (see `diagnose::ties`). Taken the wrong way it pushes at random, which
 //! pulls the gains towards zero; so the loop is put into the twin, its ties are decided, and the gains are fitted again to what is
 //! left, until they stay.
 
