@@ -65,6 +65,20 @@ pub fn sized(disc: &Disc<'_>, there: &[Vec<f64>]) -> Option<(f64, f64)> {
     Some(((0.5 * log_s2).exp(), standard_error(log_s2, bend)))
 }
 
+/// Two patterns, one found after the other was taken off.
+#[must_use]
+pub fn merged(first: Option<Pattern>, second: Option<Pattern>) -> Option<Pattern> {
+    match (first, second) {
+        (Some(mut first), Some(second)) => {
+            for (error, more) in first.errors_rad.iter_mut().zip(&second.errors_rad) {
+                *error += more;
+            }
+            Some(first)
+        }
+        (first, second) => first.or(second),
+    }
+}
+
 /// -bend is twice the information on ln s^2.
 fn standard_error(log_s2: f64, bend: f64) -> f64 {
     let deviation = if bend < 0.0 {

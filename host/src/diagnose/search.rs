@@ -3,7 +3,7 @@
 use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
-use super::disc::{self, Pattern};
+use super::disc::{self, Pattern, merged};
 use super::hypothesis::Hypothesis;
 use super::pairs::pair;
 use super::propose::propose;
@@ -24,6 +24,8 @@ const AT_ONCE: f64 = 20.0;
 const FINE: f64 = 40.0;
 /// Part of the score of anything else that more of a pattern that was learned must have.
 const MORE: f64 = 0.9;
+/// How much larger noise is that makes a pattern of its own.
+const GROWN: f64 = 1.2;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
@@ -65,28 +67,25 @@ pub fn search(board: &mut Board) -> Option<Searched> {
     let mut searched = once(board, false)?;
     for _ in 1..ROUNDS {
         let explained = searched.explained(board);
+        let before: Vec<f64> = board.benches.iter().map(|b| b.noise.stamp_s).collect();
         if !board.refit_noise(&explained) {
             break;
         }
-        // The pattern that was taken off stays off.
-        let pattern = searched.pattern.take();
+        // The pattern that was taken off stays off, unless it was learned in noise that was thought far less than it is.
+        let quieter = before.iter().zip(&board.benches);
+        let grown = quieter
+            .into_iter()
+            .any(|(before, bench)| bench.noise.stamp_s > GROWN * before);
+        let pattern = searched.pattern.take().filter(|pattern| {
+            if grown {
+                board.take_off(&pattern.errors_rad.iter().map(|e| -e).collect::<Vec<_>>());
+            }
+            !grown
+        });
         searched = once(board, pattern.is_some())?;
         searched.pattern = merged(pattern, searched.pattern.take());
     }
     Some(searched)
-}
-
-/// Two patterns, one found after the other was taken off.
-fn merged(first: Option<Pattern>, second: Option<Pattern>) -> Option<Pattern> {
-    match (first, second) {
-        (Some(mut first), Some(second)) => {
-            for (error, more) in first.errors_rad.iter_mut().zip(&second.errors_rad) {
-                *error += more;
-            }
-            Some(first)
-        }
-        (first, second) => first.or(second),
-    }
 }
 
 /// Looks once, with the noise as it is; `learned` says that a pattern of the disc was learned from these recordings before.
