@@ -10,8 +10,8 @@ use super::track::{Mark, Track};
 use super::turning::Course;
 use crate::twin::{SeenSpeed, SpeedLoop, Twin};
 
-/// Error of a stamp that a tie is reckoned with where a twin does not say, s.
-const JITTER_S: f64 = 3e-7;
+/// Least error of a stamp that a tie is reckoned with, s.
+pub const TIED_JITTER_S: f64 = 3e-7;
 
 /// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
 #[must_use]
@@ -40,11 +40,7 @@ pub fn looped(
     // What it saw before the first mark is not known: the course begins once it has sampled what is.
     let (mut sampled, mut begun) = (0, false);
     // A sample at the very time of an edge may have seen it or not: either way it pushes a little otherwise.
-    let jitter_s = if twin.timer.jitter_s > 0.0 {
-        twin.timer.jitter_s
-    } else {
-        JITTER_S
-    };
+    let jitter_s = twin.timer.jitter_s.max(TIED_JITTER_S);
     let stamp_s = jitter_s.hypot(track.tick_s);
     let tie_s = 5.0 * stamp_s + track.tick_s;
     let (mut last_edge, mut speed_before) = (first.time_s, target);

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::board::{Bench, Board};
 use super::kalman::ShaftNoise;
+use super::looped::TIED_JITTER_S;
 use super::one_channel::turned;
 use super::run::{DiagnoseError, Recorded};
 use super::seen::Seen;
@@ -20,6 +21,8 @@ const SETTLES: usize = 4;
 /// Variance of the white residual from which on the noise is not what the twin declares.
 const VARIANCE: f64 = 1.1;
 const TURNS_LEAST: f64 = 3.0;
+/// Times what ties were looked for with that stamps are worse from which on they are looked for anew.
+const WORSE: f64 = 1.2;
 
 /// Compares all recordings with their twins.
 ///
@@ -83,22 +86,13 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             why: format!("{} of {edges} edges are where it goes", seen.len()),
         });
     }
-    let least_stamp_s = one.track.tick_s / 12_f64.sqrt();
-    let law = ShaftLaw::of(&one.twin);
-    let declared = declared(&one.twin, &law, least_stamp_s);
-    let free_speed = matches!(
-        one.twin.drive,
-        Drive::Constant { .. } | Drive::SpeedLoop { .. }
-    );
-    let mut bench = Bench::new(
-        seen,
-        law,
-        declared,
-        least_stamp_s,
-        free_speed,
-        hold_s(&one.twin, &law),
-    );
-    if !bench.seen.ties.is_empty() {
+    let mut bench = compared(one, seen);
+    let jitter_s = one.twin.timer.jitter_s.max(TIED_JITTER_S);
+    if let Some(stamp_s) = decide(&mut bench).filter(|stamp_s| *stamp_s > WORSE * jitter_s) {
+        // Stamps that are worse than thought leave more samples in doubt.
+        let mut doubted = one.clone();
+        doubted.twin.timer.jitter_s = stamp_s;
+        bench = compared(one, self::seen(&doubted)?);
         decide(&mut bench);
     }
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
@@ -108,8 +102,24 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     Ok(bench)
 }
 
-/// Decides the ties of a recording.
-fn decide(bench: &mut Bench) {
+/// A residual with the noise that its twin declares, else one found.
+fn compared(one: &Recorded, seen: Seen) -> Bench {
+    let least_stamp_s = one.track.tick_s / 12_f64.sqrt();
+    let law = ShaftLaw::of(&one.twin);
+    let declared = declared(&one.twin, &law, least_stamp_s);
+    let free_speed = matches!(
+        one.twin.drive,
+        Drive::Constant { .. } | Drive::SpeedLoop { .. }
+    );
+    let hold_s = hold_s(&one.twin, &law);
+    Bench::new(seen, law, declared, least_stamp_s, free_speed, hold_s)
+}
+
+/// Decides the ties of a recording; with what stamps, s, or none where there are no ties.
+fn decide(bench: &mut Bench) -> Option<f64> {
+    if bench.seen.ties.is_empty() {
+        return None;
+    }
     for _ in 0..SETTLES {
         let squares: f64 = bench.white.iter().map(|white| white * white).sum();
         if squares > VARIANCE * bench.white.len() as f64 {
@@ -122,9 +132,11 @@ fn decide(bench: &mut Bench) {
         // With less of it more ties are decided.
         bench.set_noise(bench.noise_of(&bench.seen.angles));
     }
+    let stamp_s = bench.noise.stamp_s;
     if let Some(declared) = bench.declared {
         bench.set_noise(declared);
     }
+    Some(stamp_s)
 }
 
 /// The noise that a twin declares; none where it says nothing of torque noise.
