@@ -61,10 +61,20 @@ pub struct Searched {
     pub passing: f64,
 }
 
+/// Whether a pattern of the disc was learned from these recordings before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Learned {
+    Never,
+    /// It was, and is taken off.
+    Off,
+    /// It was, and is there again to be learned anew.
+    There,
+}
+
 /// Searches; the noise of the board is set to what is found.
 #[must_use]
 pub fn search(board: &mut Board) -> Option<Searched> {
-    let mut searched = once(board, false)?;
+    let mut searched = once(board, Learned::Never)?;
     for _ in 1..ROUNDS {
         let explained = searched.explained(board);
         let before: Vec<f64> = board.benches.iter().map(|b| b.noise.stamp_s).collect();
@@ -76,20 +86,24 @@ pub fn search(board: &mut Board) -> Option<Searched> {
         let grown = quieter
             .into_iter()
             .any(|(before, bench)| bench.noise.stamp_s > GROWN * before);
-        let pattern = searched.pattern.take().filter(|pattern| {
-            if grown {
-                board.take_off(&pattern.errors_rad.iter().map(|e| -e).collect::<Vec<_>>());
-            }
-            !grown
-        });
-        searched = once(board, pattern.is_some())?;
+        let mut pattern = searched.pattern.take();
+        let mut learned = match pattern {
+            Some(_) => Learned::Off,
+            None => Learned::Never,
+        };
+        if let Some(pattern) = pattern.take_if(|_| grown) {
+            board.take_off(&pattern.errors_rad.iter().map(|e| -e).collect::<Vec<_>>());
+            learned = Learned::There;
+        }
+        searched = once(board, learned)?;
         searched.pattern = merged(pattern, searched.pattern.take());
     }
     Some(searched)
 }
 
-/// Looks once, with the noise as it is; `learned` says that a pattern of the disc was learned from these recordings before.
-fn once(board: &mut Board, learned: bool) -> Option<Searched> {
+/// Looks once, with the noise as it is.
+fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
+    let off = learned == Learned::Off;
     let nuisances = board.nuisances();
     let mut found: Vec<Found> = Vec::new();
     let mut pattern: Option<Pattern> = None;
@@ -105,7 +119,7 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
     while found.len() < MOST {
         let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
-        if learned || pattern.is_some() {
+        if off || pattern.is_some() {
             proposed = beside_disc(board, &model, &mut shelf, proposed);
         }
         proposed.retain(|one| !refused.contains(one));
@@ -122,7 +136,11 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
             continue;
         }
         let whole = if patterns < PATTERNS {
-            disc::pattern(board, &model, learned || pattern.is_some())
+            disc::pattern(
+                board,
+                &model,
+                learned != Learned::Never || pattern.is_some(),
+            )
         } else {
             None
         };
