@@ -4,6 +4,7 @@
 //! blocks' sums of squares (Allan's variance) grows as the blocks then, and faster where squares cluster. What changes slowly, as the fit of a whole recording leaves it, cancels.
 
 use super::super::board::Board;
+use super::super::seen::Seen;
 use super::levels::Levels;
 use super::odds::{anywhere, normal_above};
 use super::{NoiseFinding, NoiseParameter};
@@ -35,7 +36,10 @@ struct Clustering {
 pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
     let mut worst: Option<(usize, Clustering)> = None;
     let mut scales = 0.0;
-    for (at, white) in levels.white.iter().enumerate() {
+    let all = board.benches.iter().zip(&levels.white);
+    let rows: Vec<(Vec<f64>, Vec<f64>)> =
+        all.map(|(bench, white)| own(&bench.seen, white)).collect();
+    for (at, (_, white)) in rows.iter().enumerate() {
         // Where the shaft hardly moves its law is not linear.
         let speeds = board.benches[at]
             .seen
@@ -59,13 +63,13 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
     if clustering.deviations < LEAST_DEVIATIONS || clustering.ratio < LEAST_CLUSTERING {
         return None;
     }
-    let seen = &board.benches[at].seen;
-    let loud = loud(&levels.white[at], clustering.block);
+    let (own_s, white) = &rows[at];
+    let loud = loud(white, clustering.block);
     let times: Vec<f64> = loud
         .blocks
         .iter()
         .take(20)
-        .map(|block| seen.times_s[block * clustering.block])
+        .map(|block| own_s[block * clustering.block])
         .collect();
     let p_value = anywhere(normal_above(clustering.deviations), scales);
     Some(NoiseFinding {
@@ -93,6 +97,13 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         times_s: times,
         runner_up: None,
     })
+}
+
+/// Times and white numbers of the edges whose noise is the shaft's own: how hard something pushes it is not known, nor how evenly.
+fn own(seen: &Seen, white: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let each = seen.times_s.iter().zip(white).enumerate();
+    let own = each.filter(|(at, _)| !seen.follows(*at));
+    own.map(|(_, (time, white))| (*time, *white)).unzip()
 }
 
 fn scales_of(white: &[f64]) -> Vec<Clustering> {
