@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
 
 pub use super::bench::{Bench, FITTED, PARTS};
@@ -18,7 +20,8 @@ pub struct Board {
     pub benches: Vec<Bench>,
     /// Whether angles mean the same in all recordings.
     pub tied: bool,
-    /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise.
+    /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise. Whatever works it out must not wait for
+    /// other threads, which may wait for it.
     pub(super) clear: OnceLock<Vec<f64>>,
 }
 
@@ -73,7 +76,7 @@ impl Board {
                     .collect(),
             )
         };
-        columns.into_iter().map(white).collect()
+        columns.into_par_iter().map(white).collect()
     }
 
     /// A pattern's columns, white: each recording its own where nothing ties them.
@@ -86,14 +89,15 @@ impl Board {
     #[must_use]
     pub fn raw_columns(&self, basis: Basis) -> Vec<Column> {
         let own = self.benches.len() > 1 && (basis.timed() || (basis.placed() && !self.tied));
-        let raw = self
+        let raw: Vec<Vec<Vec<f64>>> = self
             .benches
-            .iter()
-            .map(|bench| basis.columns(&bench.seen, &bench.law));
+            .par_iter()
+            .map(|bench| basis.columns(&bench.seen, &bench.law))
+            .collect();
         let count = self.benches.len();
         if own {
             let mut columns = Vec::new();
-            for (at, parts) in raw.enumerate() {
+            for (at, parts) in raw.into_iter().enumerate() {
                 for part in parts {
                     let mut column = vec![None; count];
                     column[at] = Some(part);

@@ -1,6 +1,7 @@
 //! Patterns fitted to all recordings together, white, by plain least squares.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
 use super::board::{Board, Column};
 
@@ -14,6 +15,8 @@ pub struct Model {
     /// Covariance of the sizes.
     pub covariance: DMatrix<f64>,
     pub(super) factor: Option<Cholesky<f64, Dyn>>,
+    /// Lengths of the columns, which the factor is without.
+    norms: Vec<f64>,
     /// What is left, white.
     pub left: Vec<Vec<f64>>,
 }
@@ -27,6 +30,7 @@ impl Model {
             sizes: DVector::zeros(0),
             covariance: DMatrix::zeros(0, 0),
             factor: None,
+            norms: Vec::new(),
             left: board.white(),
         }
     }
@@ -51,15 +55,22 @@ impl Board {
         }
         let mut left = self.white();
         let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
-        for i in 0..count {
-            right[i] = with_rows(&columns[i], &left);
-            for j in 0..=i {
-                gram[(i, j)] = product(&columns[i], &columns[j]);
-                gram[(j, i)] = gram[(i, j)];
+        let products = |i: usize| -> (f64, Vec<f64>) {
+            let before = columns[..=i].iter();
+            let row = before.map(|column| product(&columns[i], column));
+            (with_rows(&columns[i], &left), row.collect())
+        };
+        let rows: Vec<(f64, Vec<f64>)> = (0..count).into_par_iter().map(products).collect();
+        for (i, (with, row)) in rows.into_iter().enumerate() {
+            right[i] = with;
+            for (j, product) in row.into_iter().enumerate() {
+                gram[(i, j)] = product;
+                gram[(j, i)] = product;
             }
         }
         // Sizes of any unit: scaled to one before.
-        let scale: Vec<f64> = (0..count).map(|i| gram[(i, i)].sqrt().recip()).collect();
+        let norms: Vec<f64> = (0..count).map(|i| gram[(i, i)].sqrt()).collect();
+        let scale: Vec<f64> = norms.iter().map(|norm| norm.recip()).collect();
         if scale.iter().any(|scale| !scale.is_finite()) {
             return None;
         }
@@ -89,6 +100,7 @@ impl Board {
             sizes,
             covariance,
             factor: Some(factor),
+            norms,
             left,
         })
     }
@@ -103,6 +115,7 @@ impl Board {
             sizes: sizes.clone(),
             covariance: DMatrix::zeros(0, 0),
             factor: None,
+            norms: Vec::new(),
             left,
         }
     }
@@ -126,10 +139,9 @@ impl Board {
         }
         let whole: Vec<f64> = (0..new).map(|i| gram[(i, i)]).collect();
         if let Some(factor) = &model.factor {
-            let norms: Vec<f64> = model.columns.iter().map(|c| product(c, c).sqrt()).collect();
-            for k in 0..old {
+            for (k, norm) in model.norms.iter().enumerate() {
                 for i in 0..new {
-                    across[(k, i)] /= norms[k];
+                    across[(k, i)] /= norm;
                 }
             }
             gram -= across.transpose() * factor.solve(&across);

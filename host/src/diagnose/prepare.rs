@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::board::{Bench, Board};
 use super::kalman::ShaftNoise;
 use super::one_channel::turned;
@@ -26,7 +28,9 @@ const TURNS_LEAST: f64 = 3.0;
 /// # Errors
 /// [`DiagnoseError`] where a twin can't be run or there is nothing to compare.
 pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
-    let benches: Result<Vec<Bench>, DiagnoseError> = rig.iter().map(bench).collect();
+    // The error is that of the first recording that has one, whichever comes first.
+    let benches: Vec<Result<Bench, DiagnoseError>> = rig.par_iter().map(bench).collect();
+    let benches: Result<Vec<Bench>, DiagnoseError> = benches.into_iter().collect();
     let tied = rig
         .iter()
         .all(|one| one.track.anchored || one.twin.shaft.initial_angle_rad != 0.0);

@@ -46,7 +46,8 @@ pub fn pushed_round(
         let leap = Leap {
             after_s: whole.after_s / steps,
             ..whole
-        };
+        }
+        .stride();
         for step in 1..=steps as usize {
             let share = |part: f64| (step as f64 + part) / steps - 1.0;
             let half = phase(at, share(-0.5)).sin_cos();

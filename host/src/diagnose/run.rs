@@ -8,7 +8,7 @@ use super::conclude::{Conclusion, conclude};
 use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
 use super::motion::{closed_loop, stick_slip};
 use super::next;
-use super::noise::{NoiseFinding, is_own, noise_findings, own_columns};
+use super::noise::{NoiseFinding, is_own, noise_findings, own_columns, rhythmic_findings};
 use super::prepare;
 use super::search::{Searched, search};
 use super::settle::settle;
@@ -169,7 +169,7 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
     let before = given
         .fit(given.nuisances())
         .unwrap_or_else(|| Model::none(given));
-    let mut noise = noise_findings(given, &before);
+    let mut noise = rhythmic_findings(given, &before);
     noise.retain(|one| match one.mechanism {
         Mechanism::TorsionalResonance => one.delta_bic > MODE * score,
         Mechanism::CaptureLatency => one.delta_bic > TASK * score && !one.frequencies_hz.is_empty(),
@@ -186,7 +186,7 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
     let Some(before) = given.fit(columns) else {
         return Vec::new();
     };
-    let mut noise = noise_findings(given, &before);
+    let mut noise = rhythmic_findings(given, &before);
     noise.retain(|one| {
         one.mechanism == Mechanism::TorsionalResonance && one.delta_bic > MODE * score
     });

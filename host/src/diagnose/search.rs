@@ -1,5 +1,7 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
@@ -111,21 +113,25 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
         proposed.retain(|one| !refused.contains(one));
         proposed.extend(loads(board, &model));
         proposed.extend(defects(board, &model));
-        let best = best(board, &model, &mut shelf, proposed);
-        let score = best.as_ref().map_or(0.0, |best| best.score);
-        // What the disc's pattern is fitted beside needs no partner.
-        if pattern.is_none()
-            && let Some(pair) = pair(board, &model, &mut shelf, score)
-        {
+        let own = learned || pattern.is_some();
+        let ((best, pair), whole) = rayon::join(
+            || {
+                let best = best(board, &model, &mut shelf, proposed);
+                let score = best.as_ref().map_or(0.0, |best| best.score);
+                // What the disc's pattern is fitted beside needs no partner.
+                let alone = pattern.is_some();
+                let pair = (!alone).then(|| pair(board, &model, &mut shelf, score));
+                (best, pair.flatten())
+            },
+            || (patterns < PATTERNS).then(|| disc::pattern(board, &model, own)),
+        );
+        if let Some(pair) = pair {
             found.extend(pair);
             model = board.fit(columns(&nuisances, &found))?;
             continue;
         }
-        let whole = if patterns < PATTERNS {
-            disc::pattern(board, &model, learned || pattern.is_some())
-        } else {
-            None
-        };
+        let score = best.as_ref().map_or(0.0, |best| best.score);
+        let whole = whole.flatten();
         let over = if pattern.is_some() { MORE } else { over };
         if let Some(whole) = whole.filter(|whole| whole.score > BEYOND.max(over * score)) {
             // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
@@ -215,14 +221,15 @@ fn best(
     shelf: &mut Shelf,
     proposed: Vec<Hypothesis>,
 ) -> Option<Found> {
+    shelf.fill(board, &proposed);
+    let shelf = &*shelf;
     let mut tried: Vec<Weighed> = proposed
-        .into_iter()
+        .into_par_iter()
         .filter_map(|hypothesis| {
-            let columns = shelf.columns(board, &hypothesis);
+            let columns = shelf.filled(&hypothesis);
             weigh(board, model, hypothesis, columns)
         })
-        .filter(|one| !trifle(board, model, one) && !stands(board, one))
-        .filter(|one| !beyond_rigs(board, model, one))
+        .filter(|one| !trifle(board, one) && !stands(board, one) && !beyond_rigs(one))
         .collect();
     tried.sort_by(|a, b| b.score.total_cmp(&a.score));
     let top = tried.first()?.score;
@@ -239,8 +246,10 @@ fn best(
             continue;
         }
         kinds.push(kind);
-        closer.push(refined(board, model, one));
+        closer.push(one);
     }
+    let refined = closer.into_par_iter().map(|one| refined(board, model, one));
+    let mut closer: Vec<Weighed> = refined.collect();
     closer.retain(|one| !stands(board, one));
     closer.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut closer = closer.into_iter();

@@ -52,7 +52,7 @@ pub struct Seen {
     /// The twin's torques, and the angles that they give, rad.
     pub(super) torques: Torques,
     pub(super) swings: Vec<f64>,
-    /// The play that leaves the smoothest motion, rad, once it was asked for.
+    /// The play that leaves the smoothest motion, rad, once it was asked for; worked out by one thread alone.
     pub(super) smoothest: OnceLock<f64>,
 }
 

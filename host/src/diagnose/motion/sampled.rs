@@ -163,6 +163,17 @@ impl Sampled {
         })
     }
 
+    /// The first of them alone.
+    #[must_use]
+    pub fn gain(&self, edges: &[usize], f_hz: f64) -> Vec<f64> {
+        let mut near = edges[0];
+        let [proportional] = self.responses(edges, f_hz, |sample| {
+            near = self.edge_at(sample / f_hz, near);
+            self.misses[near]
+        });
+        proportional
+    }
+
     /// What a loop sampled at `f_hz` missed at each sample, from sample 0 on.
     #[must_use]
     pub fn missed(&self, f_hz: f64) -> Vec<f64> {
@@ -176,19 +187,16 @@ impl Sampled {
             .collect()
     }
 
-    /// Responses at some edges to both gains of a loop that misses at each sample what it says.
+    /// Responses at some edges to the gains of a loop, the proportional one first, that misses at each sample what it says.
     #[must_use]
-    pub fn responses(
+    pub fn responses<const N: usize>(
         &self,
         edges: &[usize],
         f_hz: f64,
         mut missed: impl FnMut(f64) -> f64,
-    ) -> [Vec<f64>; 2] {
-        let mut out = [
-            Vec::with_capacity(edges.len()),
-            Vec::with_capacity(edges.len()),
-        ];
-        let (mut states, mut pushes) = ([[0.0; 2]; 2], [0.0; 2]);
+    ) -> [Vec<f64>; N] {
+        let mut out = std::array::from_fn(|_| Vec::with_capacity(edges.len()));
+        let (mut states, mut pushes) = ([[0.0; 2]; N], [0.0; 2]);
         let mut now = self.times_s[edges[0]];
         let mut sample = (now * f_hz).floor() - 1.0;
         for &edge in edges {
@@ -199,8 +207,9 @@ impl Sampled {
                     break;
                 }
                 if next > now {
+                    let held = Held::over(next - now, self.damping);
                     for (state, push) in states.iter_mut().zip(pushes) {
-                        *state = went(*state, push, next - now, self.damping);
+                        *state = held.pushed(*state, push);
                     }
                     now = next;
                 }
@@ -208,12 +217,14 @@ impl Sampled {
                 sample += 1.0;
                 pushes[0] = missed(sample);
             }
+            let held = Held::over(end - now, self.damping);
             for (state, push) in states.iter_mut().zip(pushes) {
-                *state = went(*state, push, end - now, self.damping);
+                *state = held.pushed(*state, push);
             }
             now = end;
-            out[0].push(states[0][0]);
-            out[1].push(states[1][0]);
+            for (out, state) in out.iter_mut().zip(states) {
+                out.push(state[0]);
+            }
         }
         out
     }
@@ -230,8 +241,9 @@ impl Sampled {
         ];
         for &edge in edges {
             let end = self.times_s[edge];
-            level = went(level, 1.0, end - now, self.damping);
-            slope = went(slope, 0.5 * (now + end) - start, end - now, self.damping);
+            let held = Held::over(end - now, self.damping);
+            level = held.pushed(level, 1.0);
+            slope = held.pushed(slope, 0.5 * (now + end) - start);
             now = end;
             out[0].push(level[0]);
             out[1].push(slope[0]);
@@ -240,18 +252,32 @@ impl Sampled {
     }
 }
 
-/// Angle and speed after a constant push.
-fn went([angle, speed]: [f64; 2], push: f64, after_s: f64, damping: f64) -> [f64; 2] {
-    let leap = Leap { after_s, damping };
-    let (reach, stays) = leap.reach(after_s);
-    let x = damping * after_s;
-    let far = if x < 0.01 {
-        0.5 * after_s * after_s * (1.0 - x / 3.0 + x * x / 12.0)
-    } else {
-        (after_s - reach) / damping
-    };
-    [
-        angle + reach * speed + far * push,
-        stays * speed + reach * push,
-    ]
+/// What a constant push does over a time: angles from speed and push, and what stays of the speed.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    reach: f64,
+    stays: f64,
+    far: f64,
+}
+
+impl Held {
+    fn over(after_s: f64, damping: f64) -> Self {
+        let leap = Leap { after_s, damping };
+        let (reach, stays) = leap.reach(after_s);
+        let x = damping * after_s;
+        let far = if x < 0.01 {
+            0.5 * after_s * after_s * (1.0 - x / 3.0 + x * x / 12.0)
+        } else {
+            (after_s - reach) / damping
+        };
+        Self { reach, stays, far }
+    }
+
+    /// Angle and speed after a push.
+    fn pushed(self, [angle, speed]: [f64; 2], push: f64) -> [f64; 2] {
+        [
+            angle + self.reach * speed + self.far * push,
+            self.stays * speed + self.reach * push,
+        ]
+    }
 }
