@@ -7,11 +7,8 @@ use rayon::prelude::*;
 use super::basis::Basis;
 
 pub use super::bench::{Bench, FITTED, PARTS};
-pub use super::least_squares::{Gain, Model, product, with_rows};
-
-/// A pattern, white, in each recording; none where it does not show.
-#[derive(Clone, Debug)]
-pub struct Column(pub Vec<Option<Vec<f64>>>);
+pub use super::column::{Column, Products, product, with_rows};
+pub use super::least_squares::{Gain, Model};
 
 /// All recordings.
 #[derive(Clone, Debug)]
@@ -23,6 +20,8 @@ pub struct Board {
     /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise. Whatever works it out must not wait for
     /// other threads, which may wait for it.
     pub(super) clear: OnceLock<Vec<f64>>,
+    /// Products of columns that are kept.
+    pub(super) products: Products,
 }
 
 impl Board {
@@ -56,7 +55,7 @@ impl Board {
         free.map(|(at, bench)| {
             let mut column = vec![None; self.benches.len()];
             column[at] = Some(whole.columns(&bench.seen, &bench.law).swap_remove(0));
-            Column(column)
+            Column::of(column)
         })
         .collect()
     }
@@ -70,10 +69,8 @@ impl Board {
     fn whitened(&self, columns: Vec<Column>) -> Vec<Column> {
         let white = |column: Column| {
             let parts = column.0.into_iter().zip(&self.benches);
-            Column(
-                parts
-                    .map(|(part, bench)| part.map(|part| bench.whitened(part)))
-                    .collect(),
+            Column::of(
+                parts.map(|(part, bench)| part.map(|part| bench.whitened(part.into_values()))),
             )
         };
         columns.into_par_iter().map(white).collect()
@@ -101,7 +98,7 @@ impl Board {
                 for part in parts {
                     let mut column = vec![None; count];
                     column[at] = Some(part);
-                    columns.push(Column(column));
+                    columns.push(Column::of(column));
                 }
             }
             columns
@@ -109,7 +106,7 @@ impl Board {
             let mut columns = vec![Column(Vec::with_capacity(count)); basis.count()];
             for parts in raw {
                 for (column, part) in columns.iter_mut().zip(parts) {
-                    column.0.push(Some(part));
+                    column.0.push(Some(part.into()));
                 }
             }
             columns
@@ -172,7 +169,7 @@ impl Board {
                     cut
                 })
             });
-            Column(each.collect())
+            Column::of(each)
         };
         columns.iter().map(cut).collect()
     }

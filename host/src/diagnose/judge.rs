@@ -160,7 +160,7 @@ fn early_disc(given: &Board, columns: &[Column]) -> Option<Board> {
     let short = |column: &Column| {
         let parts = column.0.iter().zip(&early.benches);
         let each = parts.map(|(part, bench)| part.as_ref().map(|p| p[..bench.seen.len()].to_vec()));
-        Column(each.collect())
+        Column::of(each)
     };
     let model = early.fit(columns.iter().map(short).collect())?;
     let pattern = disc::pattern(&early, &model, true)?;

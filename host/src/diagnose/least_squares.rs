@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-use super::board::{Board, Column};
+use super::board::{Board, Column, with_rows};
 
 /// Patterns fitted together.
 #[derive(Clone, Debug)]
@@ -57,7 +57,7 @@ impl Board {
         let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
         let products = |i: usize| -> (f64, Vec<f64>) {
             let before = columns[..=i].iter();
-            let row = before.map(|column| product(&columns[i], column));
+            let row = before.map(|column| self.products.of(&columns[i], column));
             (with_rows(&columns[i], &left), row.collect())
         };
         let rows: Vec<(f64, Vec<f64>)> = (0..count).into_par_iter().map(products).collect();
@@ -130,11 +130,11 @@ impl Board {
         for i in 0..new {
             right[i] = with_rows(&more[i], &model.left);
             for j in 0..=i {
-                gram[(i, j)] = product(&more[i], &more[j]);
+                gram[(i, j)] = self.products.of(&more[i], &more[j]);
                 gram[(j, i)] = gram[(i, j)];
             }
             for (k, column) in model.columns.iter().enumerate() {
-                across[(k, i)] = product(column, &more[i]);
+                across[(k, i)] = self.products.of(column, &more[i]);
             }
         }
         let whole: Vec<f64> = (0..new).map(|i| gram[(i, i)]).collect();
@@ -182,41 +182,4 @@ fn take_off(left: &mut [Vec<f64>], columns: &[Column], sizes: &DVector<f64>) {
             }
         }
     }
-}
-
-/// Product of two columns.
-#[must_use]
-pub fn product(a: &Column, b: &Column) -> f64 {
-    let each = a.0.iter().zip(&b.0);
-    each.map(|(a, b)| match (a, b) {
-        (Some(a), Some(b)) => dot(a, b),
-        _ => 0.0,
-    })
-    .sum()
-}
-
-/// Product of a column with rows.
-#[must_use]
-pub fn with_rows(a: &Column, rows: &[Vec<f64>]) -> f64 {
-    let each = a.0.iter().zip(rows);
-    each.map(|(a, row)| a.as_ref().map_or(0.0, |a| dot(a, row)))
-        .sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums at once.
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4
-        .remainder()
-        .iter()
-        .zip(b4.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (a, b) in a4.zip(b4) {
-        for i in 0..4 {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    rest + sums.iter().sum::<f64>()
 }

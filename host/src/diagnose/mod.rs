@@ -11,6 +11,7 @@ pub mod beside;
 pub mod board;
 pub mod classes;
 pub mod code;
+pub mod column;
 pub mod conclude;
 pub mod crowd;
 pub mod diagnosis;

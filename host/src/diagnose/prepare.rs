@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::board::{Bench, Board};
+use super::board::{Bench, Board, Products};
 use super::kalman::ShaftNoise;
 use super::one_channel::turned;
 use super::run::{DiagnoseError, Recorded};
@@ -38,6 +38,7 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
         benches: benches?,
         tied,
         clear: std::sync::OnceLock::new(),
+        products: Products::default(),
     })
 }
 

@@ -67,7 +67,7 @@ pub fn slopes(
     sizes: &[f64],
     steps: &[(Change, f64)],
 ) -> Vec<Column> {
-    let signal = |hypothesis: &Hypothesis| -> Option<Column> {
+    let signal = |hypothesis: &Hypothesis| -> Option<Vec<Vec<f64>>> {
         let columns = hypothesis.columns(board);
         if columns.len() != sizes.len() {
             return None;
@@ -81,9 +81,9 @@ pub fn slopes(
                     }
                 }
             }
-            Some(sum)
+            sum
         });
-        Some(Column(parts.collect()))
+        Some(parts.collect())
     };
     let each = steps.par_iter().filter_map(|(change, step)| {
         let small = 0.05 * step;
@@ -94,14 +94,12 @@ pub fn slopes(
         };
         let (below, above) = rayon::join(|| moved(-small), || moved(small));
         let (below, mut above) = (below?, above?);
-        for (above, below) in above.0.iter_mut().zip(&below.0) {
-            if let (Some(above), Some(below)) = (above, below) {
-                for (a, b) in above.iter_mut().zip(below) {
-                    *a = (*a - b) / (2.0 * small);
-                }
+        for (above, below) in above.iter_mut().zip(&below) {
+            for (a, b) in above.iter_mut().zip(below) {
+                *a = (*a - b) / (2.0 * small);
             }
         }
-        Some(above)
+        Some(Column::of(above.into_iter().map(Some)))
     });
     each.collect()
 }

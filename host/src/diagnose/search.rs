@@ -92,7 +92,7 @@ pub fn search(board: &mut Board) -> Option<Searched> {
 
 /// Looks once, with the noise as it is; `learned` says that a pattern of the disc was learned from these recordings before.
 fn once(board: &mut Board, learned: bool) -> Option<Searched> {
-    let nuisances = board.nuisances();
+    let nuisances: Vec<Column> = board.nuisances().into_iter().map(Column::kept).collect();
     let mut found: Vec<Found> = Vec::new();
     let mut pattern: Option<Pattern> = None;
     let mut shelf = Shelf::default();
@@ -229,20 +229,25 @@ fn best(
             let columns = shelf.filled(&hypothesis);
             weigh(board, model, hypothesis, columns)
         })
-        .filter(|one| !trifle(board, one) && !stands(board, one) && !beyond_rigs(one))
         .collect();
     tried.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let top = tried.first()?.score;
+    // Those far behind the best are looked at no further.
+    let may = |one: &Weighed| !trifle(board, one) && !stands(board, one) && !beyond_rigs(one);
+    let first = tried.iter().position(may)?;
+    let top = tried[first].score;
     // Only what may win is worth a closer look: a frequency a little off costs a good part. Of one kind, the best will do.
     let mut closer: Vec<Weighed> = Vec::new();
     let mut kinds: Vec<(Mechanism, i64)> = Vec::new();
-    for one in tried {
+    for one in tried.into_iter().skip(first) {
+        if one.score < 0.5 * top || closer.len() >= 6 {
+            break;
+        }
         let kind = (
             one.hypothesis.mechanism,
             one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64),
         );
         let again = kinds.iter().filter(|k| **k == kind).count();
-        if one.score < 0.5 * top || again >= 1 || closer.len() >= 6 {
+        if again >= 1 || !may(&one) {
             continue;
         }
         kinds.push(kind);
@@ -256,7 +261,7 @@ fn best(
     let first = closer.next()?;
     Some(Found {
         hypothesis: first.hypothesis,
-        columns: first.columns,
+        columns: first.columns.into_iter().map(Column::kept).collect(),
         score: first.score,
         rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
     })

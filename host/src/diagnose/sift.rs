@@ -4,10 +4,9 @@
 use rayon::prelude::*;
 
 use super::basis::Basis;
-use super::board::{Board, Model};
+use super::board::{Board, Model, product};
 use super::disc::{Pattern, comes_again};
 use super::hypothesis::{Hypothesis, with_disc};
-use super::least_squares::product;
 use super::search::{BEYOND, Found};
 use super::weigh::{Shelf, Weighed, weigh};
 use crate::mechanism::Mechanism;
@@ -58,9 +57,10 @@ pub fn stands(board: &Board, one: &Weighed) -> bool {
     board.benches.iter().all(|bench| {
         let times = &bench.seen.times_s;
         let level = |time: &f64| -((from_s - time).min(0.0) / tau_s).exp_m1();
+        let levels: Vec<f64> = times.iter().map(level).collect();
         let count = times.len() as f64;
-        let mean = times.iter().map(level).sum::<f64>() / count;
-        let squares = times.iter().map(|time| (level(time) - mean).powi(2));
+        let mean = levels.iter().sum::<f64>() / count;
+        let squares = levels.iter().map(|level| (level - mean).powi(2));
         squares.sum::<f64>() < (CHANGES * mean).powi(2) * count
     })
 }

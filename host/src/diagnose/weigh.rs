@@ -25,7 +25,7 @@ impl Shelf {
             }
         }
         let made = lacks.into_par_iter();
-        let made = made.map(|(name, basis)| (name, board.columns(basis)));
+        let made = made.map(|(name, basis)| (name, kept(board, basis)));
         self.columns.extend(made.collect::<Vec<_>>());
     }
 
@@ -48,8 +48,14 @@ impl Shelf {
 
     fn of(&mut self, board: &Board, basis: Basis) -> Vec<Column> {
         let made = self.columns.entry(name(basis));
-        made.or_insert_with(|| board.columns(basis)).clone()
+        made.or_insert_with(|| kept(board, basis)).clone()
     }
+}
+
+/// A pattern's columns, which are weighed again and again.
+fn kept(board: &Board, basis: Basis) -> Vec<Column> {
+    let columns = board.columns(basis).into_iter();
+    columns.map(Column::kept).collect()
 }
 
 /// What tells a pattern from all others.
