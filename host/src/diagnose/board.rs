@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::basis::Basis;
 
 pub use super::bench::{Bench, FITTED, PARTS};
-pub use super::column::{Column, Products, product, with_rows};
+pub use super::column::{Column, Part, Products, product, with_rows};
 pub use super::least_squares::{Gain, Model};
 
 /// All recordings.
@@ -67,13 +67,31 @@ impl Board {
     }
 
     fn whitened(&self, columns: Vec<Column>) -> Vec<Column> {
-        let white = |column: Column| {
-            let parts = column.0.into_iter().zip(&self.benches);
-            Column::of(
-                parts.map(|(part, bench)| part.map(|part| bench.whitened(part.into_values()))),
-            )
-        };
-        columns.into_par_iter().map(white).collect()
+        let pairs: Vec<&[Column]> = columns.chunks(2).collect();
+        let white = pairs.into_par_iter().flat_map_iter(|pair| match pair {
+            [one, other] => {
+                let parts = one.0.iter().zip(&other.0).zip(&self.benches);
+                let (one, other): (Vec<_>, Vec<_>) = parts
+                    .map(|((one, other), bench)| match (one, other) {
+                        (Some(one), Some(other)) => {
+                            let both = bench.both_whitened([one.to_vec(), other.to_vec()]);
+                            let [one, other] = both.map(Part::from);
+                            (Some(one), Some(other))
+                        }
+                        (one, other) => (bench.part_white(one), bench.part_white(other)),
+                    })
+                    .unzip();
+                vec![Column(one), Column(other)]
+            }
+            alone => alone
+                .iter()
+                .map(|column| {
+                    let parts = column.0.iter().zip(&self.benches);
+                    Column(parts.map(|(part, bench)| bench.part_white(part)).collect())
+                })
+                .collect(),
+        });
+        white.collect()
     }
 
     /// A pattern's columns, white: each recording its own where nothing ties them.

@@ -40,12 +40,6 @@ impl<'a> IntoIterator for &'a Part {
 }
 
 impl Part {
-    /// Its values.
-    #[must_use]
-    pub fn into_values(self) -> Vec<f64> {
-        Arc::unwrap_or_clone(self.values)
-    }
-
     /// The same, its products kept from now on.
     fn kept(mut self) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);

@@ -33,7 +33,9 @@ pub struct Gains {
 
 /// Columns of a side: both gains, then what a shift of the mean speed makes.
 fn columns(side: &Side, edges: &[usize], f_hz: f64) -> [Vec<f64>; 4] {
-    let ([kp, ki], [level, slope]) = (side.sampled.gains(edges, f_hz), side.sampled.steady(edges));
+    let spans = side.sampled.spans(edges.to_vec());
+    let [kp, ki] = side.sampled.gains(&spans, f_hz);
+    let [level, slope] = side.sampled.steady(&spans);
     [kp, ki, level, slope]
 }
 

@@ -153,11 +153,25 @@ impl Sampled {
         }
     }
 
+    /// Some edges with what a constant push does between them, whatever the rate.
+    #[must_use]
+    pub fn spans(&self, edges: Vec<usize>) -> Spans {
+        let mut before = edges.first().copied().unwrap_or(0);
+        let each = edges.iter().map(|&edge| {
+            let last = std::mem::replace(&mut before, edge);
+            Held::over(self.times_s[edge] - self.times_s[last], self.damping)
+        });
+        Spans {
+            held: each.collect(),
+            edges,
+        }
+    }
+
     /// Responses at some edges to both gains, sampled at `f_hz`.
     #[must_use]
-    pub fn gains(&self, edges: &[usize], f_hz: f64) -> [Vec<f64>; 2] {
-        let mut near = edges[0];
-        self.responses(edges, f_hz, |sample| {
+    pub fn gains(&self, spans: &Spans, f_hz: f64) -> [Vec<f64>; 2] {
+        let mut near = spans.edges[0];
+        self.responses(spans, f_hz, |sample| {
             near = self.edge_at(sample / f_hz, near);
             self.misses[near]
         })
@@ -165,9 +179,9 @@ impl Sampled {
 
     /// The first of them alone.
     #[must_use]
-    pub fn gain(&self, edges: &[usize], f_hz: f64) -> Vec<f64> {
-        let mut near = edges[0];
-        let [proportional] = self.responses(edges, f_hz, |sample| {
+    pub fn gain(&self, spans: &Spans, f_hz: f64) -> Vec<f64> {
+        let mut near = spans.edges[0];
+        let [proportional] = self.responses(spans, f_hz, |sample| {
             near = self.edge_at(sample / f_hz, near);
             self.misses[near]
         });
@@ -191,16 +205,17 @@ impl Sampled {
     #[must_use]
     pub fn responses<const N: usize>(
         &self,
-        edges: &[usize],
+        spans: &Spans,
         f_hz: f64,
         mut missed: impl FnMut(f64) -> f64,
     ) -> [Vec<f64>; N] {
+        let edges = &spans.edges;
         let mut out = std::array::from_fn(|_| Vec::with_capacity(edges.len()));
         let (mut states, mut pushes) = ([[0.0; 2]; N], [0.0; 2]);
         let mut now = self.times_s[edges[0]];
         let mut sample = (now * f_hz).floor() - 1.0;
-        for &edge in edges {
-            let end = self.times_s[edge];
+        for (&edge, whole) in edges.iter().zip(&spans.held) {
+            let (start, end) = (now, self.times_s[edge]);
             loop {
                 let next = (sample + 1.0) / f_hz;
                 if next > end {
@@ -217,7 +232,11 @@ impl Sampled {
                 sample += 1.0;
                 pushes[0] = missed(sample);
             }
-            let held = Held::over(end - now, self.damping);
+            let held = if now == start {
+                *whole
+            } else {
+                Held::over(end - now, self.damping)
+            };
             for (state, push) in states.iter_mut().zip(pushes) {
                 *state = held.pushed(*state, push);
             }
@@ -231,7 +250,8 @@ impl Sampled {
 
     /// Responses at some edges to a constant push and to one that grows by the second.
     #[must_use]
-    pub fn steady(&self, edges: &[usize]) -> [Vec<f64>; 2] {
+    pub fn steady(&self, spans: &Spans) -> [Vec<f64>; 2] {
+        let edges = &spans.edges;
         let (mut level, mut slope) = ([0.0; 2], [0.0; 2]);
         let start = self.times_s[edges[0]];
         let mut now = start;
@@ -239,9 +259,8 @@ impl Sampled {
             Vec::with_capacity(edges.len()),
             Vec::with_capacity(edges.len()),
         ];
-        for &edge in edges {
+        for (&edge, held) in edges.iter().zip(&spans.held) {
             let end = self.times_s[edge];
-            let held = Held::over(end - now, self.damping);
             level = held.pushed(level, 1.0);
             slope = held.pushed(slope, 0.5 * (now + end) - start);
             now = end;
@@ -250,6 +269,15 @@ impl Sampled {
         }
         out
     }
+}
+
+/// Edges, and what a constant push does from each to the next.
+#[derive(Clone, Debug)]
+pub struct Spans {
+    /// The edges.
+    pub edges: Vec<usize>,
+    /// From the one before each; the first has none before it.
+    held: Vec<Held>,
 }
 
 /// What a constant push does over a time: angles from speed and push, and what stays of the speed.

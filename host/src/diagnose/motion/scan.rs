@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::sampled::Sampled;
+use super::sampled::{Sampled, Spans};
 use super::solve::{dot, without};
 use crate::diagnose::kalman::ShaftNoise;
 
@@ -44,7 +44,7 @@ pub struct Rate {
 /// A piece ready to be held against rates.
 struct Piece<'a> {
     sampled: &'a Sampled,
-    edges: Vec<usize>,
+    spans: Spans,
     whitener: crate::diagnose::kalman::Whitener,
     left: Vec<f64>,
     /// Constant and growing push, white, orthonormal.
@@ -55,8 +55,10 @@ struct Piece<'a> {
 impl<'a> Piece<'a> {
     fn new(sampled: &'a Sampled, edges: Vec<usize>, noise: ShaftNoise) -> Self {
         let whitener = sampled.whitener(&edges, noise);
+        let mut left = sampled.angles_at(&edges);
+        let spans = sampled.spans(edges);
         let mut steady: Vec<Vec<f64>> = Vec::new();
-        for mut column in sampled.steady(&edges) {
+        for mut column in sampled.steady(&spans) {
             whitener.whiten(&mut column);
             for before in &steady {
                 without(&mut column, before);
@@ -67,7 +69,6 @@ impl<'a> Piece<'a> {
                 steady.push(column);
             }
         }
-        let mut left = sampled.angles_at(&edges);
         whitener.whiten(&mut left);
         for column in &steady {
             without(&mut left, column);
@@ -75,7 +76,7 @@ impl<'a> Piece<'a> {
         let squares = dot(&left, &left);
         Self {
             sampled,
-            edges,
+            spans,
             whitener,
             left,
             steady,
@@ -86,10 +87,10 @@ impl<'a> Piece<'a> {
     /// What speaks for a rate.
     fn evidence(&self, f_hz: f64, both: bool) -> f64 {
         let (mut kp, ki) = if both {
-            let [kp, ki] = self.sampled.gains(&self.edges, f_hz);
+            let [kp, ki] = self.sampled.gains(&self.spans, f_hz);
             (kp, Some(ki))
         } else {
-            (self.sampled.gain(&self.edges, f_hz), None)
+            (self.sampled.gain(&self.spans, f_hz), None)
         };
         self.whitener.whiten(&mut kp);
         for column in &self.steady {
@@ -115,7 +116,7 @@ impl<'a> Piece<'a> {
             }
         }
         let share = (explained / self.squares).clamp(0.0, 1.0 - 1e-12);
-        -(self.edges.len() as f64) * (1.0 - share).ln()
+        -(self.spans.edges.len() as f64) * (1.0 - share).ln()
     }
 }
 

@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 
 use super::gains::{Gains, Side, gains};
+use super::sampled::Spans;
 use super::solve::{unit, without};
 use crate::diagnose::kalman::Whitener;
 
@@ -54,7 +55,7 @@ pub fn polished(sides: &[Side], f_hz: f64, sizes: [f64; 2]) -> f64 {
 /// A side with all that does not hang on the rate; its edges are those for a rate near.
 struct Events<'a> {
     side: &'a Side<'a>,
-    edges: Vec<usize>,
+    spans: Spans,
     whitener: Whitener,
     /// Steady pushes, white, orthonormal.
     steady: Vec<Vec<f64>>,
@@ -65,8 +66,9 @@ impl<'a> Events<'a> {
     fn of(side: &'a Side<'a>, near: f64, sizes: [f64; 2]) -> Self {
         let edges = side.sampled.edges_for(near, 1);
         let whitener = side.sampled.whitener(&edges, side.noise);
+        let spans = side.sampled.spans(edges);
         let mut orthonormal: Vec<Vec<f64>> = Vec::new();
-        for mut steady in side.sampled.steady(&edges) {
+        for mut steady in side.sampled.steady(&spans) {
             whitener.whiten(&mut steady);
             if let Some(before) = orthonormal.last() {
                 without(&mut steady, before);
@@ -75,7 +77,7 @@ impl<'a> Events<'a> {
         }
         Self {
             side,
-            edges,
+            spans,
             whitener,
             steady: orthonormal,
             sizes,
@@ -85,8 +87,8 @@ impl<'a> Events<'a> {
     /// What a rate leaves, where what is far out counts little.
     fn left(&self, f_hz: f64) -> f64 {
         let sampled = &self.side.sampled;
-        let mut left = sampled.angles_at(&self.edges);
-        for (column, size) in sampled.gains(&self.edges, f_hz).iter().zip(self.sizes) {
+        let mut left = sampled.angles_at(&self.spans.edges);
+        for (column, size) in sampled.gains(&self.spans, f_hz).iter().zip(self.sizes) {
             for (angle, value) in left.iter_mut().zip(column) {
                 *angle -= size * value;
             }

@@ -37,11 +37,11 @@ pub fn recordings(rig: &[Recorded], settled: &Settled) -> Vec<Option<NextRecordi
 
 /// The candidate that shows most for what it takes, as simulated.
 fn rehearsed(rig: &[Recorded], settled: &Settled, number: usize) -> Option<NextRecording> {
-    let rehearsal = Rehearsal::of(rig, settled, number)?;
-    let mechanisms: Vec<Mechanism> = rehearsal.mechanisms().collect();
-    if mechanisms.len() < 2 {
+    if settled.concluded.named.get(number)?.look_alikes.is_empty() {
         return None;
     }
+    let rehearsal = Rehearsal::of(rig, settled, number)?;
+    let mechanisms: Vec<Mechanism> = rehearsal.mechanisms().collect();
     let bench = settled.given.benches.first()?;
     let mut tried: Vec<(Candidate, f64)> = candidates(&rig.first()?.twin, bench)
         .into_par_iter()
