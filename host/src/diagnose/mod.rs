@@ -8,6 +8,7 @@
 pub mod basis;
 pub mod bench;
 pub mod beside;
+mod best;
 pub mod board;
 pub mod classes;
 pub mod code;

@@ -6,8 +6,9 @@
 
 use rayon::prelude::*;
 
-use super::sampled::{Sampled, Spans};
+use super::sampled::Sampled;
 use super::solve::{dot, without};
+use super::spans::Spans;
 use crate::diagnose::kalman::ShaftNoise;
 
 /// Samples of the first pieces, and most edges between samples for which so many are gone through: short ones find a loop whose push

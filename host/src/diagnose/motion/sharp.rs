@@ -5,8 +5,8 @@
 use rayon::prelude::*;
 
 use super::gains::{Gains, Side, gains};
-use super::sampled::Spans;
 use super::solve::{unit, without};
+use super::spans::Spans;
 use crate::diagnose::kalman::Whitener;
 
 /// Edges at the end by which the finest rates differ: the stamps say no more.
