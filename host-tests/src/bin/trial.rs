@@ -180,7 +180,7 @@ fn speed(quadcal: &Quadcal, folder: &Path) -> Result<ExitCode> {
         println!(
             "{} edges in a minute, missing {}: {:.2} s, named {}",
             timed.edges,
-            timed.missing,
+            timed.missing(),
             timed.answer.seconds,
             timed.named()
         );

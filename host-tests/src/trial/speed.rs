@@ -6,6 +6,7 @@ use std::path::Path;
 
 use std::process::Command;
 
+use quadcal_host::mechanism::Mechanism;
 use thiserror::Error;
 
 use super::run::Quadcal;
@@ -45,15 +46,19 @@ clock_hz = 84_000_000
 jitter_s = 1e-7
 ";
 
-/// What the recordings have that the twin has not.
-const MISSING: [(&str, &str); 3] = [
-    ("nothing", ""),
+/// What the recordings have that the twin has not, each large enough to be found.
+const MISSING: [(&[Mechanism], &str); 3] = [
+    (&[], ""),
     (
-        "gear_mesh",
+        &[Mechanism::GearMesh],
         "[[gear_mesh]]\norder = 7.3\ntorque_n_m = 2e-6\n",
     ),
     (
-        "edge_delay, torque_tone, eccentricity",
+        &[
+            Mechanism::EdgeDelay,
+            Mechanism::TorqueTone,
+            Mechanism::Eccentricity,
+        ],
         "[edge_delay]\na = { rise_s = 4e-7 }\nb = { rise_s = 4e-7 }\n[[torque_tone]]\nf_hz = 11.0\ntorque_n_m = 1e-5\n",
     ),
 ];
@@ -73,7 +78,7 @@ pub enum SpeedError {
 #[derive(Clone, Debug)]
 pub struct Timed {
     /// What the twin lacks.
-    pub missing: &'static str,
+    pub missing: &'static [Mechanism],
     /// Edges of the recording, index not counted.
     pub edges: usize,
     /// What was said, and how long it took.
@@ -81,6 +86,35 @@ pub struct Timed {
 }
 
 impl Timed {
+    /// What the twin lacks, each with how it was found, in words.
+    #[must_use]
+    pub fn missing(&self) -> String {
+        if self.missing.is_empty() {
+            return "nothing".to_owned();
+        }
+        let each = self.missing.iter();
+        let each: Vec<String> = each
+            .map(|one| format!("{} ({})", one.id(), self.how(*one)))
+            .collect();
+        each.join(", ")
+    }
+
+    /// How a mechanism that the twin lacks was found: at one speed it may be a look-alike of what was named.
+    fn how(&self, missing: Mechanism) -> &'static str {
+        let findings = self.answer.said.as_ref();
+        let findings = findings.map_or(&[][..], |diagnosis| &diagnosis.findings);
+        if findings.iter().any(|found| found.mechanism == missing) {
+            "named"
+        } else if findings
+            .iter()
+            .any(|found| found.look_alikes.contains(&missing))
+        {
+            "among the look-alikes"
+        } else {
+            "missed"
+        }
+    }
+
     /// What was named, in words.
     #[must_use]
     pub fn named(&self) -> String {
@@ -110,10 +144,10 @@ pub fn minute(quadcal: &Quadcal, folder: &Path) -> Result<Vec<Timed>, SpeedError
         fs::create_dir_all(&folder)?;
         fs::write(folder.join("twin.toml"), TWIN)?;
         // Eccentricity is a key of a section that is there already.
-        let real = if missing.contains("eccentricity") {
+        let real = if missing.contains(&Mechanism::Eccentricity) {
             TWIN.replace(
                 "\n[shaft]",
-                "eccentricity = { amplitude_rad = 1e-4, phase_rad = 1.0 }\n\n[shaft]",
+                "eccentricity = { amplitude_rad = 1e-3, phase_rad = 1.0 }\n\n[shaft]",
             )
         } else {
             TWIN.to_owned()

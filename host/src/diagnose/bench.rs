@@ -1,5 +1,6 @@
 //! One recording with the noise that makes its residual white.
 
+use super::column::Part;
 use super::kalman::{ShaftNoise, Whitener};
 use super::noise_fit::{self, Free};
 use super::seen::Seen;
@@ -142,6 +143,20 @@ impl Bench {
     pub fn whitened(&self, mut angles: Vec<f64>) -> Vec<f64> {
         self.whitener.whiten(&mut angles);
         angles
+    }
+
+    /// A pattern, white, if it shows.
+    #[must_use]
+    pub fn part_white(&self, part: &Option<Part>) -> Option<Part> {
+        let part = part.as_ref()?;
+        Some(self.whitened(part.to_vec()).into())
+    }
+
+    /// Two rows of angles, white.
+    #[must_use]
+    pub fn both_whitened(&self, [mut one, mut other]: [Vec<f64>; 2]) -> [Vec<f64>; 2] {
+        self.whitener.whiten_both(&mut one, &mut other);
+        [one, other]
     }
 
     /// The transposed filter.

@@ -2,14 +2,13 @@
 
 use std::sync::OnceLock;
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
 
 pub use super::bench::{Bench, FITTED, PARTS};
-pub use super::least_squares::{Gain, Model, product, with_rows};
-
-/// A pattern, white, in each recording; none where it does not show.
-#[derive(Clone, Debug)]
-pub struct Column(pub Vec<Option<Vec<f64>>>);
+pub use super::column::{Column, Part, Products, product, with_rows};
+pub use super::least_squares::{Gain, Model};
 
 /// All recordings.
 #[derive(Clone, Debug)]
@@ -18,8 +17,11 @@ pub struct Board {
     pub benches: Vec<Bench>,
     /// Whether angles mean the same in all recordings.
     pub tied: bool,
-    /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise.
+    /// How clearly each order of the disc shows, once it was asked for; it hangs on the noise. Whatever works it out must not wait for
+    /// other threads, which may wait for it.
     pub(super) clear: OnceLock<Vec<f64>>,
+    /// Products of columns that are kept.
+    pub(super) products: Products,
 }
 
 impl Board {
@@ -53,7 +55,7 @@ impl Board {
         free.map(|(at, bench)| {
             let mut column = vec![None; self.benches.len()];
             column[at] = Some(whole.columns(&bench.seen, &bench.law).swap_remove(0));
-            Column(column)
+            Column::of(column)
         })
         .collect()
     }
@@ -65,15 +67,31 @@ impl Board {
     }
 
     fn whitened(&self, columns: Vec<Column>) -> Vec<Column> {
-        let white = |column: Column| {
-            let parts = column.0.into_iter().zip(&self.benches);
-            Column(
-                parts
-                    .map(|(part, bench)| part.map(|part| bench.whitened(part)))
-                    .collect(),
-            )
-        };
-        columns.into_iter().map(white).collect()
+        let pairs: Vec<&[Column]> = columns.chunks(2).collect();
+        let white = pairs.into_par_iter().flat_map_iter(|pair| match pair {
+            [one, other] => {
+                let parts = one.0.iter().zip(&other.0).zip(&self.benches);
+                let (one, other): (Vec<_>, Vec<_>) = parts
+                    .map(|((one, other), bench)| match (one, other) {
+                        (Some(one), Some(other)) => {
+                            let both = bench.both_whitened([one.to_vec(), other.to_vec()]);
+                            let [one, other] = both.map(Part::from);
+                            (Some(one), Some(other))
+                        }
+                        (one, other) => (bench.part_white(one), bench.part_white(other)),
+                    })
+                    .unzip();
+                vec![Column(one), Column(other)]
+            }
+            alone => alone
+                .iter()
+                .map(|column| {
+                    let parts = column.0.iter().zip(&self.benches);
+                    Column(parts.map(|(part, bench)| bench.part_white(part)).collect())
+                })
+                .collect(),
+        });
+        white.collect()
     }
 
     /// A pattern's columns, white: each recording its own where nothing ties them.
@@ -86,18 +104,19 @@ impl Board {
     #[must_use]
     pub fn raw_columns(&self, basis: Basis) -> Vec<Column> {
         let own = self.benches.len() > 1 && (basis.timed() || (basis.placed() && !self.tied));
-        let raw = self
+        let raw: Vec<Vec<Vec<f64>>> = self
             .benches
-            .iter()
-            .map(|bench| basis.columns(&bench.seen, &bench.law));
+            .par_iter()
+            .map(|bench| basis.columns(&bench.seen, &bench.law))
+            .collect();
         let count = self.benches.len();
         if own {
             let mut columns = Vec::new();
-            for (at, parts) in raw.enumerate() {
+            for (at, parts) in raw.into_iter().enumerate() {
                 for part in parts {
                     let mut column = vec![None; count];
                     column[at] = Some(part);
-                    columns.push(Column(column));
+                    columns.push(Column::of(column));
                 }
             }
             columns
@@ -105,7 +124,7 @@ impl Board {
             let mut columns = vec![Column(Vec::with_capacity(count)); basis.count()];
             for parts in raw {
                 for (column, part) in columns.iter_mut().zip(parts) {
-                    column.0.push(Some(part));
+                    column.0.push(Some(part.into()));
                 }
             }
             columns
@@ -168,7 +187,7 @@ impl Board {
                     cut
                 })
             });
-            Column(each.collect())
+            Column::of(each)
         };
         columns.iter().map(cut).collect()
     }

@@ -1,5 +1,7 @@
 //! From what a search found to what is named: what is a mechanism, what only resembles one, and what is one or another.
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
 use super::board::Board;
 use super::crowd::{Family, family, kin};
@@ -86,11 +88,15 @@ pub fn conclude(board: &Board, searched: &Searched) -> Conclusion {
         score < 0.3 * unknown_squares
             && (odd.any(|odd| odd == of) || left.is_some_and(|left| kin(left.among) == of))
     };
-    for (number, found) in searched.found.iter().enumerate() {
-        if !odd.contains(&number) && !part(found.score, family(found)) {
-            conclusion.named.push(name(board, searched, number));
-        }
-    }
+    let found = searched.found.iter().enumerate();
+    let named: Vec<usize> = found
+        .filter(|(number, found)| !odd.contains(number) && !part(found.score, family(found)))
+        .map(|(number, _)| number)
+        .collect();
+    conclusion.named = named
+        .into_par_iter()
+        .map(|number| name(board, searched, number))
+        .collect();
     if let Some(pattern) = &searched.pattern {
         conclusion.pattern &= !part(pattern.score, Family::Alike);
     }

@@ -124,7 +124,10 @@ impl<'a> Disc<'a> {
     pub fn whole(&self, column: &Column) -> Vec<Vec<f64>> {
         let parts = column.0.iter().zip(&self.board.benches);
         parts
-            .map(|(part, bench)| part.clone().unwrap_or_else(|| vec![0.0; bench.seen.len()]))
+            .map(|(part, bench)| match part {
+                Some(part) => part.to_vec(),
+                None => vec![0.0; bench.seen.len()],
+            })
             .collect()
     }
 

@@ -1,10 +1,12 @@
 //! How well it fits, on all turns and on turns that nothing was fitted on.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::board::{Board, Column, FITTED, Model, PARTS};
 use super::diagnosis::{Band, Fit, HeldOut};
 use super::disc;
+use super::leftover::leftovers;
 use super::search::Searched;
 use super::spread::{Spread, floor, spread};
 
@@ -41,11 +43,27 @@ pub struct HeldRatios {
 
 /// The fit of a search, against the twin as it was given, and each finding's part in it on the turns held out.
 #[must_use]
-pub fn fit(judged: &Judged<'_>, whiteness: (f64, f64)) -> (Fit, HeldRatios) {
-    let was = spread(judged.given, &judged.before.left, 0..PARTS);
-    let is = spread(judged.again, &judged.after.left, 0..PARTS);
-    let noise = floor(judged.again, 0..PARTS);
-    let (held_out, ratios) = held_out(judged);
+pub fn fit(judged: &Judged<'_>) -> (Fit, HeldRatios) {
+    let whiteness = |board: &Board, model: &Model| leftovers(board, model).1;
+    let ((before_p, after_p), ((was, is), (noise, (held_out, ratios)))) = rayon::join(
+        || {
+            rayon::join(
+                || whiteness(judged.given, judged.before),
+                || whiteness(judged.again, judged.after),
+            )
+        },
+        || {
+            rayon::join(
+                || {
+                    rayon::join(
+                        || spread(judged.given, &judged.before.left, 0..PARTS),
+                        || spread(judged.again, &judged.after.left, 0..PARTS),
+                    )
+                },
+                || rayon::join(|| floor(judged.again, 0..PARTS), || held_out(judged)),
+            )
+        },
+    );
     let fit = Fit {
         rms_before_rad: was.fast_rad(),
         rms_after_rad: is.fast_rad(),
@@ -60,8 +78,8 @@ pub fn fit(judged: &Judged<'_>, whiteness: (f64, f64)) -> (Fit, HeldRatios) {
             rms_after_rad: is.steps_rad(),
             floor_rad: noise.steps_rad(),
         },
-        whiteness_p_before: whiteness.0,
-        whiteness_p: whiteness.1,
+        whiteness_p_before: before_p,
+        whiteness_p: after_p,
         held_out,
     };
     (fit, ratios)
@@ -103,11 +121,15 @@ fn held_out(judged: &Judged<'_>) -> (HeldOut, HeldRatios) {
     };
     let held = Held { board, noise };
     let mut at = chosen.nuisances;
-    for (found, ratio) in chosen.found.iter().zip(&mut ratios.named) {
-        let own = at..at + found.columns.len();
-        at = own.end;
-        *ratio = held.without(columns, &fitted, own);
+    let mut own: Vec<std::ops::Range<usize>> = Vec::new();
+    for found in &chosen.found {
+        own.push(at..at + found.columns.len());
+        at += found.columns.len();
     }
+    let each = own.into_par_iter();
+    ratios.named = each
+        .map(|own| held.without(columns, &fitted, own))
+        .collect();
     if known.is_some()
         && let Some(fitted) = given.fit(given.cut(columns, 0..FITTED))
     {
@@ -138,7 +160,7 @@ fn early_disc(given: &Board, columns: &[Column]) -> Option<Board> {
     let short = |column: &Column| {
         let parts = column.0.iter().zip(&early.benches);
         let each = parts.map(|(part, bench)| part.as_ref().map(|p| p[..bench.seen.len()].to_vec()));
-        Column(each.collect())
+        Column::of(each)
     };
     let model = early.fit(columns.iter().map(short).collect())?;
     let pattern = disc::pattern(&early, &model, true)?;

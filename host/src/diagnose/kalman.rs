@@ -140,19 +140,18 @@ impl Whitener {
 
     /// Whitens a row of angles that begins at an edge, nothing before, in place.
     pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
-        let [mut y, mut v, mut m] = [0.0; 3];
+        let mut state = [0.0; 3];
         for (angle, step) in angles.iter_mut().zip(&self.steps[first..]) {
-            (y, v, m) = step.way.on(y, v, m);
-            if step.anew {
-                (y, v, m) = (0.0, 0.0, 0.0);
-            } else if step.fresh {
-                y = 0.0;
-            }
-            let innovation = *angle - y;
-            y += step.gain[0] * innovation;
-            v += step.gain[1] * innovation;
-            m += step.gain[2] * innovation;
-            *angle = innovation * step.scale;
+            *angle = step.white(&mut state, *angle);
+        }
+    }
+
+    /// Whitens two rows, one an edge, in place: together they take hardly longer than one.
+    pub fn whiten_both(&self, one: &mut [f64], other: &mut [f64]) {
+        let (mut first, mut second) = ([0.0; 3], [0.0; 3]);
+        for ((one, other), step) in one.iter_mut().zip(other).zip(&self.steps) {
+            *one = step.white(&mut first, *one);
+            *other = step.white(&mut second, *other);
         }
     }
 
@@ -221,6 +220,27 @@ impl Whitener {
     pub fn log_variance(&self) -> f64 {
         let there = self.steps.iter().filter(|step| step.scale > 0.0);
         -2.0 * there.map(|step| step.scale.ln()).sum::<f64>()
+    }
+}
+
+impl Gain {
+    /// Takes an angle into a state of angle, speed and third; the innovation, white.
+    #[inline(always)]
+    fn white(&self, state: &mut [f64; 3], angle: f64) -> f64 {
+        let [y, v, m] = *state;
+        let (mut y, mut v, mut m) = self.way.on(y, v, m);
+        if self.anew {
+            (y, v, m) = (0.0, 0.0, 0.0);
+        } else if self.fresh {
+            y = 0.0;
+        }
+        let innovation = angle - y;
+        *state = [
+            y + self.gain[0] * innovation,
+            v + self.gain[1] * innovation,
+            m + self.gain[2] * innovation,
+        ];
+        innovation * self.scale
     }
 }
 

@@ -1,8 +1,9 @@
 //! Patterns fitted to all recordings together, white, by plain least squares.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
-use super::board::{Board, Column};
+use super::board::{Board, Column, with_rows};
 
 /// Patterns fitted together.
 #[derive(Clone, Debug)]
@@ -14,6 +15,8 @@ pub struct Model {
     /// Covariance of the sizes.
     pub covariance: DMatrix<f64>,
     pub(super) factor: Option<Cholesky<f64, Dyn>>,
+    /// Lengths of the columns, which the factor is without.
+    norms: Vec<f64>,
     /// What is left, white.
     pub left: Vec<Vec<f64>>,
 }
@@ -27,6 +30,7 @@ impl Model {
             sizes: DVector::zeros(0),
             covariance: DMatrix::zeros(0, 0),
             factor: None,
+            norms: Vec::new(),
             left: board.white(),
         }
     }
@@ -51,15 +55,22 @@ impl Board {
         }
         let mut left = self.white();
         let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
-        for i in 0..count {
-            right[i] = with_rows(&columns[i], &left);
-            for j in 0..=i {
-                gram[(i, j)] = product(&columns[i], &columns[j]);
-                gram[(j, i)] = gram[(i, j)];
+        let products = |i: usize| -> (f64, Vec<f64>) {
+            let before = columns[..=i].iter();
+            let row = before.map(|column| self.products.of(&columns[i], column));
+            (with_rows(&columns[i], &left), row.collect())
+        };
+        let rows: Vec<(f64, Vec<f64>)> = (0..count).into_par_iter().map(products).collect();
+        for (i, (with, row)) in rows.into_iter().enumerate() {
+            right[i] = with;
+            for (j, product) in row.into_iter().enumerate() {
+                gram[(i, j)] = product;
+                gram[(j, i)] = product;
             }
         }
         // Sizes of any unit: scaled to one before.
-        let scale: Vec<f64> = (0..count).map(|i| gram[(i, i)].sqrt().recip()).collect();
+        let norms: Vec<f64> = (0..count).map(|i| gram[(i, i)].sqrt()).collect();
+        let scale: Vec<f64> = norms.iter().map(|norm| norm.recip()).collect();
         if scale.iter().any(|scale| !scale.is_finite()) {
             return None;
         }
@@ -89,6 +100,7 @@ impl Board {
             sizes,
             covariance,
             factor: Some(factor),
+            norms,
             left,
         })
     }
@@ -103,6 +115,7 @@ impl Board {
             sizes: sizes.clone(),
             covariance: DMatrix::zeros(0, 0),
             factor: None,
+            norms: Vec::new(),
             left,
         }
     }
@@ -117,19 +130,18 @@ impl Board {
         for i in 0..new {
             right[i] = with_rows(&more[i], &model.left);
             for j in 0..=i {
-                gram[(i, j)] = product(&more[i], &more[j]);
+                gram[(i, j)] = self.products.of(&more[i], &more[j]);
                 gram[(j, i)] = gram[(i, j)];
             }
             for (k, column) in model.columns.iter().enumerate() {
-                across[(k, i)] = product(column, &more[i]);
+                across[(k, i)] = self.products.of(column, &more[i]);
             }
         }
         let whole: Vec<f64> = (0..new).map(|i| gram[(i, i)]).collect();
         if let Some(factor) = &model.factor {
-            let norms: Vec<f64> = model.columns.iter().map(|c| product(c, c).sqrt()).collect();
-            for k in 0..old {
+            for (k, norm) in model.norms.iter().enumerate() {
                 for i in 0..new {
-                    across[(k, i)] /= norms[k];
+                    across[(k, i)] /= norm;
                 }
             }
             gram -= across.transpose() * factor.solve(&across);
@@ -170,41 +182,4 @@ fn take_off(left: &mut [Vec<f64>], columns: &[Column], sizes: &DVector<f64>) {
             }
         }
     }
-}
-
-/// Product of two columns.
-#[must_use]
-pub fn product(a: &Column, b: &Column) -> f64 {
-    let each = a.0.iter().zip(&b.0);
-    each.map(|(a, b)| match (a, b) {
-        (Some(a), Some(b)) => dot(a, b),
-        _ => 0.0,
-    })
-    .sum()
-}
-
-/// Product of a column with rows.
-#[must_use]
-pub fn with_rows(a: &Column, rows: &[Vec<f64>]) -> f64 {
-    let each = a.0.iter().zip(rows);
-    each.map(|(a, row)| a.as_ref().map_or(0.0, |a| dot(a, row)))
-        .sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums at once.
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4
-        .remainder()
-        .iter()
-        .zip(b4.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (a, b) in a4.zip(b4) {
-        for i in 0..4 {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    rest + sums.iter().sum::<f64>()
 }

@@ -1,5 +1,7 @@
 //! Whether what is left is noise: rhythms, slow changes, places of the disc, and its scatter in time.
 
+use rayon::prelude::*;
+
 use super::board::{Board, Model};
 use super::locate::{Along, Among, spectrum};
 
@@ -33,11 +35,13 @@ pub fn leftovers(board: &Board, model: &Model) -> (Vec<Leftover>, f64) {
     for (number, bench) in board.benches.iter().enumerate() {
         let seen = &bench.seen;
         let a_second = seen.turns() / seen.seconds().max(f64::MIN_POSITIVE);
-        for among in Among::all(seen.classes) {
-            if matches!(among, Among::LevelOf(_)) {
-                continue;
-            }
+        let mut amongs = Among::all(seen.classes);
+        amongs.retain(|among| !matches!(among, Among::LevelOf(_)));
+        let spectra = amongs.into_par_iter().map(|among| {
             let spectrum = spectrum(bench, &model.left[number], among, Along::Turn);
+            (among, spectrum)
+        });
+        for (among, spectrum) in spectra.collect::<Vec<_>>() {
             let (points, mean) = independent(&spectrum.powers);
             let alike = among == Among::All;
             let top = spectrum.powers.len();

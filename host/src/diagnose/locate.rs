@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::basis::{change_of, channels};
 use super::board::Bench;
 use super::spectrum::Spectrum;
@@ -131,29 +133,33 @@ pub fn peaks(bench: &Bench, number: usize, left: &[f64], probability: f64) -> Ve
     };
     let amongs = Among::all(seen.classes);
     let each = probability / (alongs.len() * amongs.len()) as f64;
-    let mut found: Vec<Peak> = Vec::new();
-    for &along in alongs {
-        for &among in &amongs {
-            let spectrum = spectrum(bench, left, among, along);
-            let threshold = spectrum.threshold(each);
-            for (cycles, power) in spectrum.peaks(threshold, 3) {
-                let (order, f_hz) = match along {
-                    Along::Turn => (cycles, cycles * turns_a_second),
-                    Along::Time => (cycles / turns_a_second, cycles),
-                };
-                found.push(Peak {
-                    bench: number,
-                    among,
-                    along,
-                    order,
-                    f_hz,
-                    power,
-                    threshold,
-                    within: 0.5 / seen.turns(),
-                });
+    let looked: Vec<(Along, Among)> = alongs
+        .iter()
+        .flat_map(|along| amongs.iter().map(move |among| (*along, *among)))
+        .collect();
+    let of = |(along, among): (Along, Among)| -> Vec<Peak> {
+        let spectrum = spectrum(bench, left, among, along);
+        let threshold = spectrum.threshold(each);
+        let peaks = spectrum.peaks(threshold, 3).into_iter();
+        let peaks = peaks.map(|(cycles, power)| {
+            let (order, f_hz) = match along {
+                Along::Turn => (cycles, cycles * turns_a_second),
+                Along::Time => (cycles / turns_a_second, cycles),
+            };
+            Peak {
+                bench: number,
+                among,
+                along,
+                order,
+                f_hz,
+                power,
+                threshold,
+                within: 0.5 / seen.turns(),
             }
-        }
-    }
+        });
+        peaks.collect()
+    };
+    let mut found: Vec<Peak> = looked.into_par_iter().flat_map_iter(of).collect();
     found.sort_by(|a, b| b.power.total_cmp(&a.power));
     found
 }

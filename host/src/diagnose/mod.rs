@@ -8,9 +8,11 @@
 pub mod basis;
 pub mod bench;
 pub mod beside;
+mod best;
 pub mod board;
 pub mod classes;
 pub mod code;
+pub mod column;
 pub mod conclude;
 pub mod crowd;
 pub mod diagnosis;

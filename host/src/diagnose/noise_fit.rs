@@ -1,5 +1,7 @@
 //! The noise that makes a residual most likely.
 
+use rayon::prelude::*;
+
 use super::kalman::{Reading, ShaftNoise, Whitener};
 
 /// Edges that the noise is fitted on at the most: parts from all over say as much.
@@ -46,7 +48,7 @@ pub fn fit(
 /// How unlikely a residual is with a noise: twice the logarithm, less what hangs on nothing.
 #[must_use]
 pub fn cost(readings: &[Reading], angles: &[f64], noise: ShaftNoise) -> f64 {
-    let parts = parts(readings.len()).into_iter();
+    let parts = parts(readings.len()).into_par_iter();
     let each = parts.map(|part| {
         let whitener = Whitener::new(&readings[part.clone()], noise);
         let mut white = angles[part].to_vec();
@@ -54,7 +56,8 @@ pub fn cost(readings: &[Reading], angles: &[f64], noise: ShaftNoise) -> f64 {
         // Innovations far out are events, not noise: they count less.
         white.iter().map(|w| robust(*w)).sum::<f64>() + whitener.log_variance()
     });
-    each.sum()
+    // Added in their order, so that the sum is the same whoever is first.
+    each.collect::<Vec<f64>>().into_iter().sum()
 }
 
 /// Parts of a recording that the noise is fitted on.

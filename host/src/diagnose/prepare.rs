@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::board::{Bench, Board};
+use rayon::prelude::*;
+
+use super::board::{Bench, Board, Products};
 use super::kalman::ShaftNoise;
 use super::looped::TIED_JITTER_S;
 use super::one_channel::turned;
@@ -29,7 +31,9 @@ const WORSE: f64 = 1.2;
 /// # Errors
 /// [`DiagnoseError`] where a twin can't be run or there is nothing to compare.
 pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
-    let benches: Result<Vec<Bench>, DiagnoseError> = rig.iter().map(bench).collect();
+    // The error is that of the first recording that has one, whichever comes first.
+    let benches: Vec<Result<Bench, DiagnoseError>> = rig.par_iter().map(bench).collect();
+    let benches: Result<Vec<Bench>, DiagnoseError> = benches.into_iter().collect();
     let tied = rig
         .iter()
         .all(|one| one.track.anchored || one.twin.shaft.initial_angle_rad != 0.0);
@@ -37,6 +41,7 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
         benches: benches?,
         tied,
         clear: std::sync::OnceLock::new(),
+        products: Products::default(),
     })
 }
 

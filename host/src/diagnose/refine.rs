@@ -1,5 +1,7 @@
 //! Frequencies, orders, times and places where a hypothesis explains most.
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
@@ -47,8 +49,7 @@ pub fn refined(board: &Board, model: &Model, first: Weighed) -> Weighed {
 
 /// How far each searched number should move, by the linear fit of sizes and slopes.
 fn moves(board: &Board, model: &Model, at: &Weighed, steps: &[(Change, f64)]) -> Option<Vec<f64>> {
-    let sizes = board.gain(model, &at.columns)?.sizes;
-    let slopes = slopes(board, &at.hypothesis, sizes.as_slice(), steps);
+    let slopes = slopes(board, &at.hypothesis, at.gain.sizes.as_slice(), steps);
     if slopes.len() != steps.len() {
         return None;
     }
@@ -66,7 +67,7 @@ pub fn slopes(
     sizes: &[f64],
     steps: &[(Change, f64)],
 ) -> Vec<Column> {
-    let signal = |hypothesis: &Hypothesis| -> Option<Column> {
+    let signal = |hypothesis: &Hypothesis| -> Option<Vec<Vec<f64>>> {
         let columns = hypothesis.columns(board);
         if columns.len() != sizes.len() {
             return None;
@@ -80,26 +81,25 @@ pub fn slopes(
                     }
                 }
             }
-            Some(sum)
+            sum
         });
-        Some(Column(parts.collect()))
+        Some(parts.collect())
     };
-    let each = steps.iter().filter_map(|(change, step)| {
+    let each = steps.par_iter().filter_map(|(change, step)| {
         let small = 0.05 * step;
         let moved = |by: f64| {
             let mut moved = hypothesis.clone();
             moved.bases.iter_mut().for_each(|basis| change(basis, by));
             signal(&moved)
         };
-        let (below, mut above) = (moved(-small)?, moved(small)?);
-        for (above, below) in above.0.iter_mut().zip(&below.0) {
-            if let (Some(above), Some(below)) = (above, below) {
-                for (a, b) in above.iter_mut().zip(below) {
-                    *a = (*a - b) / (2.0 * small);
-                }
+        let (below, above) = rayon::join(|| moved(-small), || moved(small));
+        let (below, mut above) = (below?, above?);
+        for (above, below) in above.iter_mut().zip(&below) {
+            for (a, b) in above.iter_mut().zip(below) {
+                *a = (*a - b) / (2.0 * small);
             }
         }
-        Some(above)
+        Some(Column::of(above.into_iter().map(Some)))
     });
     each.collect()
 }

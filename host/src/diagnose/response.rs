@@ -7,13 +7,13 @@ use super::shaft::{Leap, ShaftLaw};
 #[must_use]
 pub fn pushed(seen: &Seen, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
     let mut state = [0.0; 2];
+    let strides = seen.strides();
     (0..seen.len())
         .map(|at| {
             if seen.follows(at) {
                 state = [0.0; 2];
             } else if at > 0 {
-                let leap = seen.readings[at].leap;
-                state = leap.step(state, [push(at, 0.0), push(at, 0.5), push(at, 1.0)]);
+                state = strides[at].step(state, [push(at, 0.0), push(at, 0.5), push(at, 1.0)]);
             }
             state[0]
         })
@@ -33,6 +33,7 @@ pub fn pushed_round(
     let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
     let (mut even, mut odd) = ([0.0; 2], [0.0; 2]);
     let mut last = phase(0, 0.0).sin_cos();
+    let strides = seen.strides();
     for at in 1..seen.len() {
         if seen.follows(at) {
             (even, odd) = ([0.0; 2], [0.0; 2]);
@@ -43,9 +44,14 @@ pub fn pushed_round(
         let steps = ((phase(at, 0.0) - phase(at, -1.0)).abs() / STEP)
             .ceil()
             .clamp(1.0, 200.0);
-        let leap = Leap {
-            after_s: whole.after_s / steps,
-            ..whole
+        let leap = if steps == 1.0 {
+            strides[at]
+        } else {
+            let part = Leap {
+                after_s: whole.after_s / steps,
+                ..whole
+            };
+            part.stride()
         };
         for step in 1..=steps as usize {
             let share = |part: f64| (step as f64 + part) / steps - 1.0;

@@ -1,5 +1,7 @@
 //! What else could be in a finding's place.
 
+use rayon::prelude::*;
+
 use super::basis::channels;
 use super::board::{Board, Column};
 use super::hypothesis::Hypothesis;
@@ -29,7 +31,7 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
     let own =
         score(found.hypothesis.clone(), found.columns.clone()).map_or(found.score, |w| w.score);
     let mut all: Vec<(Hypothesis, f64)> = alternatives(board, found)
-        .into_iter()
+        .into_par_iter()
         .filter_map(|hypothesis| {
             let columns = hypothesis.columns(board);
             let weighed = refined(board, &without, score(hypothesis, columns)?);

@@ -8,7 +8,7 @@ use super::conclude::{Conclusion, conclude};
 use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
 use super::motion::{closed_loop, stick_slip};
 use super::next;
-use super::noise::{NoiseFinding, is_own, noise_findings, own_columns};
+use super::noise::{NoiseFinding, is_own, noise_findings, own_columns, rhythmic_findings};
 use super::prepare;
 use super::search::{Searched, search};
 use super::settle::settle;
@@ -113,8 +113,11 @@ pub fn diagnose(
     progress(0.2, "Searching");
     let searched = search(&mut board).ok_or_else(|| nothing(&rig))?;
     progress(0.6, "Weighing");
-    let mut concluded = conclude(&board, &searched);
-    found.extend(noise(&rig, &given, &board, &searched, &mut concluded));
+    let (mut concluded, heard) = rayon::join(
+        || conclude(&board, &searched),
+        || Heard::of(&rig, &given, &board, &searched),
+    );
+    found.extend(noise(&rig, &given, &searched, heard, &mut concluded));
     progress(0.8, "Simulating what was found");
     let settled = settle(&rig, &given, board, searched, concluded)?;
     progress(0.9, "Simulating what to record next");
@@ -125,21 +128,40 @@ pub fn diagnose(
     Ok(diagnosed)
 }
 
+/// What the noise lacks, as far as it does not hang on the conclusion.
+struct Heard {
+    /// Noise in the place of rhythms, where rhythms were found.
+    instead: Option<Vec<NoiseFinding>>,
+    /// What else there is, where it is not that.
+    beside: Vec<NoiseFinding>,
+}
+
+impl Heard {
+    fn of(rig: &[Recorded], given: &Board, board: &Board, searched: &Searched) -> Self {
+        let mut found = searched.found.iter();
+        let rhythms = found.any(|f| f.hypothesis.rhythm().is_some());
+        let instead = rhythms.then(|| instead(rig, given, searched));
+        let beside = if instead.as_ref().is_none_or(Vec::is_empty) {
+            noise_findings(board, &searched.model)
+        } else {
+            Vec::new()
+        };
+        Self { instead, beside }
+    }
+}
+
 /// What the noise lacks; where that explains what the search only resembled, it takes its place.
 fn noise(
     rig: &[Recorded],
     given: &Board,
-    board: &Board,
     searched: &Searched,
+    heard: Heard,
     concluded: &mut Conclusion,
 ) -> Vec<Finding> {
-    let rhythms = searched
-        .found
-        .iter()
-        .any(|f| f.hypothesis.rhythm().is_some());
     let mut noise: Vec<NoiseFinding> = Vec::new();
-    if rhythms || concluded.nameless.is_some() {
-        noise = instead(rig, given, searched);
+    if heard.instead.is_some() || concluded.nameless.is_some() {
+        let known = heard.instead;
+        noise = known.unwrap_or_else(|| instead(rig, given, searched));
         if !noise.is_empty() {
             concluded
                 .named
@@ -148,7 +170,7 @@ fn noise(
         }
     }
     if noise.is_empty() && concluded.nameless.is_none() {
-        noise = noise_findings(board, &searched.model);
+        noise = heard.beside;
     }
     noise
         .iter()
@@ -169,7 +191,7 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
     let before = given
         .fit(given.nuisances())
         .unwrap_or_else(|| Model::none(given));
-    let mut noise = noise_findings(given, &before);
+    let mut noise = rhythmic_findings(given, &before);
     noise.retain(|one| match one.mechanism {
         Mechanism::TorsionalResonance => one.delta_bic > MODE * score,
         Mechanism::CaptureLatency => one.delta_bic > TASK * score && !one.frequencies_hz.is_empty(),
@@ -186,7 +208,7 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
     let Some(before) = given.fit(columns) else {
         return Vec::new();
     };
-    let mut noise = noise_findings(given, &before);
+    let mut noise = rhythmic_findings(given, &before);
     noise.retain(|one| {
         one.mechanism == Mechanism::TorsionalResonance && one.delta_bic > MODE * score
     });

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::basis::{Basis, channels};
 use super::board::{Bench, Board, Model};
 use super::hypothesis::Hypothesis;
@@ -82,50 +84,52 @@ pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
             kinds.extend([None, Some(true), Some(false)].map(|rises| (Some(channel), rises)));
         }
     }
-    let mut best: Vec<(f64, Hypothesis)> = Vec::new();
-    for &(channel, rises) in &kinds {
-        let mask: Vec<f64> = (0..edges)
-            .map(|edge| {
-                let change = super::basis::change_of(
-                    (edge + first.seen.shift as usize) % classes as usize,
-                    classes,
-                );
-                let hit = channel.is_none_or(|c| c == change.channel)
-                    && rises.is_none_or(|r| r == change.rises);
-                f64::from(u8::from(hit))
-            })
-            .collect();
-        let masked: Vec<f64> = pull.iter().zip(&mask).map(|(p, m)| p * m).collect();
-        for width in [1.0, 2.0, 4.0, 8.0, 16.0, 32.0] {
-            if width * 8.0 > edges as f64 {
-                continue;
-            }
-            let smooth = smoothed(&masked, width);
-            let (at, peak) =
-                smooth
-                    .iter()
-                    .copied()
-                    .enumerate()
-                    .fold((0, 0.0), |best: (usize, f64), (at, v)| {
+    let of_kind =
+        |(channel, rises): (Option<usize>, Option<bool>)| {
+            let mut best: Vec<(f64, Hypothesis)> = Vec::new();
+            let mask: Vec<f64> = (0..edges)
+                .map(|edge| {
+                    let change = super::basis::change_of(
+                        (edge + first.seen.shift as usize) % classes as usize,
+                        classes,
+                    );
+                    let hit = channel.is_none_or(|c| c == change.channel)
+                        && rises.is_none_or(|r| r == change.rises);
+                    f64::from(u8::from(hit))
+                })
+                .collect();
+            let masked: Vec<f64> = pull.iter().zip(&mask).map(|(p, m)| p * m).collect();
+            for width in [1.0, 2.0, 4.0, 8.0, 16.0, 32.0] {
+                if width * 8.0 > edges as f64 {
+                    continue;
+                }
+                let smooth = smoothed(&masked, width);
+                let (at, peak) = smooth.iter().copied().enumerate().fold(
+                    (0, 0.0),
+                    |best: (usize, f64), (at, v)| {
                         if v.abs() > best.1 {
                             (at, v.abs())
                         } else {
                             best
                         }
-                    });
-            let basis = Basis::Bump {
-                angle_rad: at as f64 * step,
-                width_rad: width * step,
-                channel,
-                rises,
-            };
-            // The bump's own size is close to that of any other of its kind: no need to know it before it may win.
-            best.push((
-                peak / width.sqrt(),
-                Hypothesis::of(Mechanism::LocalDefect, basis),
-            ));
-        }
-    }
+                    },
+                );
+                let basis = Basis::Bump {
+                    angle_rad: at as f64 * step,
+                    width_rad: width * step,
+                    channel,
+                    rises,
+                };
+                // The bump's own size is close to that of any other of its kind: no need to know it before it may win.
+                best.push((
+                    peak / width.sqrt(),
+                    Hypothesis::of(Mechanism::LocalDefect, basis),
+                ));
+            }
+            best
+        };
+    let kinds = kinds.into_par_iter();
+    let mut best: Vec<(f64, Hypothesis)> = kinds.flat_map_iter(of_kind).collect();
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
     best.truncate(12);
     best.into_iter().map(|(_, hypothesis)| hypothesis).collect()
@@ -156,13 +160,15 @@ fn smoothed(values: &[f64], width: f64) -> Vec<f64> {
         .map(|d| (-0.5 * (d as f64 / width).powi(2)).exp())
         .collect();
     let count = values.len();
-    (0..count)
-        .map(|at| {
-            let mut sum = values[at];
-            for (d, weight) in kernel.iter().enumerate().skip(1) {
-                sum += weight * (values[(at + d) % count] + values[(at + count - d) % count]);
-            }
-            sum
-        })
-        .collect()
+    let before = (count - reach % count) % count;
+    let round = values.iter().cycle().skip(before);
+    let round: Vec<f64> = round.take(count + 2 * reach).copied().collect();
+    let mut sums = values.to_vec();
+    for (d, weight) in kernel.iter().enumerate().skip(1) {
+        let (after, before) = (&round[reach + d..], &round[reach - d..]);
+        for ((sum, after), before) in sums.iter_mut().zip(after).zip(before) {
+            *sum += weight * (after + before);
+        }
+    }
+    sums
 }

@@ -1,16 +1,16 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
 use super::basis::Basis;
+use super::best::best;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
 use super::disc::{self, Pattern, merged};
 use super::hypothesis::Hypothesis;
 use super::pairs::pair;
 use super::propose::propose;
-use super::refine::refined;
 use super::scan::{defects, loads};
-use super::sift::{beside_disc, beyond_rigs, no_disc, passes, stands, trifle};
-use super::weigh::{Shelf, Weighed, weigh};
+use super::sift::{beside_disc, no_disc, passes};
+use super::weigh::Shelf;
 use crate::mechanism::Mechanism;
 
 /// Mechanisms at the most.
@@ -104,7 +104,7 @@ pub fn search(board: &mut Board) -> Option<Searched> {
 /// Looks once, with the noise as it is.
 fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let off = learned == Learned::Off;
-    let nuisances = board.nuisances();
+    let nuisances: Vec<Column> = board.nuisances().into_iter().map(Column::kept).collect();
     let mut found: Vec<Found> = Vec::new();
     let mut pattern: Option<Pattern> = None;
     let mut shelf = Shelf::default();
@@ -125,25 +125,25 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         proposed.retain(|one| !refused.contains(one));
         proposed.extend(loads(board, &model));
         proposed.extend(defects(board, &model));
-        let best = best(board, &model, &mut shelf, proposed);
-        let score = best.as_ref().map_or(0.0, |best| best.score);
-        // What the disc's pattern is fitted beside needs no partner.
-        if pattern.is_none()
-            && let Some(pair) = pair(board, &model, &mut shelf, score)
-        {
+        let own = learned != Learned::Never || pattern.is_some();
+        let ((best, pair), whole) = rayon::join(
+            || {
+                let best = best(board, &model, &mut shelf, proposed);
+                let score = best.as_ref().map_or(0.0, |best| best.score);
+                // What the disc's pattern is fitted beside needs no partner.
+                let alone = pattern.is_some();
+                let pair = (!alone).then(|| pair(board, &model, &mut shelf, score));
+                (best, pair.flatten())
+            },
+            || (patterns < PATTERNS).then(|| disc::pattern(board, &model, own)),
+        );
+        if let Some(pair) = pair {
             found.extend(pair);
             model = board.fit(columns(&nuisances, &found))?;
             continue;
         }
-        let whole = if patterns < PATTERNS {
-            disc::pattern(
-                board,
-                &model,
-                learned != Learned::Never || pattern.is_some(),
-            )
-        } else {
-            None
-        };
+        let score = best.as_ref().map_or(0.0, |best| best.score);
+        let whole = whole.flatten();
         let over = if pattern.is_some() { MORE } else { over };
         if let Some(whole) = whole.filter(|whole| whole.score > BEYOND.max(over * score)) {
             // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
@@ -224,51 +224,6 @@ fn squares(model: &Model) -> f64 {
 fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
     let own = found.iter().flat_map(|f| f.columns.iter());
     nuisances.iter().chain(own).cloned().collect()
-}
-
-/// The best hypothesis on top of a model.
-fn best(
-    board: &Board,
-    model: &Model,
-    shelf: &mut Shelf,
-    proposed: Vec<Hypothesis>,
-) -> Option<Found> {
-    let mut tried: Vec<Weighed> = proposed
-        .into_iter()
-        .filter_map(|hypothesis| {
-            let columns = shelf.columns(board, &hypothesis);
-            weigh(board, model, hypothesis, columns)
-        })
-        .filter(|one| !trifle(board, model, one) && !stands(board, one))
-        .filter(|one| !beyond_rigs(board, model, one))
-        .collect();
-    tried.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let top = tried.first()?.score;
-    // Only what may win is worth a closer look: a frequency a little off costs a good part. Of one kind, the best will do.
-    let mut closer: Vec<Weighed> = Vec::new();
-    let mut kinds: Vec<(Mechanism, i64)> = Vec::new();
-    for one in tried {
-        let kind = (
-            one.hypothesis.mechanism,
-            one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64),
-        );
-        let again = kinds.iter().filter(|k| **k == kind).count();
-        if one.score < 0.5 * top || again >= 1 || closer.len() >= 6 {
-            continue;
-        }
-        kinds.push(kind);
-        closer.push(refined(board, model, one));
-    }
-    closer.retain(|one| !stands(board, one));
-    closer.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut closer = closer.into_iter();
-    let first = closer.next()?;
-    Some(Found {
-        hypothesis: first.hypothesis,
-        columns: first.columns,
-        score: first.score,
-        rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
-    })
 }
 
 impl Searched {

@@ -5,10 +5,10 @@
 //! profile, is out of the residual; the mean speed, which nobody knows exactly, and the start are taken from the recording.
 
 use std::f64::consts::TAU;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::kalman::Reading;
-use super::shaft::ShaftLaw;
+use super::shaft::{ShaftLaw, Stride};
 use super::still::Still;
 use super::swing::Torques;
 use super::ties::Tie;
@@ -52,8 +52,10 @@ pub struct Seen {
     /// The twin's torques, and the angles that they give, rad.
     pub(super) torques: Torques,
     pub(super) swings: Vec<f64>,
-    /// The play that leaves the smoothest motion, rad, once it was asked for.
+    /// The play that leaves the smoothest motion, rad, once it was asked for; worked out by one thread alone.
     pub(super) smoothest: OnceLock<f64>,
+    /// How the shaft goes over the interval before each edge, once it was asked for.
+    pub(super) strides: OnceLock<Arc<Vec<Stride>>>,
 }
 
 impl Seen {
@@ -193,6 +195,13 @@ impl Seen {
     #[must_use]
     pub fn follows(&self, at: usize) -> bool {
         self.pushed && self.readings[at].jolt > 0.0
+    }
+
+    /// How the shaft goes over the interval before each edge.
+    #[must_use]
+    pub fn strides(&self) -> &[Stride] {
+        let strides = || self.readings.iter().map(|reading| reading.leap.stride());
+        self.strides.get_or_init(|| Arc::new(strides().collect()))
     }
 
     /// Turns compared.

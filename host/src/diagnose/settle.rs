@@ -8,7 +8,6 @@ use super::estimate::{Estimate, estimates};
 use super::instants::sharpened;
 use super::joined::join;
 use super::judge::{self, HeldRatios, Judged};
-use super::leftover::leftovers;
 use super::mended;
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
@@ -110,7 +109,6 @@ pub fn settle(
     let after = again
         .fit(again.nuisances())
         .unwrap_or_else(|| Model::none(&again));
-    let whiteness = (leftovers(&given, &before).1, leftovers(&again, &after).1);
     let judged = Judged {
         given: &given,
         before: &before,
@@ -119,7 +117,7 @@ pub fn settle(
         chosen: &chosen,
         nameless: &nameless(&searched, &concluded),
     };
-    let (fit, held) = judge::fit(&judged, whiteness);
+    let (fit, held) = judge::fit(&judged);
     let class_names = rig
         .first()
         .map_or(&[][..], |one| one.plan.kind.class_names());

@@ -104,10 +104,37 @@ impl Leap {
     /// Angle and speed after a push given at start, middle and end, rad/s^2.
     #[must_use]
     pub fn step(&self, state: [f64; 2], push: [f64; 3]) -> [f64; 2] {
+        self.stride().step(state, push)
+    }
+
+    /// The same for several steps of this length.
+    #[must_use]
+    pub fn stride(&self) -> Stride {
+        Stride {
+            after_s: self.after_s,
+            whole: self.reach(self.after_s),
+            half: self.reach(0.5 * self.after_s),
+        }
+    }
+}
+
+/// Steps of one length, whose exponentials are worked out once.
+#[derive(Clone, Copy, Debug)]
+pub struct Stride {
+    after_s: f64,
+    /// Angle that a speed makes, and what stays of the speed, over all of it and over its half.
+    whole: (f64, f64),
+    half: (f64, f64),
+}
+
+impl Stride {
+    /// Angle and speed after a push given at start, middle and end, rad/s^2.
+    #[must_use]
+    pub fn step(&self, state: [f64; 2], push: [f64; 3]) -> [f64; 2] {
         let h = self.after_s;
         let [y, v] = state;
-        let (reach, stays) = self.reach(h);
-        let (half_reach, half_stays) = self.reach(0.5 * h);
+        let (reach, stays) = self.whole;
+        let (half_reach, half_stays) = self.half;
         [
             y + reach * v + h / 6.0 * (reach * push[0] + 4.0 * half_reach * push[1]),
             stays * v + h / 6.0 * (stays * push[0] + 4.0 * half_stays * push[1] + push[2]),

@@ -1,11 +1,12 @@
 //! What is not worth a place among the candidates: what the disc explains as well, a trifle of a torque that the twin declares, and a
 //! pattern of the disc that does not stay.
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
-use super::board::{Board, Model};
+use super::board::{Board, Model, product};
 use super::disc::{Pattern, comes_again};
 use super::hypothesis::{Hypothesis, with_disc};
-use super::least_squares::product;
 use super::search::{BEYOND, Found};
 use super::weigh::{Shelf, Weighed, weigh};
 use crate::mechanism::Mechanism;
@@ -23,13 +24,17 @@ pub fn beside_disc(
     shelf: &mut Shelf,
     proposed: Vec<Hypothesis>,
 ) -> Vec<Hypothesis> {
-    let mut score = |hypothesis: Hypothesis| {
-        let columns = shelf.columns(board, &hypothesis);
+    let beside: Vec<(usize, Hypothesis)> = proposed
+        .into_iter()
+        .map(|alone| (alone.bases.len(), with_disc(alone, board)))
+        .collect();
+    let all: Vec<Hypothesis> = beside.iter().map(|(_, whole)| whole.clone()).collect();
+    shelf.fill(board, &all);
+    let score = |hypothesis: Hypothesis| {
+        let columns = shelf.filled(&hypothesis);
         weigh(board, model, hypothesis, columns).map(|weighed| weighed.score)
     };
-    let each = proposed.into_iter().filter_map(|alone| {
-        let own = alone.bases.len();
-        let whole = with_disc(alone, board);
+    let each = beside.into_par_iter().map(|(own, whole)| {
         let Some(disc) = Hypothesis::by_all(whole.bases[own..].to_vec()) else {
             return Some(whole);
         };
@@ -37,7 +42,7 @@ pub fn beside_disc(
         let more = score(whole.clone())? - disc;
         (more > BEYOND + SLIGHT * disc).then_some(whole)
     });
-    each.collect()
+    each.collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
 /// Whether it is a drift of the level that is over before the recordings have begun: what is then left is a width, of each recording's
@@ -52,16 +57,17 @@ pub fn stands(board: &Board, one: &Weighed) -> bool {
     board.benches.iter().all(|bench| {
         let times = &bench.seen.times_s;
         let level = |time: &f64| -((from_s - time).min(0.0) / tau_s).exp_m1();
+        let levels: Vec<f64> = times.iter().map(level).collect();
         let count = times.len() as f64;
-        let mean = times.iter().map(level).sum::<f64>() / count;
-        let squares = times.iter().map(|time| (level(time) - mean).powi(2));
+        let mean = levels.iter().sum::<f64>() / count;
+        let squares = levels.iter().map(|level| (level - mean).powi(2));
         squares.sum::<f64>() < (CHANGES * mean).powi(2) * count
     })
 }
 
 /// Whether it is a small part of a torque that the twin declares: how exactly that is known, and followed, is not this good.
 #[must_use]
-pub fn trifle(board: &Board, model: &Model, one: &Weighed) -> bool {
+pub fn trifle(board: &Board, one: &Weighed) -> bool {
     const PART: f64 = 0.04;
     let Some(rhythm) = super::conclude::cycles_a_turn(board, &one.hypothesis) else {
         return false;
@@ -82,22 +88,15 @@ pub fn trifle(board: &Board, model: &Model, one: &Weighed) -> bool {
                 Some(Basis::TorqueOrder { .. } | Basis::TorqueTone { .. }) => 1.0,
                 _ => return false,
             };
-            board.gain(model, &one.columns).is_some_and(|gain| {
-                let size = gain
-                    .sizes
-                    .iter()
-                    .map(|size| size * size)
-                    .sum::<f64>()
-                    .sqrt();
-                size * swing < PART * torque
-            })
+            let squares = one.gain.sizes.iter().map(|size| size * size);
+            squares.sum::<f64>().sqrt() * swing < PART * torque
         })
     })
 }
 
 /// Whether it is a disc that no rig has: what is far off the axis is none, but follows a motion that has another cause.
 #[must_use]
-pub fn beyond_rigs(board: &Board, model: &Model, one: &Weighed) -> bool {
+pub fn beyond_rigs(one: &Weighed) -> bool {
     let geometry = matches!(
         one.hypothesis.mechanism,
         Mechanism::Eccentricity | Mechanism::DiscTilt
@@ -106,15 +105,14 @@ pub fn beyond_rigs(board: &Board, model: &Model, one: &Weighed) -> bool {
     if !geometry && !together {
         return false;
     }
-    board.gain(model, &one.columns).is_some_and(|gain| {
-        let card = one.hypothesis.mechanism.card();
-        let size = [("amplitude_rad", gain.sizes.norm())];
-        // Patterns that all but cancel explain by what their laws leave out.
-        let largest = one.columns.iter().zip(gain.sizes.iter());
-        let largest = largest.map(|(column, size)| size * size * product(column, column));
-        geometry && card.implausible(size).is_some()
-            || together && gain.squares < CANCELLED * largest.fold(0.0, f64::max)
-    })
+    let gain = &one.gain;
+    let card = one.hypothesis.mechanism.card();
+    let size = [("amplitude_rad", gain.sizes.norm())];
+    // Patterns that all but cancel explain by what their laws leave out.
+    let largest = one.columns.iter().zip(gain.sizes.iter());
+    let largest = largest.map(|(column, size)| size * size * product(column, column));
+    geometry && card.implausible(size).is_some()
+        || together && gain.squares < CANCELLED * largest.fold(0.0, f64::max)
 }
 
 /// The first finding that beside the others has become a disc which no rig has.

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::bench::Bench;
 use super::board::{Board, PARTS};
@@ -79,16 +80,21 @@ pub fn spread(board: &Board, left: &[Vec<f64>], parts: std::ops::Range<usize>) -
 /// Spread of the noise alone.
 #[must_use]
 pub fn floor(board: &Board, parts: std::ops::Range<usize>) -> Spread {
+    let benches = board.benches.iter().enumerate();
+    let runs: Vec<(usize, &Bench, u64)> = benches
+        .flat_map(|(number, bench)| (0..RUNS).map(move |run| (number, bench, run)))
+        .collect();
+    let each = runs.into_par_iter().map(|(number, bench, run)| {
+        let mut random = ChaCha8Rng::seed_from_u64(run);
+        random.set_stream(number as u64);
+        let angles = noise(bench, &mut random);
+        let white = bench.whitened(angles.clone());
+        of_bench(bench, &white, &angles, &parts)
+    });
     let mut sum = Spread::default();
-    for (number, bench) in board.benches.iter().enumerate() {
-        for run in 0..RUNS {
-            let mut random = ChaCha8Rng::seed_from_u64(run);
-            random.set_stream(number as u64);
-            let angles = noise(bench, &mut random);
-            let white = bench.whitened(angles.clone());
-            sum.add(of_bench(bench, &white, &angles, &parts));
-        }
-    }
+    each.collect::<Vec<Spread>>()
+        .into_iter()
+        .for_each(|one| sum.add(one));
     sum
 }
 

@@ -3,6 +3,8 @@
 //! The twin says at which angle its shaft starts, and between two edges that is sure to half a step. A disc whose errors are larger
 //! than that is out by lines; then it fits none of the other recordings. What the recordings show of it says by how many.
 
+use rayon::prelude::*;
+
 use super::prepare::seen;
 use super::run::Recorded;
 use super::seen::Seen;
@@ -22,7 +24,7 @@ pub fn counted(rig: &mut [Recorded]) {
         return;
     }
     let shown: Vec<Option<Vec<f64>>> = rig
-        .iter()
+        .par_iter()
         .map(|one| seen(one).ok().and_then(|seen| shown(&seen)))
         .collect();
     let Some(Some(first)) = shown.first() else {

@@ -116,6 +116,11 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
                 after_s: whole.after_s / steps,
                 ..whole
             };
+            let half_leap = Leap {
+                after_s: 0.5 * leap.after_s,
+                ..leap
+            };
+            let (stride, half_stride) = (leap.stride(), half_leap.stride());
             // Twice as many places as steps: middles count too.
             let places = 2 * steps as usize;
             let push = |place: usize| {
@@ -131,12 +136,8 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
             let mut first = push(0);
             for step in 0..places / 2 {
                 let [half, last] = [push(2 * step + 1), push(2 * step + 2)];
-                let middle = Leap {
-                    after_s: 0.5 * leap.after_s,
-                    ..leap
-                }
-                .step(state, [first, 0.5 * (first + half), half]);
-                state = leap.step(state, [first, half, last]);
+                let middle = half_stride.step(state, [first, 0.5 * (first + half), half]);
+                state = stride.step(state, [first, half, last]);
                 path.swings.extend([middle[0], state[0]]);
                 first = last;
             }

@@ -2,8 +2,10 @@
 
 use std::collections::HashMap;
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
-use super::board::{Board, Column, Model};
+use super::board::{Board, Column, Gain, Model};
 use super::hypothesis::Hypothesis;
 
 /// Columns that were made before, as long as the noise stays the same.
@@ -13,6 +15,28 @@ pub struct Shelf {
 }
 
 impl Shelf {
+    /// Makes what some hypotheses' columns lack, all at once.
+    pub fn fill(&mut self, board: &Board, hypotheses: &[Hypothesis]) {
+        let mut lacks: Vec<(String, Basis)> = Vec::new();
+        for basis in hypotheses.iter().flat_map(|one| &one.bases) {
+            let name = name(*basis);
+            if !self.columns.contains_key(&name) && !lacks.iter().any(|(other, _)| *other == name) {
+                lacks.push((name, *basis));
+            }
+        }
+        let made = lacks.into_par_iter();
+        let made = made.map(|(name, basis)| (name, kept(board, basis)));
+        self.columns.extend(made.collect::<Vec<_>>());
+    }
+
+    /// A hypothesis' columns, which were made before.
+    #[must_use]
+    pub fn filled(&self, hypothesis: &Hypothesis) -> Vec<Column> {
+        let each = hypothesis.bases.iter();
+        each.flat_map(|basis| self.columns.get(&name(*basis)).cloned().unwrap_or_default())
+            .collect()
+    }
+
     /// A hypothesis' columns.
     pub fn columns(&mut self, board: &Board, hypothesis: &Hypothesis) -> Vec<Column> {
         hypothesis
@@ -23,10 +47,20 @@ impl Shelf {
     }
 
     fn of(&mut self, board: &Board, basis: Basis) -> Vec<Column> {
-        let name = format!("{basis:?}");
-        let made = self.columns.entry(name);
-        made.or_insert_with(|| board.columns(basis)).clone()
+        let made = self.columns.entry(name(basis));
+        made.or_insert_with(|| kept(board, basis)).clone()
     }
+}
+
+/// A pattern's columns, which are weighed again and again.
+fn kept(board: &Board, basis: Basis) -> Vec<Column> {
+    let columns = board.columns(basis).into_iter();
+    columns.map(Column::kept).collect()
+}
+
+/// What tells a pattern from all others.
+fn name(basis: Basis) -> String {
+    format!("{basis:?}")
 }
 
 /// A hypothesis on top of a model.
@@ -38,6 +72,8 @@ pub struct Weighed {
     pub columns: Vec<Column>,
     /// Fall of the sum of squares less what its numbers cost (Schwarz).
     pub score: f64,
+    /// What they would do.
+    pub gain: Gain,
 }
 
 /// Weighs a hypothesis; none where it can't be told from what is there.
@@ -67,5 +103,6 @@ pub fn weigh(
         hypothesis,
         columns: shown,
         score,
+        gain,
     })
 }

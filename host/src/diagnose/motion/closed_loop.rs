@@ -6,6 +6,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::MotionFinding;
 use super::decided::decided;
 use super::gains::{Side, gains, noise_of};
@@ -47,7 +49,7 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
         return None;
     }
     let mut sides: Vec<Side> = rig
-        .iter()
+        .par_iter()
         .zip(&board.benches)
         .map(|(one, bench)| side(one, bench))
         .collect();
@@ -57,12 +59,14 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
         .min_by(|a, b| a.sampled.rate_hz.total_cmp(&b.sampled.rate_hz))?;
     let rate = scan::rate(&slowest.sampled, slowest.noise)?;
     let mut f_hz = rate.f_hz;
-    sides.iter_mut().for_each(|side| side.sampled.centre(f_hz));
+    sides
+        .par_iter_mut()
+        .for_each(|side| side.sampled.centre(f_hz));
     let mut found = gains(&sides, f_hz)?;
     for _ in 0..2 {
-        for side in &mut sides {
-            side.noise = noise_of(side, f_hz, found.sizes);
-        }
+        sides
+            .par_iter_mut()
+            .for_each(|side| side.noise = noise_of(side, f_hz, found.sizes));
         (f_hz, found) = sharpened(&sides, f_hz)?;
     }
     f_hz = polished(&sides, f_hz, found.sizes);
@@ -75,12 +79,13 @@ pub fn recognised(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
     let decided = decided(rig, &sides, f_hz, [kp, ki], &put)?;
     let [kp, ki] = decided.sizes;
     let [kp_error, ki_error] = decided.errors;
-    let delta_bic = sides
-        .iter()
+    let each: Vec<f64> = sides
+        .par_iter()
         .zip(&decided.benches)
         .map(|(side, looped)| gained(side.bench, looped))
-        .sum::<f64>()
-        - (3.0 + decided.turned as f64) * found.edges.ln();
+        .collect();
+    let delta_bic =
+        each.into_iter().sum::<f64>() - (3.0 + decided.turned as f64) * found.edges.ln();
     let damps = ki < kp * kp && ki > -2.0 * ki_error;
     let known = kp > KNOWN * kp_error && BANDWIDTH_HZ.contains(&(kp / TAU));
     if delta_bic < EVIDENCE_LEAST.max(EVIDENCE_AN_EDGE * found.edges) || !damps || !known {
@@ -181,5 +186,6 @@ fn gained(open: &Bench, looped: &Bench) -> f64 {
             noise,
         )
     };
-    cost(open) - cost(looped)
+    let (open, looped) = rayon::join(|| cost(open), || cost(looped));
+    open - looped
 }

@@ -102,12 +102,13 @@ fn rows_of(side: &Side, bench: &Bench, f_hz: f64, missed: &[f64]) -> Option<Rows
         .first()
         .map_or(1.0, |speed| speed.signum());
     let white = |row: Vec<f64>| bench.whitened(row.iter().map(|value| way * value).collect());
-    let columns = sampled.responses(&edges, f_hz, |sample| {
+    let spans = sampled.spans(edges);
+    let columns: [Vec<f64>; 2] = sampled.responses(&spans, f_hz, |sample| {
         missed.get(sample as usize).copied().unwrap_or(0.0)
     });
     Some(Rows {
         columns: columns.map(white),
-        steady: sampled.steady(&edges).map(white),
+        steady: sampled.steady(&spans).map(white),
         left: bench.white.clone(),
     })
 }

@@ -1,6 +1,7 @@
 //! Gains of a speed loop by least squares over all recordings, and the noise once the loop is taken off.
 
 use nalgebra::{Matrix2, Vector2};
+use rayon::prelude::*;
 
 use super::sampled::Sampled;
 use super::solve::{Rows, dot, solved};
@@ -32,7 +33,9 @@ pub struct Gains {
 
 /// Columns of a side: both gains, then what a shift of the mean speed makes.
 fn columns(side: &Side, edges: &[usize], f_hz: f64) -> [Vec<f64>; 4] {
-    let ([kp, ki], [level, slope]) = (side.sampled.gains(edges, f_hz), side.sampled.steady(edges));
+    let spans = side.sampled.spans(edges.to_vec());
+    let [kp, ki] = side.sampled.gains(&spans, f_hz);
+    let [level, slope] = side.sampled.steady(&spans);
     [kp, ki, level, slope]
 }
 
@@ -40,7 +43,7 @@ fn columns(side: &Side, edges: &[usize], f_hz: f64) -> [Vec<f64>; 4] {
 #[must_use]
 pub fn gains(sides: &[Side], f_hz: f64) -> Option<Gains> {
     let (mut rows, mut scale, mut edges) = (Vec::new(), 0.0, 0.0);
-    for side in sides {
+    let each = sides.par_iter().map(|side| {
         let all = side.sampled.edges_for(f_hz, 1);
         let whitener = side.sampled.whitener(&all, side.noise);
         let [kp, ki, level, slope] = columns(side, &all, f_hz).map(|mut column| {
@@ -49,13 +52,17 @@ pub fn gains(sides: &[Side], f_hz: f64) -> Option<Gains> {
         });
         let mut left = side.sampled.angles_at(&all);
         whitener.whiten(&mut left);
-        scale += whitener.log_variance();
-        edges += all.len() as f64;
-        rows.push(Rows {
+        let row = Rows {
             columns: [kp, ki],
             steady: [level, slope],
             left,
-        });
+        };
+        (row, whitener.log_variance(), all.len() as f64)
+    });
+    for (row, log_variance, count) in each.collect::<Vec<_>>() {
+        scale += log_variance;
+        edges += count;
+        rows.push(row);
     }
     let solved = solved(rows)?;
     Some(Gains {

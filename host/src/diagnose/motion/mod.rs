@@ -13,6 +13,7 @@ pub mod slide_fit;
 pub mod slip;
 pub mod slip_fit;
 pub mod solve;
+pub mod spans;
 pub mod stick_slip;
 #[cfg(test)]
 mod tests;

@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use super::spans::{Held, Spans};
 use crate::diagnose::kalman::{Reading, ShaftNoise, Whitener};
 use crate::diagnose::seen::Seen;
 use crate::diagnose::shaft::{Leap, ShaftLaw};
@@ -153,14 +154,39 @@ impl Sampled {
         }
     }
 
+    /// Some edges with what a constant push does between them, whatever the rate.
+    #[must_use]
+    pub fn spans(&self, edges: Vec<usize>) -> Spans {
+        let mut before = edges.first().copied().unwrap_or(0);
+        let each = edges.iter().map(|&edge| {
+            let last = std::mem::replace(&mut before, edge);
+            Held::over(self.times_s[edge] - self.times_s[last], self.damping)
+        });
+        Spans {
+            held: each.collect(),
+            edges,
+        }
+    }
+
     /// Responses at some edges to both gains, sampled at `f_hz`.
     #[must_use]
-    pub fn gains(&self, edges: &[usize], f_hz: f64) -> [Vec<f64>; 2] {
-        let mut near = edges[0];
-        self.responses(edges, f_hz, |sample| {
+    pub fn gains(&self, spans: &Spans, f_hz: f64) -> [Vec<f64>; 2] {
+        let mut near = spans.edges[0];
+        self.responses(spans, f_hz, |sample| {
             near = self.edge_at(sample / f_hz, near);
             self.misses[near]
         })
+    }
+
+    /// The first of them alone.
+    #[must_use]
+    pub fn gain(&self, spans: &Spans, f_hz: f64) -> Vec<f64> {
+        let mut near = spans.edges[0];
+        let [proportional] = self.responses(spans, f_hz, |sample| {
+            near = self.edge_at(sample / f_hz, near);
+            self.misses[near]
+        });
+        proportional
     }
 
     /// What a loop sampled at `f_hz` missed at each sample, from sample 0 on.
@@ -176,31 +202,30 @@ impl Sampled {
             .collect()
     }
 
-    /// Responses at some edges to both gains of a loop that misses at each sample what it says.
+    /// Responses at some edges to the gains of a loop, the proportional one first, that misses at each sample what it says.
     #[must_use]
-    pub fn responses(
+    pub fn responses<const N: usize>(
         &self,
-        edges: &[usize],
+        spans: &Spans,
         f_hz: f64,
         mut missed: impl FnMut(f64) -> f64,
-    ) -> [Vec<f64>; 2] {
-        let mut out = [
-            Vec::with_capacity(edges.len()),
-            Vec::with_capacity(edges.len()),
-        ];
-        let (mut states, mut pushes) = ([[0.0; 2]; 2], [0.0; 2]);
+    ) -> [Vec<f64>; N] {
+        let edges = &spans.edges;
+        let mut out = std::array::from_fn(|_| Vec::with_capacity(edges.len()));
+        let (mut states, mut pushes) = ([[0.0; 2]; N], [0.0; 2]);
         let mut now = self.times_s[edges[0]];
         let mut sample = (now * f_hz).floor() - 1.0;
-        for &edge in edges {
-            let end = self.times_s[edge];
+        for (&edge, whole) in edges.iter().zip(&spans.held) {
+            let (start, end) = (now, self.times_s[edge]);
             loop {
                 let next = (sample + 1.0) / f_hz;
                 if next > end {
                     break;
                 }
                 if next > now {
+                    let held = Held::over(next - now, self.damping);
                     for (state, push) in states.iter_mut().zip(pushes) {
-                        *state = went(*state, push, next - now, self.damping);
+                        *state = held.pushed(*state, push);
                     }
                     now = next;
                 }
@@ -208,19 +233,26 @@ impl Sampled {
                 sample += 1.0;
                 pushes[0] = missed(sample);
             }
+            let held = if now == start {
+                *whole
+            } else {
+                Held::over(end - now, self.damping)
+            };
             for (state, push) in states.iter_mut().zip(pushes) {
-                *state = went(*state, push, end - now, self.damping);
+                *state = held.pushed(*state, push);
             }
             now = end;
-            out[0].push(states[0][0]);
-            out[1].push(states[1][0]);
+            for (out, state) in out.iter_mut().zip(states) {
+                out.push(state[0]);
+            }
         }
         out
     }
 
     /// Responses at some edges to a constant push and to one that grows by the second.
     #[must_use]
-    pub fn steady(&self, edges: &[usize]) -> [Vec<f64>; 2] {
+    pub fn steady(&self, spans: &Spans) -> [Vec<f64>; 2] {
+        let edges = &spans.edges;
         let (mut level, mut slope) = ([0.0; 2], [0.0; 2]);
         let start = self.times_s[edges[0]];
         let mut now = start;
@@ -228,30 +260,14 @@ impl Sampled {
             Vec::with_capacity(edges.len()),
             Vec::with_capacity(edges.len()),
         ];
-        for &edge in edges {
+        for (&edge, held) in edges.iter().zip(&spans.held) {
             let end = self.times_s[edge];
-            level = went(level, 1.0, end - now, self.damping);
-            slope = went(slope, 0.5 * (now + end) - start, end - now, self.damping);
+            level = held.pushed(level, 1.0);
+            slope = held.pushed(slope, 0.5 * (now + end) - start);
             now = end;
             out[0].push(level[0]);
             out[1].push(slope[0]);
         }
         out
     }
-}
-
-/// Angle and speed after a constant push.
-fn went([angle, speed]: [f64; 2], push: f64, after_s: f64, damping: f64) -> [f64; 2] {
-    let leap = Leap { after_s, damping };
-    let (reach, stays) = leap.reach(after_s);
-    let x = damping * after_s;
-    let far = if x < 0.01 {
-        0.5 * after_s * after_s * (1.0 - x / 3.0 + x * x / 12.0)
-    } else {
-        (after_s - reach) / damping
-    };
-    [
-        angle + reach * speed + far * push,
-        stays * speed + reach * push,
-    ]
 }

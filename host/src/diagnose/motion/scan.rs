@@ -4,8 +4,11 @@
 //! the number of edges: so a rate that explains the motion is a fingerprint of a loop. Short pieces of some samples are searched
 //! for rates with few of their edges; what is best there is followed through ever longer pieces.
 
+use rayon::prelude::*;
+
 use super::sampled::Sampled;
 use super::solve::{dot, without};
+use super::spans::Spans;
 use crate::diagnose::kalman::ShaftNoise;
 
 /// Samples of the first pieces, and most edges between samples for which so many are gone through: short ones find a loop whose push
@@ -42,7 +45,7 @@ pub struct Rate {
 /// A piece ready to be held against rates.
 struct Piece<'a> {
     sampled: &'a Sampled,
-    edges: Vec<usize>,
+    spans: Spans,
     whitener: crate::diagnose::kalman::Whitener,
     left: Vec<f64>,
     /// Constant and growing push, white, orthonormal.
@@ -53,8 +56,10 @@ struct Piece<'a> {
 impl<'a> Piece<'a> {
     fn new(sampled: &'a Sampled, edges: Vec<usize>, noise: ShaftNoise) -> Self {
         let whitener = sampled.whitener(&edges, noise);
+        let mut left = sampled.angles_at(&edges);
+        let spans = sampled.spans(edges);
         let mut steady: Vec<Vec<f64>> = Vec::new();
-        for mut column in sampled.steady(&edges) {
+        for mut column in sampled.steady(&spans) {
             whitener.whiten(&mut column);
             for before in &steady {
                 without(&mut column, before);
@@ -65,7 +70,6 @@ impl<'a> Piece<'a> {
                 steady.push(column);
             }
         }
-        let mut left = sampled.angles_at(&edges);
         whitener.whiten(&mut left);
         for column in &steady {
             without(&mut left, column);
@@ -73,7 +77,7 @@ impl<'a> Piece<'a> {
         let squares = dot(&left, &left);
         Self {
             sampled,
-            edges,
+            spans,
             whitener,
             left,
             steady,
@@ -83,7 +87,12 @@ impl<'a> Piece<'a> {
 
     /// What speaks for a rate.
     fn evidence(&self, f_hz: f64, both: bool) -> f64 {
-        let [mut kp, mut ki] = self.sampled.gains(&self.edges, f_hz);
+        let (mut kp, ki) = if both {
+            let [kp, ki] = self.sampled.gains(&self.spans, f_hz);
+            (kp, Some(ki))
+        } else {
+            (self.sampled.gain(&self.spans, f_hz), None)
+        };
         self.whitener.whiten(&mut kp);
         for column in &self.steady {
             without(&mut kp, column);
@@ -93,7 +102,7 @@ impl<'a> Piece<'a> {
             return 0.0;
         }
         let mut explained = with * with / own;
-        if both {
+        if let Some(mut ki) = ki {
             self.whitener.whiten(&mut ki);
             for column in &self.steady {
                 without(&mut ki, column);
@@ -108,7 +117,7 @@ impl<'a> Piece<'a> {
             }
         }
         let share = (explained / self.squares).clamp(0.0, 1.0 - 1e-12);
-        -(self.edges.len() as f64) * (1.0 - share).ln()
+        -(self.spans.edges.len() as f64) * (1.0 - share).ln()
     }
 }
 
@@ -135,14 +144,19 @@ fn first(sampled: &Sampled, noise: ShaftNoise, samples: f64, most: f64) -> Vec<(
         let piece = Piece::new(sampled, edges, noise);
         // Half an edge at the end of the piece.
         let finer = 1.0 - 0.5 / (sampled.time_s(count - 1) * sampled.rate_hz);
-        let mut f_hz = top;
-        while f_hz > 0.5 * top {
-            let evidence = piece.evidence(f_hz, false);
-            if evidence > EVIDENCE_LEAST {
-                kept.push((Rate { f_hz, evidence }, count));
-            }
-            f_hz *= finer;
-        }
+        let all = std::iter::successors(Some(top), |f_hz| Some(f_hz * finer));
+        let all: Vec<f64> = all.take_while(|f_hz| *f_hz > 0.5 * top).collect();
+        let rates: Vec<Rate> = all
+            .into_par_iter()
+            .map(|f_hz| Rate {
+                f_hz,
+                evidence: piece.evidence(f_hz, false),
+            })
+            .collect();
+        let worth = rates
+            .into_iter()
+            .filter(|one| one.evidence > EVIDENCE_LEAST);
+        kept.extend(worth.map(|rate| (rate, count)));
         apart *= 2.0;
     }
     kept
@@ -201,7 +215,7 @@ fn longer(sampled: &Sampled, rates: &[Rate], count: usize, noise: ShaftNoise) ->
     let piece = Piece::new(sampled, edges, noise);
     let step = 0.35 / (sampled.time_s(count - 1) * sampled.rate_hz);
     let mut found: Vec<Rate> = rates
-        .iter()
+        .par_iter()
         .map(|rate| {
             (-5..=5)
                 .map(|i| {

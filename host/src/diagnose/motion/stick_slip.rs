@@ -6,6 +6,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::MotionFinding;
 use super::broke_away::broke_away;
 use super::rests::{EDGES_LEAST, SLIPS_LEAST, Slips, slips};
@@ -39,7 +41,7 @@ struct Seen {
 #[must_use]
 pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
     let seen: Vec<(usize, Seen)> = rig
-        .iter()
+        .par_iter()
         .enumerate()
         .filter_map(|(at, one)| Some((at, looked_at(one)?)))
         .collect();

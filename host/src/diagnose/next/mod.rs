@@ -5,6 +5,8 @@ mod rehearsal;
 #[cfg(test)]
 mod tests;
 
+use rayon::prelude::*;
+
 use super::diagnosis::{Expected, NextRecording};
 use super::run::Recorded;
 use super::settle::Settled;
@@ -23,7 +25,7 @@ const CLOSER: usize = 2;
 /// not ambiguous.
 #[must_use]
 pub fn recordings(rig: &[Recorded], settled: &Settled) -> Vec<Option<NextRecording>> {
-    let named = settled.concluded.named.iter().enumerate();
+    let named = settled.concluded.named.par_iter().enumerate();
     let each = named.map(|(number, name)| {
         (!name.alike.is_empty()).then(|| {
             let own = name.hypothesis.mechanism;
@@ -35,14 +37,14 @@ pub fn recordings(rig: &[Recorded], settled: &Settled) -> Vec<Option<NextRecordi
 
 /// The candidate that shows most for what it takes, as simulated.
 fn rehearsed(rig: &[Recorded], settled: &Settled, number: usize) -> Option<NextRecording> {
-    let rehearsal = Rehearsal::of(rig, settled, number)?;
-    let mechanisms: Vec<Mechanism> = rehearsal.mechanisms().collect();
-    if mechanisms.len() < 2 {
+    if settled.concluded.named.get(number)?.look_alikes.is_empty() {
         return None;
     }
+    let rehearsal = Rehearsal::of(rig, settled, number)?;
+    let mechanisms: Vec<Mechanism> = rehearsal.mechanisms().collect();
     let bench = settled.given.benches.first()?;
     let mut tried: Vec<(Candidate, f64)> = candidates(&rig.first()?.twin, bench)
-        .into_iter()
+        .into_par_iter()
         .filter_map(|one| {
             let shows = rehearsal.difference(&one, 0)?;
             Some((one, shows))
@@ -50,8 +52,9 @@ fn rehearsed(rig: &[Recorded], settled: &Settled, number: usize) -> Option<NextR
         .collect();
     tried.sort_by(|a, b| worth(&b.0, b.1).total_cmp(&worth(&a.0, a.1)));
     // The one that shows most whichever it is.
-    let closer = tried.into_iter().take(CLOSER).filter_map(|(one, first)| {
-        let each = mechanisms.iter().enumerate().map(|(truth, mechanism)| {
+    tried.truncate(CLOSER);
+    let closer = tried.into_par_iter().filter_map(|(one, first)| {
+        let each = mechanisms.par_iter().enumerate().map(|(truth, mechanism)| {
             let delta_bic = match truth {
                 0 => first,
                 _ => rehearsal.difference(&one, truth)?,
@@ -65,8 +68,10 @@ fn rehearsed(rig: &[Recorded], settled: &Settled, number: usize) -> Option<NextR
         let least = expected.iter().map(|e| e.delta_bic).reduce(f64::min)?;
         Some((one, expected, least))
     });
-    let (best, expected, least) =
-        closer.max_by(|a, b| worth(&a.0, a.2).total_cmp(&worth(&b.0, b.2)))?;
+    let closer: Vec<(Candidate, Vec<Expected>, f64)> = closer.collect();
+    let (best, expected, least) = closer
+        .into_iter()
+        .max_by(|a, b| worth(&a.0, a.2).total_cmp(&worth(&b.0, b.2)))?;
     if least < DECIDES {
         return Some(undecided(mechanisms[0], &mechanisms[1..], &best, least));
     }

@@ -74,7 +74,7 @@ impl<'a> Rehearsal<'a> {
         twin.timer.raw_captures = false;
         let mut rehearsal = Self {
             rig,
-            nuisances: board.nuisances(),
+            nuisances: board.nuisances().into_iter().map(Column::kept).collect(),
             board,
             twin,
             rivals: Vec::new(),
@@ -89,7 +89,11 @@ impl<'a> Rehearsal<'a> {
 
     /// Adds a rival with sizes, or those that fit the recordings best.
     fn add(&mut self, hypothesis: Hypothesis, sizes: Option<Vec<f64>>) -> Option<()> {
-        let columns = hypothesis.columns(&self.board);
+        let columns: Vec<Column> = hypothesis
+            .columns(&self.board)
+            .into_iter()
+            .map(Column::kept)
+            .collect();
         let sizes = match sizes {
             Some(sizes) => sizes,
             None => {
@@ -225,6 +229,7 @@ impl<'a> Rehearsal<'a> {
             benches: board.benches.last().cloned().into_iter().collect(),
             tied: board.tied,
             clear: std::sync::OnceLock::new(),
+            products: board.products.clone(),
         }
     }
 }

@@ -5,6 +5,8 @@
 //! at one speed tell them apart by their correlation and two speeds by their size. The likelihood is that of the innovations,
 //! -1/2 sum(ln S + v^2 / S) (Schweppe, IEEE Trans. Information Theory 11, 1965), climbed by Fisher's scoring.
 
+use rayon::prelude::*;
+
 use super::super::board::Board;
 use super::super::kalman::{Reading, ShaftNoise, Whitener};
 
@@ -90,9 +92,13 @@ pub fn fit(board: &Board, left: &[Vec<f64>]) -> Levels {
     };
     let (few, all) = (rows(EDGES_FIRST), rows(usize::MAX / 1_000_000));
     let near = climb(&few, unit, [0.0; 2], true, 12);
-    let top = climb(&all, unit, near.place, true, 3);
-    let none = climb(&few, unit, [near.place[0], 0.0], false, 12);
-    let none = climb(&all, unit, none.place, false, 2);
+    let (top, none) = rayon::join(
+        || climb(&all, unit, near.place, true, 3),
+        || {
+            let none = climb(&few, unit, [near.place[0], 0.0], false, 12);
+            climb(&all, unit, none.place, false, 2)
+        },
+    );
     let noises: Vec<ShaftNoise> = all.iter().map(|row| row.noise(unit, top.place)).collect();
     let each = board.benches.iter().zip(&noises);
     let whiteners: Vec<Whitener> = each
@@ -160,19 +166,24 @@ fn log_likelihood(looks: &[Vec<Option<[f64; 2]>>]) -> f64 {
 /// Climbs from a place; with `stamps` held at the declared there is the torque alone.
 fn climb(rows: &[Row<'_>], unit: f64, from: Place, stamps: bool, most: usize) -> Top {
     const STEP: f64 = 1e-4;
-    let look = |place: Place| -> Vec<_> { rows.iter().map(|row| row.look(unit, place)).collect() };
+    let look =
+        |place: Place| -> Vec<_> { rows.par_iter().map(|row| row.look(unit, place)).collect() };
     let mut place = from;
     let mut here = look(place);
     let mut log = log_likelihood(&here);
     let mut error = f64::INFINITY;
     for _ in 0..most {
-        let torque = look([place[0] + STEP, place[1]]);
         let wide = STEP * (1.0 + place[1]).max(0.1);
-        let stamp = if stamps {
-            look([place[0], place[1] + wide])
-        } else {
-            here.clone()
-        };
+        let (torque, stamp) = rayon::join(
+            || look([place[0] + STEP, place[1]]),
+            || {
+                if stamps {
+                    look([place[0], place[1] + wide])
+                } else {
+                    here.clone()
+                }
+            },
+        );
         let sums = Slopes::of(&here, &torque, &stamp, [STEP, wide]);
         let (step, over) = sums.step(stamps);
         error = over;

@@ -71,6 +71,16 @@ impl NoiseFinding {
 /// Everything that the noise lacks, going by what the patterns of a model leave.
 #[must_use]
 pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
+    findings(board, left, false)
+}
+
+/// The same if there is a task or a mode in it; else nothing, which is soon known.
+#[must_use]
+pub fn rhythmic_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
+    findings(board, left, true)
+}
+
+fn findings(board: &Board, left: &Model, rhythmic: bool) -> Vec<NoiseFinding> {
     // A task is a pattern, but moves edges as no other does.
     let task = task::find(board, &left.left);
     let mut rest = left.left.clone();
@@ -86,6 +96,9 @@ pub fn noise_findings(board: &Board, left: &Model) -> Vec<NoiseFinding> {
     } else {
         resonance::find(board, left)
     };
+    if rhythmic && task.is_none() && mode.is_none() {
+        return Vec::new();
+    }
     let levels = levels::fit(board, &rest);
     // A mode makes torque noise uneven and so moves the levels; stamps do not make a mode.
     let resonant = mode.filter(|mode| mode.gain > levels.gain() - 20.0);

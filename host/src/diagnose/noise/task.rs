@@ -130,7 +130,7 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
         .map(|(at, row)| Some(row.pattern(&numbers, at)));
     Some(Task {
         finding,
-        column: Column(column.collect()),
+        column: Column::of(column),
         squares,
     })
 }
