@@ -2,7 +2,7 @@
 //!
 //! The residual of each edge less the mean of all edges within a turn of way to either side is what is faster than about two turns:
 //! an error that comes again each turn keeps its whole size in it, offset and speed are gone, and so is the slow wander of the shaft.
-//! Those means, less a straight line in time, are what is slow. Edges against each other show under neither where the shaft wanders
+//! Those means, less a straight line in time and what is left of the speed at the start, are what is slow. Edges against each other show under neither where the shaft wanders
 //! more: for them there is how far each comes from where those before it let it expect. The floor is what noise alone makes of each.
 
 use std::f64::consts::TAU;
@@ -20,6 +20,8 @@ use super::shaft::Leap;
 const RUNS: u64 = 4;
 /// Turns from which on the mean is over two of them; over one in shorter recordings.
 const LONG_TURNS: f64 = 6.0;
+/// Part of what fades from the start that is no straight line, from which on it is told from one.
+const LINE: f64 = 1e-3;
 
 /// Sums of squares over edges.
 #[derive(Clone, Copy, Debug, Default)]
@@ -156,17 +158,52 @@ fn of_bench(
             sum.step_count += 1.0;
         }
     }
-    let means = means(&bench.seen, angles);
+    let angles = steady(bench, angles);
+    let means = means(&bench.seen, &angles);
     let there: Vec<(f64, f64, f64)> = range
         .filter(|at| !bench.seen.follows(*at))
         .filter_map(|at| means[at].map(|mean| (bench.seen.times_s[at], mean, angles[at] - mean)))
         .collect();
     Spread {
         fast: there.iter().map(|one| one.2 * one.2).sum(),
-        slow: beside_line(&there),
+        slow: off_line(&there).iter().map(|off| off * off).sum(),
         count: there.len() as f64,
         ..sum
     }
+}
+
+/// Angles less what the speed at the start, which is anyone's guess, made of them: it fades as the shaft's law has it.
+fn steady(bench: &Bench, angles: &[f64]) -> Vec<f64> {
+    let readings = &bench.seen.readings;
+    if readings
+        .iter()
+        .skip(1)
+        .any(|reading| reading.fresh || reading.anew)
+    {
+        return angles.to_vec();
+    }
+    let (mut way, mut speed) = (0.0, 1.0);
+    let fading = readings.iter().map(|reading| {
+        let (reach, stays) = reading.leap.reach(reading.leap.after_s);
+        way += reach * speed;
+        speed *= stays;
+        way
+    });
+    let fading: Vec<f64> = fading.collect();
+    let rows = |values: &[f64]| -> Vec<(f64, f64, f64)> {
+        let each = bench.seen.times_s.iter().zip(values);
+        each.map(|(time, value)| (*time, *value, 0.0)).collect()
+    };
+    // What a line does as well is taken off already.
+    let apart = off_line(&rows(&fading));
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let own = product(&apart, &apart);
+    if own <= LINE * product(&fading, &fading) {
+        return angles.to_vec();
+    }
+    let size = product(&apart, &off_line(&rows(angles))) / own;
+    let each = angles.iter().zip(&fading);
+    each.map(|(angle, way)| angle - size * way).collect()
 }
 
 /// Mean of all edges within a turn of way, or half of one, to either side; none where there is not so much.
@@ -227,8 +264,8 @@ fn unbroken(seen: &Seen, angles: &[f64], range: std::ops::Range<usize>, means: &
     }
 }
 
-/// Sum of squares beside the straight line through rows of time and value.
-fn beside_line(rows: &[(f64, f64, f64)]) -> f64 {
+/// Values of rows of time and value, less the straight line through them.
+fn off_line(rows: &[(f64, f64, f64)]) -> Vec<f64> {
     let count = rows.len() as f64;
     let mean =
         |value: &dyn Fn(&(f64, f64, f64)) -> f64| rows.iter().map(value).sum::<f64>() / count;
@@ -239,9 +276,9 @@ fn beside_line(rows: &[(f64, f64, f64)]) -> f64 {
         own += (row.0 - time).powi(2);
     }
     let slope = if own > 0.0 { across / own } else { 0.0 };
-    rows.iter()
-        .map(|row| (row.1 - value - slope * (row.0 - time)).powi(2))
-        .sum()
+    let each = rows.iter();
+    each.map(|row| row.1 - value - slope * (row.0 - time))
+        .collect()
 }
 
 #[cfg(test)]
