@@ -52,8 +52,9 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         )
     } else {
         format!(
-            "stamps spread by {:.3e} s RMS on top of the declared {declared:.3e} s",
-            size
+            "stamps spread by {} RMS on top of the declared {}",
+            si(size, "s"),
+            si(declared, "s")
         )
     };
     Some(NoiseFinding {
