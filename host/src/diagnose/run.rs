@@ -10,10 +10,10 @@ use super::diagnosis::{Diagnosis, Finding};
 use super::motion::foretold::Foretold;
 use super::motion::{closed_loop, stick_slip};
 use super::next;
-use super::noise::{NoiseFinding, is_own, noise_findings, own_columns};
+use super::noise::{NoiseFinding, find_task, is_own, noise_findings, own_columns};
 use super::plots;
 use super::prepare;
-use super::search::{Searched, search};
+use super::search::{Found, Searched, search};
 use super::settle::settle;
 use super::shown::Shown;
 use super::start;
@@ -153,6 +153,9 @@ fn noise(
     let mut noise: Vec<NoiseFinding> = Vec::new();
     if rhythms || concluded.nameless.is_some() {
         noise = instead(rig, given, searched);
+        if noise.is_empty() {
+            noise.extend(task_beside(board, searched));
+        }
         if !noise.is_empty() {
             concluded
                 .named
@@ -167,6 +170,20 @@ fn noise(
         .iter()
         .map(|one| of_noise(one, &rig[0].twin))
         .collect()
+}
+
+/// A task that explains the rhythms that were found, beside whatever else was.
+fn task_beside(board: &Board, searched: &Searched) -> Option<NoiseFinding> {
+    let rhythm = |found: &&Found| found.hypothesis.rhythm().is_some();
+    let score: f64 = searched.found.iter().filter(rhythm).map(|f| f.score).sum();
+    let others = searched.found.iter().filter(|found| !rhythm(found));
+    let columns = board
+        .nuisances()
+        .into_iter()
+        .chain(others.flat_map(|found| found.columns.clone()));
+    let model = board.fit(columns.collect())?;
+    let task = find_task(board, &model.left)?.finding;
+    (task.plausible() && task.delta_bic > TASK * score).then_some(task)
 }
 
 /// Noise that is one thing where the rhythms that were found are many: a mode or a task.
