@@ -1,5 +1,6 @@
 //! The report of a diagnosis.
 
+mod compared;
 mod curves;
 #[cfg(test)]
 pub(crate) mod example;
