@@ -82,6 +82,10 @@ fn a_twin_of_another_encoder_is_refused() {
     write("60.toml", &TWIN.replace("lines = 50", "lines = 60"));
     write("no-z.toml", &TWIN.replace("index = true", "index = false"));
     write(
+        "clock.toml",
+        &TWIN.replace("clock_hz = 84_000_000", "clock_hz = 72_000_000"),
+    );
+    write(
         "wheel.toml",
         &TWIN
             .replace(QUADRATURE, "[encoder.wheel]\nteeth = 5")
@@ -107,6 +111,10 @@ fn a_twin_of_another_encoder_is_refused() {
             "rig.csv: another encoder than in hall.toml: the twin declares three Hall sensors",
         ),
         ("rig.csv --twin wheel.toml", "declares a toothed wheel"),
+        (
+            "rig.csv --twin clock.toml",
+            "rig.csv: its header says clock_hz = 84000000, clock.toml says timer.clock_hz = 72000000",
+        ),
         ("a.csv --twin rig.toml", "the recording is of one channel"),
         ("ab.csv --twin rig.toml", "set index = false"),
         (

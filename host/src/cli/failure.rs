@@ -77,6 +77,22 @@ pub enum Failure {
         /// What differs.
         source: OtherEncoder,
     },
+    /// A recording of another clock than its twin's.
+    #[error(
+        "{recording}: its header says clock_hz = {stated}, {twin} says timer.clock_hz = {declared}; correct the one that is wrong",
+        recording = recording.display(),
+        twin = twin.display()
+    )]
+    OtherClock {
+        /// The recording.
+        recording: PathBuf,
+        /// The twin.
+        twin: PathBuf,
+        /// As the recording says, Hz.
+        stated: u64,
+        /// As the twin says, Hz.
+        declared: u64,
+    },
     /// Two twins of one rig declare two encoders.
     #[error(
         "{this}: declares another encoder than {other}; recordings diagnosed together must be of one rig",

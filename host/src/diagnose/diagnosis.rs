@@ -58,30 +58,31 @@ pub struct RecordingFacts {
     pub speed_r_min: [f64; 2],
     /// Whether angles are those of the disc; else they count from the first edge.
     pub anchored: bool,
-    /// RMS error of a time stamp as found, s.
-    pub stamp_rms_s: f64,
+    /// RMS error of a time stamp as found, s; none where nothing was compared that shows it.
+    pub stamp_rms_s: Option<f64>,
     /// Times at which the count of edges was disturbed, s.
     pub disturbed_s: Vec<f64>,
 }
 
 /// Agreement: how far edges stand away from the twin's course, less its mean over a turn to either side. An error that comes
-/// again each turn keeps its size in that; what is slower stands apart.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// again each turn keeps its size in that; what is slower stands apart. A shaft that sticks and slips is compared slip by slip instead,
+/// and what means nothing there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// RMS with the twin as it was given, rad.
-    pub rms_before_rad: f64,
+    pub rms_before_rad: Option<f64>,
     /// RMS with the findings in the twin, rad.
-    pub rms_after_rad: f64,
+    pub rms_after_rad: Option<f64>,
     /// RMS that the noise alone would have, rad.
-    pub floor_rad: f64,
+    pub floor_rad: Option<f64>,
     /// What is slower than two turns, beside a straight line in time.
     pub slow: Band,
     /// How far each edge comes from where the edges before it and the noise of the shaft let it expect.
     pub edge_to_edge: Band,
     /// Probability that what is left is noise, before the findings.
-    pub whiteness_p_before: f64,
+    pub whiteness_p_before: Option<f64>,
     /// The same with them.
-    pub whiteness_p: f64,
+    pub whiteness_p: Option<f64>,
     /// Fitted on the turns before, judged on the last ones of each recording.
     pub held_out: HeldOut,
 }
@@ -90,22 +91,22 @@ pub struct Fit {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Band {
     /// RMS with the twin as it was given, rad.
-    pub rms_before_rad: f64,
+    pub rms_before_rad: Option<f64>,
     /// RMS with the findings in the twin, rad.
-    pub rms_after_rad: f64,
+    pub rms_after_rad: Option<f64>,
     /// RMS that the noise alone would have, rad.
-    pub floor_rad: f64,
+    pub floor_rad: Option<f64>,
 }
 
 /// Agreement on turns that the parameters were not fitted on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// RMS with the twin as it was given, rad.
-    pub rms_before_rad: f64,
+    pub rms_before_rad: Option<f64>,
     /// RMS with the findings in the twin, rad.
-    pub rms_after_rad: f64,
+    pub rms_after_rad: Option<f64>,
     /// RMS that the noise alone would have, rad.
-    pub floor_rad: f64,
+    pub floor_rad: Option<f64>,
     /// Share of what the findings could remove on these turns at best that they did remove; none without findings that can be judged.
     pub reducible_removed: Option<f64>,
 }

@@ -65,21 +65,21 @@ pub fn fit(judged: &Judged<'_>) -> (Fit, HeldRatios) {
         },
     );
     let fit = Fit {
-        rms_before_rad: was.fast_rad(),
-        rms_after_rad: is.fast_rad(),
-        floor_rad: noise.fast_rad(),
+        rms_before_rad: Some(was.fast_rad()),
+        rms_after_rad: Some(is.fast_rad()),
+        floor_rad: Some(noise.fast_rad()),
         slow: Band {
-            rms_before_rad: was.slow_rad(),
-            rms_after_rad: is.slow_rad(),
-            floor_rad: noise.slow_rad(),
+            rms_before_rad: Some(was.slow_rad()),
+            rms_after_rad: Some(is.slow_rad()),
+            floor_rad: Some(noise.slow_rad()),
         },
         edge_to_edge: Band {
-            rms_before_rad: was.steps_rad(),
-            rms_after_rad: is.steps_rad(),
-            floor_rad: noise.steps_rad(),
+            rms_before_rad: Some(was.steps_rad()),
+            rms_after_rad: Some(is.steps_rad()),
+            floor_rad: Some(noise.steps_rad()),
         },
-        whiteness_p_before: before_p,
-        whiteness_p: after_p,
+        whiteness_p_before: Some(before_p),
+        whiteness_p: Some(after_p),
         held_out,
     };
     (fit, ratios)
@@ -91,9 +91,9 @@ fn held_out(judged: &Judged<'_>) -> (HeldOut, HeldRatios) {
     let was = spread(given, &judged.before.left, late.clone());
     let noise = floor(given, late.clone());
     let none = HeldOut {
-        rms_before_rad: was.fast_rad(),
-        rms_after_rad: was.fast_rad(),
-        floor_rad: noise.fast_rad(),
+        rms_before_rad: Some(was.fast_rad()),
+        rms_after_rad: Some(was.fast_rad()),
+        floor_rad: Some(noise.fast_rad()),
         reducible_removed: None,
     };
     let mut ratios = HeldRatios {
@@ -115,7 +115,7 @@ fn held_out(judged: &Judged<'_>) -> (HeldOut, HeldRatios) {
     let foretold = board.with_sizes(columns, &fitted.sizes);
     let is = spread(board, &foretold.left, late.clone());
     let held_out = HeldOut {
-        rms_after_rad: is.fast_rad(),
+        rms_after_rad: Some(is.fast_rad()),
         reducible_removed: removed(board, chosen, &foretold),
         ..none
     };
@@ -189,7 +189,7 @@ fn removed(board: &Board, chosen: &Searched, foretold: &Model) -> Option<f64> {
 }
 
 /// Sum of squares of what is left on some parts.
-fn squares(board: &Board, left: &[Vec<f64>], parts: std::ops::Range<usize>) -> f64 {
+pub fn squares(board: &Board, left: &[Vec<f64>], parts: std::ops::Range<usize>) -> f64 {
     let each = board.benches.iter().zip(left).map(|(bench, left)| {
         let range = bench.part(parts.start).start..bench.part(parts.end - 1).end;
         left[range].iter().map(|w| w * w).sum::<f64>()

@@ -5,6 +5,7 @@
     clippy::cast_sign_loss
 )]
 
+pub mod alone;
 pub mod basis;
 pub mod bench;
 pub mod beside;

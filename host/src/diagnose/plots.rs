@@ -4,6 +4,8 @@ use super::basis::{Basis, Change, change_of};
 use super::board::{Bench, Model};
 use super::diagnosis::Finding;
 use super::locate::{Along, Among, spectrum};
+use super::motion::foretold::Open;
+use super::run::Diagnosed;
 use super::settle::Settled;
 use super::shown::{FindingPlot, Line, RecordingPlot, Shown};
 use crate::mechanism::Mechanism;
@@ -29,6 +31,30 @@ pub fn shown(settled: &Settled, findings: &[(Finding, Option<usize>)]) -> Shown 
                 threshold: in_orders(bench, &settled.before, number).1,
             })
             .collect(),
+    }
+}
+
+/// Puts what the twins as given leave, without a speed loop that they lack, into what is drawn and said of it.
+pub fn without_loop(diagnosed: &mut Diagnosed, open: &Open) {
+    let (board, model) = (&open.board, &open.model);
+    for (number, plot) in diagnosed.shown.recordings.iter_mut().enumerate() {
+        let Some(bench) = board.benches.get(number) else {
+            return;
+        };
+        plot.before = in_time(bench, model, number);
+        (plot.spectrum_before, plot.threshold) = in_orders(bench, model, number);
+    }
+    let first = diagnosed
+        .shown
+        .recordings
+        .first()
+        .map(|plot| plot.before.clone());
+    let findings = diagnosed.diagnosis.findings.iter_mut();
+    for (finding, plot) in findings.zip(&mut diagnosed.shown.findings) {
+        if finding.mechanism == Mechanism::ClosedLoop {
+            finding.evidence.held_out_rms_ratio = open.held_out_ratio;
+            plot.before = first.clone().unwrap_or_default();
+        }
     }
 }
 

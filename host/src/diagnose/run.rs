@@ -2,19 +2,24 @@
 
 use thiserror::Error;
 
+use super::alone::alone;
 use super::beside::{of_events, of_motion, of_noise, of_pushes};
 use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
-use super::diagnosis::{Band, Diagnosis, Finding, Fit, HeldOut, RecordingFacts};
+use super::diagnosis::{Diagnosis, Finding};
+use super::motion::foretold::Foretold;
 use super::motion::{closed_loop, stick_slip};
 use super::next;
-use super::noise::{NoiseFinding, is_own, noise_findings, own_columns, rhythmic_findings};
+use super::noise::{
+    NoiseFinding, find_task, is_own, noise_findings, own_columns, rhythmic_findings,
+};
+use super::plots;
 use super::prepare;
-use super::search::{Searched, search};
+use super::search::{Found, Searched, search};
 use super::settle::settle;
 use super::shown::Shown;
 use super::start;
-use super::tell::{self, tell};
+use super::tell::tell;
 use super::torques::in_torques;
 use super::track::Track;
 use crate::mechanism::Mechanism;
@@ -80,6 +85,10 @@ pub enum DiagnoseError {
     },
 }
 
+/// Part of the rhythms' score that a mode needs in their place, and a task.
+const MODE: f64 = 0.3;
+const TASK: f64 = 0.8;
+
 /// Finds what the twins of one rig lack. `progress` is told the share done, 0 to 1, and what is going on.
 ///
 /// # Errors
@@ -96,14 +105,16 @@ pub fn diagnose(
     start::counted(&mut rig);
     let mut found = of_events(&rig);
     // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
-    if let Some(motion) = stick_slip::recognised(&rig) {
+    if let Some((motion, agreement)) = stick_slip::recognised(&rig) {
         found.push(of_motion(&motion));
-        return Ok(alone(&rig, motion.twins, found));
+        return Ok(alone(&rig, motion, agreement, found));
     }
     found.extend(of_pushes(&rig));
     let mut board = prepare::board(&rig)?;
+    let mut foretold = None;
     if let Some(motion) = closed_loop::recognised(&rig, &board) {
         found.push(of_motion(&motion));
+        foretold = Some(Foretold::of(&rig, board));
         for (one, twin) in rig.iter_mut().zip(motion.twins) {
             one.twin = twin;
         }
@@ -117,13 +128,24 @@ pub fn diagnose(
         || conclude(&board, &searched),
         || Heard::of(&rig, &given, &board, &searched),
     );
-    found.extend(noise(&rig, &given, &searched, heard, &mut concluded));
+    found.extend(noise(
+        &rig,
+        &given,
+        &board,
+        &searched,
+        heard,
+        &mut concluded,
+    ));
     progress(0.8, "Simulating what was found");
-    let settled = settle(&rig, &given, board, searched, concluded)?;
+    let mut settled = settle(&rig, &given, board, searched, concluded)?;
+    let open = foretold.and_then(|foretold| foretold.put_in(&mut settled));
     progress(0.9, "Simulating what to record next");
     let next = next::recordings(&rig, &settled);
     progress(0.95, "Judging");
-    let diagnosed = tell(&rig, &settled, &next, found);
+    let mut diagnosed = tell(&rig, &settled, &next, found);
+    if let Some(open) = open {
+        plots::without_loop(&mut diagnosed, &open);
+    }
     progress(1.0, "Done");
     Ok(diagnosed)
 }
@@ -140,7 +162,7 @@ impl Heard {
     fn of(rig: &[Recorded], given: &Board, board: &Board, searched: &Searched) -> Self {
         let mut found = searched.found.iter();
         let rhythms = found.any(|f| f.hypothesis.rhythm().is_some());
-        let instead = rhythms.then(|| instead(rig, given, searched));
+        let instead = rhythms.then(|| in_place(rig, given, board, searched));
         let beside = if instead.as_ref().is_none_or(Vec::is_empty) {
             noise_findings(board, &searched.model)
         } else {
@@ -154,6 +176,7 @@ impl Heard {
 fn noise(
     rig: &[Recorded],
     given: &Board,
+    board: &Board,
     searched: &Searched,
     heard: Heard,
     concluded: &mut Conclusion,
@@ -161,7 +184,7 @@ fn noise(
     let mut noise: Vec<NoiseFinding> = Vec::new();
     if heard.instead.is_some() || concluded.nameless.is_some() {
         let known = heard.instead;
-        noise = known.unwrap_or_else(|| instead(rig, given, searched));
+        noise = known.unwrap_or_else(|| in_place(rig, given, board, searched));
         if !noise.is_empty() {
             concluded
                 .named
@@ -178,11 +201,36 @@ fn noise(
         .collect()
 }
 
+/// Noise that is one thing where the rhythms that were found are many, or a task beside what else was found.
+fn in_place(
+    rig: &[Recorded],
+    given: &Board,
+    board: &Board,
+    searched: &Searched,
+) -> Vec<NoiseFinding> {
+    let mut noise = instead(rig, given, searched);
+    if noise.is_empty() {
+        noise.extend(task_beside(board, searched));
+    }
+    noise
+}
+
+/// A task that explains the rhythms that were found, beside whatever else was.
+fn task_beside(board: &Board, searched: &Searched) -> Option<NoiseFinding> {
+    let rhythm = |found: &&Found| found.hypothesis.rhythm().is_some();
+    let score: f64 = searched.found.iter().filter(rhythm).map(|f| f.score).sum();
+    let others = searched.found.iter().filter(|found| !rhythm(found));
+    let columns = board
+        .nuisances()
+        .into_iter()
+        .chain(others.flat_map(|found| found.columns.clone()));
+    let model = board.fit(columns.collect())?;
+    let task = find_task(board, &model.left)?.finding;
+    (task.plausible() && task.delta_bic > TASK * score).then_some(task)
+}
+
 /// Noise that is one thing where the rhythms that were found are many: a mode or a task.
 fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFinding> {
-    /// Part of the rhythms' score that a mode needs, and a task.
-    const MODE: f64 = 0.3;
-    const TASK: f64 = 0.8;
     let rhythms = || {
         let all = searched.found.iter();
         all.filter(|found| found.hypothesis.rhythm().is_some())
@@ -213,53 +261,6 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
         one.mechanism == Mechanism::TorsionalResonance && one.delta_bic > MODE * score
     });
     noise
-}
-
-/// A diagnosis of what stands for itself.
-fn alone(rig: &[Recorded], twins: Vec<Twin>, findings: Vec<Finding>) -> Diagnosed {
-    let facts = rig.iter().map(|one| {
-        let edges: usize = one.track.stretches.iter().map(|s| s.marks.len()).sum();
-        RecordingFacts {
-            file: one.file.clone(),
-            twin: one.twin.name.clone(),
-            edges: edges as u64,
-            turns: one.track.turns(),
-            seconds: one.track.end_s().unwrap_or(0.0),
-            speed_r_min: [0.0; 2],
-            anchored: one.track.anchored,
-            stamp_rms_s: 0.0,
-            disturbed_s: Vec::new(),
-        }
-    });
-    let fit = Fit {
-        rms_before_rad: 0.0,
-        rms_after_rad: 0.0,
-        floor_rad: 0.0,
-        slow: Band::default(),
-        edge_to_edge: Band::default(),
-        whiteness_p_before: 0.0,
-        whiteness_p: 0.0,
-        held_out: HeldOut {
-            rms_before_rad: 0.0,
-            rms_after_rad: 0.0,
-            floor_rad: 0.0,
-            reducible_removed: None,
-        },
-    };
-    Diagnosed {
-        diagnosis: Diagnosis {
-            version: 1,
-            verdict: tell::verdict(&findings),
-            summary: tell::summary(tell::verdict(&findings), &findings),
-            recordings: facts.collect(),
-            fit,
-            next_recording: None,
-            findings,
-        },
-        shown: Shown::default(),
-        error_lists: vec![None; twins.len()],
-        twins,
-    }
 }
 
 /// A recording in which nothing moves can't be fitted.

@@ -16,7 +16,8 @@ use super::run::{Diagnosed, Recorded};
 use super::settle::Settled;
 use crate::mechanism::Mechanism;
 
-const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
+/// Revolutions a minute in rad/s.
+pub const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
 
 /// Everything that comes of what was settled; `next` are the recordings to make, one for each finding with a name, and `beside`
 /// findings that are no pattern.
@@ -278,7 +279,7 @@ fn facts((one, bench): (&Recorded, &Bench)) -> RecordingFacts {
         seconds: bench.seen.seconds(),
         speed_r_min: bench.seen.speed_range().map(|speed| speed * R_MIN),
         anchored: one.track.anchored,
-        stamp_rms_s: bench.noise.stamp_s,
+        stamp_rms_s: Some(bench.noise.stamp_s),
         disturbed_s: one.track.slips.iter().map(|slip| slip.time_s).collect(),
     }
 }

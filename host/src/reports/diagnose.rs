@@ -1,5 +1,6 @@
 //! The report of a diagnosis.
 
+mod compared;
 mod curves;
 #[cfg(test)]
 pub(crate) mod example;
@@ -58,38 +59,33 @@ const fn level(verdict: Verdict) -> Level {
 
 fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
     let fit = &diagnosis.fit;
-    let mut tiles = vec![
-        Tile::new(
-            "Verdict",
-            words::verdict_id(diagnosis.verdict),
-            "",
-            words::meaning(diagnosis.verdict),
-        ),
-        Tile::si(
-            if diagnosis.findings.is_empty() {
-                "Residual"
-            } else {
-                "Residual before"
-            },
-            fit.rms_before_rad,
-            "rad",
-            "RMS over two turns, the twin as given",
-        ),
-    ];
-    if !diagnosis.findings.is_empty() {
-        tiles.push(Tile::si(
+    let found = !diagnosis.findings.is_empty();
+    let given = match words::by_slips(fit) {
+        true => "RMS within a slip, the twin as given",
+        false => "RMS over two turns, the twin as given",
+    };
+    let name = if found { "Residual before" } else { "Residual" };
+    let after = fit.rms_after_rad.filter(|_| found);
+    let residuals = [
+        (name, fit.rms_before_rad, given),
+        (
             "Residual after",
-            fit.rms_after_rad,
-            "rad",
+            after,
             "RMS, with the findings in the twin",
-        ));
-    }
-    tiles.push(Tile::si(
-        "Noise",
-        fit.floor_rad,
-        "rad",
-        "RMS, no twin can do better",
-    ));
+        ),
+        ("Noise", fit.floor_rad, "RMS, no twin can do better"),
+    ];
+    let mut tiles = vec![Tile::new(
+        "Verdict",
+        words::verdict_id(diagnosis.verdict),
+        "",
+        words::meaning(diagnosis.verdict),
+    )];
+    tiles.extend(
+        residuals
+            .into_iter()
+            .filter_map(|(name, rms, note)| Some(Tile::si(name, rms?, "rad", note))),
+    );
     if let Some(percent) = words::removed(diagnosis) {
         tiles.push(Tile::new(
             "Removed",
@@ -104,42 +100,64 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
 fn agreement(body: &mut Body, diagnosis: &Diagnosis) {
     let (fit, held) = (&diagnosis.fit, &diagnosis.fit.held_out);
     let found = !diagnosis.findings.is_empty();
-    let before = words::probability(fit.whiteness_p_before);
-    let noise = if found {
-        let after = words::probability(fit.whiteness_p);
-        format!("{before} with the twin as given, {after} with the findings")
-    } else {
-        before
-    };
-    let mut text = format!(
-        "Probability that noise alone leaves a residual like this: {noise}. Under 0.01 something is left that is no noise."
-    );
-    if found {
-        text += " Parameters were fitted on the earlier turns and judged on the last ones of each recording, held out.";
+    let mut text = String::new();
+    let names = ["with the twin as given", "with the findings"];
+    if let Some(noise) = words::is_noise(fit, found, names) {
+        text = format!(
+            "Probability that noise alone leaves a residual like this: {noise}. Under 0.01 something is left that is no noise. "
+        );
     }
-    text += " The residual is how far edges stand away from the twin's course, less the mean of a turn to either side: what comes \
-             again each turn keeps its size in it, slow wander is out of it.";
-    body.section("How well it fits", &[&text]);
-    let bars = |before: f64, after: f64, floor: f64| {
-        let bars = Bars::new(Axis::new("Residual, RMS", "rad"));
-        let bars = bars.bar("twin as given", before, Colour::BEFORE);
-        let bars = match found {
-            true => bars.bar("with the findings", after, Colour::AFTER),
-            false => bars,
-        };
-        bars.bar("noise alone", floor, Colour::Grey)
+    if found && held.rms_after_rad.is_some() {
+        text += &format!(
+            "Parameters were fitted on the earlier {0} and judged on the last ones of each recording, held out. ",
+            words::judged_on(fit)
+        );
+    }
+    text += match words::by_slips(fit) {
+        true => {
+            "The residual is how far the edges of each slip stand away from the twin's course, the slip's own instant and place taken \
+             off, as noise moves both; the twin as given goes on steadily."
+        }
+        false => {
+            "The residual is how far edges stand away from the twin's course, less the mean of a turn to either side: what comes \
+             again each turn keeps its size in it, slow wander is out of it."
+        }
     };
+    body.section("How well it fits", &[&text]);
+    let bars = |before: Option<f64>, after: Option<f64>, floor: Option<f64>| {
+        let bars = Bars::new(Axis::new("Residual, RMS", "rad"));
+        let after = after.filter(|_| found);
+        let all = [
+            ("twin as given", before, Colour::BEFORE),
+            ("with the findings", after, Colour::AFTER),
+            ("noise alone", floor, Colour::Grey),
+        ];
+        all.into_iter()
+            .fold(bars, |bars, (name, rms, colour)| match rms {
+                Some(rms) => bars.bar(name, rms, colour),
+                None => bars,
+            })
+    };
+    let every = bars(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad);
+    let all = match words::by_slips(fit) {
+        true => "All slips.",
+        false => "All turns.",
+    };
+    if held.rms_after_rad.is_none() {
+        body.figure(every, all);
+        return;
+    }
     body.figure_pair(
-        (
-            bars(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad),
-            "All turns.",
-        ),
+        (every, all),
         (
             bars(held.rms_before_rad, held.rms_after_rad, held.floor_rad),
-            "Turns held out.",
+            match words::by_slips(fit) {
+                true => "Slips held out.",
+                false => "Turns held out.",
+            },
         ),
     );
-    if !found {
+    if !found || words::by_slips(fit) {
         return;
     }
     let [slow, edges] = words::bands(fit)

@@ -64,58 +64,57 @@ fn finding_facts(facts: &mut Facts, number: usize, finding: &Finding) {
 }
 
 fn fit_facts(facts: &mut Facts, diagnosis: &Diagnosis, fit: &Fit) {
-    let rms = |before: f64, after: f64, floor: f64| {
-        let before = si(before, "rad");
-        let floor = si(floor, "rad");
-        if diagnosis.findings.is_empty() {
-            format!("{before}, of which noise {floor}")
-        } else {
-            let after = si(after, "rad");
-            format!("{before} before, {after} after, of which noise {floor}")
+    let found = !diagnosis.findings.is_empty();
+    let rms = |before: Option<f64>, after: Option<f64>, floor: Option<f64>| {
+        let mut text = si(before?, "rad");
+        if found {
+            text += &format!(" before, {} after", si(after?, "rad"));
         }
+        if let Some(floor) = floor {
+            text += &format!(", of which noise {}", si(floor, "rad"));
+        }
+        Some(text)
     };
     let held = &fit.held_out;
-    let mut on_held_out = rms(held.rms_before_rad, held.rms_after_rad, held.floor_rad);
-    if let Some(percent) = words::removed(diagnosis) {
-        on_held_out += &format!("; {percent:.1} % of what could be removed");
+    if let Some(text) = rms(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad) {
+        facts.push(words::residual(fit), text);
     }
-    facts
-        .push(
-            "Residual, RMS",
-            rms(fit.rms_before_rad, fit.rms_after_rad, fit.floor_rad),
-        )
-        .push("  on turns not fitted on", on_held_out);
-    for (name, band) in words::bands(fit) {
-        if !diagnosis.findings.is_empty() && words::changes(band) {
-            let text = rms(band.rms_before_rad, band.rms_after_rad, band.floor_rad);
+    if let Some(mut text) = rms(held.rms_before_rad, held.rms_after_rad, held.floor_rad) {
+        if let Some(percent) = words::removed(diagnosis) {
+            text += &format!("; {percent:.1} % of what could be removed");
+        }
+        facts.push(
+            format!("  on {} not fitted on", words::judged_on(fit)),
+            text,
+        );
+    }
+    for (name, band) in words::bands(fit).into_iter().filter(|_| found) {
+        let text = rms(band.rms_before_rad, band.rms_after_rad, band.floor_rad);
+        if let Some(text) = text.filter(|_| words::changes(band)) {
             facts.push(format!("  {name}"), text);
         }
     }
-    facts.push(
-        "  is noise, probability",
-        if diagnosis.findings.is_empty() {
-            words::probability(fit.whiteness_p_before)
-        } else {
-            format!(
-                "{} before, {} after",
-                words::probability(fit.whiteness_p_before),
-                words::probability(fit.whiteness_p)
-            )
-        },
-    );
+    if let Some(text) = words::is_noise(fit, found, ["before", "after"]) {
+        facts.push("  is noise, probability", text);
+    }
 }
 
 #[allow(clippy::cast_precision_loss)]
 fn read(recording: &RecordingFacts) -> String {
     let mut text = format!(
-        "{} against {}: {} edges in {:.1} turns, {} at {}; time stamps to {}, angles from {}",
+        "{} against {}: {} edges in {:.1} turns, {} at {}; {}angles from {}",
         recording.file,
         recording.twin,
         recording.edges,
         recording.turns,
         si(recording.seconds, "s"),
         speed(recording.speed_r_min),
-        si(recording.stamp_rms_s, "s"),
+        recording
+            .stamp_rms_s
+            .map_or_else(String::new, |stamp| format!(
+                "time stamps to {}, ",
+                si(stamp, "s")
+            )),
         if recording.anchored {
             "the index"
         } else {

@@ -9,6 +9,7 @@ use crate::cli::input::{InputArgs, ReadingArgs};
 use crate::cli::progress::Pass;
 use crate::diagnose::run::Recorded;
 use crate::diagnose::track::Track;
+use crate::recording::Header;
 use crate::sensor::PlanError;
 use crate::sim::Simulation;
 use crate::survey::Survey;
@@ -126,6 +127,15 @@ fn recorded(
         source,
     };
     let plan = encoder::plan(declared.twin.encoder, survey).map_err(other)?;
+    let clock_hz = declared.twin.timer.clock_hz;
+    if let Some(stated) = stated_clock(&survey.header).filter(|stated| *stated != clock_hz) {
+        return Err(Failure::OtherClock {
+            recording: input.recording.clone(),
+            twin: declared.path.to_owned(),
+            stated,
+            declared: clock_hz,
+        });
+    }
     let rows = pass.watch(input.open()?);
     let rows = rows.map(|row| match row {
         Ok(row) => Ok(encoder::as_declared(plan, row)),
@@ -141,6 +151,12 @@ fn recorded(
         track,
         twin: declared.twin.clone(),
     })
+}
+
+/// The clock that a recording states, Hz; that of times in seconds is only the step in which they are read.
+fn stated_clock(header: &Header) -> Option<u64> {
+    let stated = header.notes.iter().any(|(key, _)| key == "clock_hz");
+    stated.then_some(header.clock_hz)
 }
 
 /// Why decoding ended.

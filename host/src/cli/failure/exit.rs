@@ -39,6 +39,7 @@ impl Failure {
             | Self::Twin(_)
             | Self::OtherSensor { .. }
             | Self::OtherEncoder { .. }
+            | Self::OtherClock { .. }
             | Self::OtherRig { .. }
             | Self::TwinCount { .. }
             | Self::Diagnose(_)

@@ -46,6 +46,8 @@ pub struct BrokeAway {
     pub coulomb: f64,
     /// Whether the drive pulls towards the speed beside the spring.
     pub beside: bool,
+    /// The edges that show it.
+    pub slide: Slide,
 }
 
 /// The recording's beginning, if the shaft stood there and broke away.
@@ -72,6 +74,7 @@ pub fn broke_away(one: &Recorded) -> Option<BrokeAway> {
         coulomb: (law.spring * (law.pull_rad_s * at_s - 0.5 * slide.ways[1]) - law.push).max(0.0),
         law,
         beside,
+        slide,
     })
 }
 

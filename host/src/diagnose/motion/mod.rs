@@ -1,8 +1,11 @@
 //! Mechanisms that make another motion altogether: they are recognised before anything small is looked for.
 
+pub mod agreement;
 pub mod broke_away;
 pub mod closed_loop;
+pub mod cycles;
 pub mod decided;
+pub mod foretold;
 pub mod gains;
 pub mod rests;
 pub mod sampled;
@@ -12,6 +15,7 @@ pub mod slide;
 pub mod slide_fit;
 pub mod slip;
 pub mod slip_fit;
+pub mod slip_law;
 pub mod solve;
 pub mod spans;
 pub mod stick_slip;
@@ -53,5 +57,6 @@ impl MotionFinding {
 /// The motion that the twins of a rig lack, if there is one.
 #[must_use]
 pub fn other_motion(rig: &[Recorded], board: &Board) -> Option<MotionFinding> {
-    stick_slip::recognised(rig).or_else(|| closed_loop::recognised(rig, board))
+    let sticks = stick_slip::recognised(rig).map(|(motion, _)| motion);
+    sticks.or_else(|| closed_loop::recognised(rig, board))
 }

@@ -8,6 +8,9 @@ use super::slip::{SlipLaw, Wave};
 const ROUNDS: usize = 20;
 /// Free in the fit of one slip: logarithms of spring, drop and speed, instant of breaking away, place of rest.
 pub const FREE: usize = 5;
+/// All of them, and those that are each slip's own whatever the law.
+const ALL: [usize; FREE] = [0, 1, 2, 3, 4];
+const OWN: [usize; 2] = [3, 4];
 
 /// Frequencies and drops of friction to begin with, against those of a free slip: much damping needs more of both.
 const FIRST: [(f64, f64); 6] = [
@@ -52,7 +55,7 @@ pub fn fitted(
     pull_rad_s: f64,
     dampings: [(bool, f64); 2],
 ) -> Option<(bool, f64, Vec<(&Cycle, Fitted)>)> {
-    let fit = |cycle, start, damping| descended(cycle, start, pull_rad_s, damping);
+    let fit = |cycle, start, damping| descended(cycle, start, &ALL, pull_rad_s, damping);
     let mut by_length: Vec<&Cycle> = cycles.iter().collect();
     by_length.sort_by_key(|cycle| cycle.ways.len());
     let usual = by_length[by_length.len() / 2];
@@ -92,14 +95,27 @@ pub fn refitted<'a>(
     damping: f64,
 ) -> Vec<(&'a Cycle, Fitted)> {
     let again = |(cycle, fit): &(&'a Cycle, Fitted)| {
-        Some((*cycle, descended(cycle, fit.at, pull_rad_s, damping)?))
+        Some((*cycle, descended(cycle, fit.at, &ALL, pull_rad_s, damping)?))
     };
     all.iter().filter_map(again).collect()
 }
 
-/// Least squares by Levenberg and Marquardt's way (SIAM J. Appl. Math. 11, 1963).
-fn descended(cycle: &Cycle, start: [f64; FREE], pull_rad_s: f64, damping: f64) -> Option<Fitted> {
-    let law = |at: &[f64; FREE]| SlipLaw {
+/// A slip with a law that is given, as logarithms of spring, drop and speed: only its instant and place are its own.
+#[must_use]
+pub fn placed(cycle: &Cycle, law: [f64; 3], pull_rad_s: f64, damping: f64) -> Option<Fitted> {
+    let (way, time) = (*cycle.ways.last()?, *cycle.times_s.last()?);
+    let lost = way / cycle.ways.len() as f64;
+    let fits = [-0.1, -0.03].into_iter().filter_map(|ahead| {
+        let start = [law[0], law[1], law[2], ahead * time, -0.5 * lost];
+        descended(cycle, start, &OWN, pull_rad_s, damping)
+    });
+    fits.min_by(|a, b| a.squares.total_cmp(&b.squares))
+}
+
+/// How far a law with these numbers is from each edge of a slip, rad; none where it never comes to a stop.
+#[must_use]
+pub fn off(cycle: &Cycle, at: &[f64; FREE], pull_rad_s: f64, damping: f64) -> Option<DVector<f64>> {
+    let law = SlipLaw {
         spring: at[0].exp(),
         drop: at[1].exp(),
         over_rad_s: at[2].exp(),
@@ -107,12 +123,21 @@ fn descended(cycle: &Cycle, start: [f64; FREE], pull_rad_s: f64, damping: f64) -
         pull_rad_s,
         waves: cycle.waves.iter().map(|wave| wave.on(at[4])).collect(),
     };
-    let left = |at: &[f64; FREE]| -> Option<DVector<f64>> {
-        let slip = law(at).slip()?;
-        let each = cycle.times_s.iter().zip(&cycle.ways);
-        let left = each.map(|(time, way)| slip.way(time - at[3]) + at[4] - way);
-        Some(DVector::from_iterator(cycle.ways.len(), left))
-    };
+    let slip = law.slip()?;
+    let each = cycle.times_s.iter().zip(&cycle.ways);
+    let left = each.map(|(time, way)| slip.way(time - at[3]) + at[4] - way);
+    Some(DVector::from_iterator(cycle.ways.len(), left))
+}
+
+/// Least squares by Levenberg and Marquardt's way (SIAM J. Appl. Math. 11, 1963).
+fn descended(
+    cycle: &Cycle,
+    start: [f64; FREE],
+    free: &[usize],
+    pull_rad_s: f64,
+    damping: f64,
+) -> Option<Fitted> {
+    let left = |at: &[f64; FREE]| off(cycle, at, pull_rad_s, damping);
     let nudges = [
         1e-4,
         1e-4,
@@ -125,24 +150,24 @@ fn descended(cycle: &Cycle, start: [f64; FREE], pull_rad_s: f64, damping: f64) -
     let mut squares = now.norm_squared();
     let mut held = 1e-2;
     for _ in 0..ROUNDS {
-        let mut slopes = DMatrix::zeros(cycle.ways.len(), FREE);
-        for i in 0..FREE {
+        let mut slopes = DMatrix::zeros(cycle.ways.len(), free.len());
+        for (column, &i) in free.iter().enumerate() {
             let mut aside = at;
             aside[i] += nudges[i];
-            slopes.set_column(i, &((left(&aside)? - &now) / nudges[i]));
+            slopes.set_column(column, &((left(&aside)? - &now) / nudges[i]));
         }
         let (gram, right) = (slopes.transpose() * &slopes, slopes.transpose() * &now);
         let before = squares;
         for _ in 0..6 {
             let mut firm = gram.clone();
-            for i in 0..FREE {
+            for i in 0..free.len() {
                 firm[(i, i)] *= 1.0 + held;
             }
             let step = firm.cholesky()?.solve(&right);
             let mut next = at;
-            next.iter_mut()
+            free.iter()
                 .zip(step.iter())
-                .for_each(|(value, step)| *value -= step);
+                .for_each(|(i, step)| next[*i] -= step);
             for (value, old) in next.iter_mut().zip(at).take(3) {
                 *value = value.clamp(old - 1.0, old + 1.0);
             }

@@ -4,22 +4,21 @@
 //! twin's speed is steady. Each slip is then fitted for itself, in angle, with its instant of breaking away and its place of rest free,
 //! so that the phase of the cycle, which torque noise moves, does not matter; the scatter between slips is the uncertainty.
 
-use std::f64::consts::TAU;
-
 use rayon::prelude::*;
 
 use super::MotionFinding;
+use super::agreement::{Agreement, agreement, once as once_agrees};
 use super::broke_away::broke_away;
-use super::rests::{EDGES_LEAST, SLIPS_LEAST, Slips, slips};
-use super::slip::{SlipLaw, Wave};
+use super::cycles::{cycles, mean, pull};
+use super::rests::{SLIPS_LEAST, slips};
+use super::slide::{Slide, SlideLaw, SlideNoise};
+use super::slip::SlipLaw;
 use super::slip_fit::{Cycle, Fitted, fitted, refitted};
+use super::slip_law::Law;
+use crate::diagnose::board::{FITTED, PARTS};
 use crate::diagnose::run::Recorded;
 use crate::mechanism::Mechanism;
-use crate::sim::Simulation;
 use crate::twin::{Drive, Noise, StickSlip, Twin};
-
-/// Slips fitted at the most.
-const SLIPS_MOST: usize = 48;
 
 /// Stick-slip in one recording; torques over the inertia.
 #[derive(Clone, Debug)]
@@ -35,11 +34,21 @@ struct Seen {
     /// Whether the drive pulls towards the speed beside the spring.
     beside: bool,
     text: String,
+    left: Left,
+}
+
+/// What says how well it agrees.
+#[derive(Clone, Debug)]
+enum Left {
+    /// The law of all slips, and of the earlier ones.
+    Cycles { law: Law, early: Option<Law> },
+    /// Of a shaft that broke away once.
+    Once(Box<Agreement>),
 }
 
 /// Stick-slip that the twins of a rig lack.
 #[must_use]
-pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
+pub fn recognised(rig: &[Recorded]) -> Option<(MotionFinding, Agreement)> {
     let seen: Vec<(usize, Seen)> = rig
         .par_iter()
         .enumerate()
@@ -50,7 +59,7 @@ pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
         .iter()
         .max_by(|a, b| a.1.delta_bic.total_cmp(&b.1.delta_bic))?;
     let inertia = rig[*best].twin.shaft.inertia_kg_m2;
-    let twins = rig.iter().map(|one| with(&one.twin, found)).collect();
+    let twins: Vec<Twin> = rig.iter().map(|one| with(&one.twin, found)).collect();
     let [spring, drop, over] = found.errors;
     let (stiffness, stribeck) = (found.spring * inertia, found.drop * inertia);
     let finding = MotionFinding {
@@ -65,7 +74,14 @@ pub fn recognised(rig: &[Recorded]) -> Option<MotionFinding> {
         text: found.text.clone(),
         twins,
     };
-    finding.plausible().then_some(finding)
+    if !finding.plausible() {
+        return None;
+    }
+    let agreement = match &found.left {
+        Left::Cycles { law, early } => agreement(rig, &finding.twins, law, early.as_ref()),
+        Left::Once(agreement) => agreement.as_ref().clone(),
+    };
+    Some((finding, agreement))
 }
 
 /// A twin with stick-slip in.
@@ -110,7 +126,25 @@ fn once(one: &Recorded) -> Option<Seen> {
              again. Coulomb friction only winds the spring up and can't be told from this recording.",
             found.at_s
         ),
+        left: Left::Once(Box::new(slid(&law, &found.slide, found.at_s))),
     })
+}
+
+/// How a slide agrees with its law, which goes on by itself from the first edge.
+fn slid(law: &SlideLaw, slide: &Slide, at_s: f64) -> Agreement {
+    // A filter that learns nothing from any edge.
+    let none = SlideNoise {
+        acceleration: 0.0,
+        stamp_s: 0.0,
+        angle_rad: 1.0,
+    };
+    let after = law.white(slide, none).map(|(off, _)| off);
+    let each = slide.ways.iter().zip(&slide.times_s);
+    let before: Vec<f64> = each
+        .map(|(way, time)| way - law.pull_rad_s * time)
+        .collect();
+    let times_s: Vec<f64> = slide.times_s.iter().map(|time| at_s + time).collect();
+    once_agrees(&times_s, &before, &after.unwrap_or_default())
 }
 
 /// A shaft that sticks and slips on and on.
@@ -134,35 +168,24 @@ fn cycle_after_cycle(one: &Recorded) -> Option<Seen> {
         .collect();
     squares.sort_by(f64::total_cmp);
     let usual = *squares.get(squares.len() / 2)?;
-    // A slip that a defect or a lost edge spoils says nothing.
-    let good: Vec<&(&Cycle, Fitted)> = all
-        .iter()
-        .filter(|(cycle, fit)| fit.squares < 8.0 * usual * cycle.ways.len() as f64)
-        .collect();
+    let good = unspoilt(&all, usual);
     if good.len() < SLIPS_LEAST {
         return None;
     }
-    let (mut means, mut errors) = ([0.0; 3], [0.0; 3]);
-    for (i, (mean, error)) in means.iter_mut().zip(&mut errors).enumerate() {
-        let count = good.len() as f64;
-        *mean = good.iter().map(|(_, fit)| fit.at[i]).sum::<f64>() / count;
-        let scatter: f64 = good
-            .iter()
-            .map(|(_, fit)| (fit.at[i] - *mean).powi(2))
-            .sum();
-        // Few slips know their own scatter badly.
-        let own = (scatter / (count - 1.0) / count).sqrt() * (1.0 + 1.5 / (count - 1.0));
-        *error = own.hypot(pull_error / pull_rad_s);
-    }
+    let shared = Law::of(&good, pull_rad_s, damping);
+    let errors = shared
+        .errors
+        .map(|error| error.hypot(pull_error / pull_rad_s));
     let law = SlipLaw {
-        spring: means[0].exp(),
-        drop: means[1].exp(),
-        over_rad_s: means[2].exp(),
+        spring: shared.logs[0].exp(),
+        drop: shared.logs[1].exp(),
+        over_rad_s: shared.logs[2].exp(),
         damping,
         pull_rad_s,
         waves: Vec::new(),
     };
     let slip = law.slip()?;
+    let early = unspoilt(&all[..(FITTED * all.len() / PARTS)], usual);
     // Against a shaft that goes at the mean speed all the time.
     let (mut before, mut after, mut edges) = (0.0, 0.0, 0.0);
     for (cycle, fit) in &good {
@@ -200,69 +223,17 @@ fn cycle_after_cycle(one: &Recorded) -> Option<Seen> {
             whole.to_degrees(),
             whole / pull_rad_s
         ),
+        left: Left::Cycles {
+            law: shared,
+            early: (early.len() > 1).then(|| Law::of(&early, pull_rad_s, damping)),
+        },
     })
 }
 
-fn cycles(one: &Recorded, slips: &Slips) -> Option<Vec<Cycle>> {
-    let mut track = one.track.clone();
-    if !track.anchored && !track.placed {
-        track.starts_at(one.twin.shaft.initial_angle_rad);
-    }
-    let errors = Simulation::new(&one.twin).ok()?.true_errors();
-    let past = |place: i64| {
-        let edge = (place + track.origin).rem_euclid(track.edges) as usize;
-        errors.get(edge).copied().unwrap_or(0.0)
-    };
-    let angle = |place: i64| (place + track.origin) as f64 * TAU / track.edges as f64 - past(place);
-    let waves = Wave::of(&one.twin, slips.pull_rad_s);
-    let first = |place: i64| {
-        let theta = angle(place);
-        let turned = waves.iter().map(|wave| {
-            let phase_rad = (wave.order * theta + wave.phase_rad) * slips.way as f64;
-            Wave { phase_rad, ..*wave }
-        });
-        turned.collect()
-    };
-    let each = (slips.ends.len() / SLIPS_MOST).max(1);
-    let mut cycles = Vec::new();
-    for &(from, to) in slips.ends.iter().step_by(each) {
-        let passed = (slips.places[to] - slips.places[from]) * slips.way;
-        if to - from + 1 < EDGES_LEAST || passed != (to - from) as i64 {
-            continue;
-        }
-        cycles.push(Cycle {
-            start_s: slips.times_s[from],
-            start_rad: angle(slips.places[from]) * slips.way as f64,
-            times_s: (from..=to)
-                .map(|i| slips.times_s[i] - slips.times_s[from])
-                .collect(),
-            ways: (from..=to)
-                .map(|i| (angle(slips.places[i]) - angle(slips.places[from])) * slips.way as f64)
-                .collect(),
-            waves: first(slips.places[from]),
-        });
-    }
-    (cycles.len() >= SLIPS_LEAST).then_some(cycles)
-}
-
-/// Speed of the spring's far end and its standard error: breaking away is always at the same stretch.
-fn pull(all: &[(&Cycle, Fitted)]) -> Option<(f64, f64)> {
-    let points = || {
-        all.iter()
-            .map(|(cycle, fit)| (cycle.start_s + fit.at[3], cycle.start_rad + fit.at[4]))
-    };
-    let (time, angle) = (mean(points().map(|p| p.0)), mean(points().map(|p| p.1)));
-    let long: f64 = points().map(|p| (p.0 - time).powi(2)).sum();
-    let along: f64 = points().map(|p| (p.0 - time) * (p.1 - angle)).sum();
-    let speed = along / long;
-    let off: f64 = points()
-        .map(|p| (p.1 - angle - speed * (p.0 - time)).powi(2))
-        .sum();
-    let error = (off / (all.len() as f64 - 2.0) / long).sqrt();
-    (speed.is_finite() && speed > 0.0 && error.is_finite()).then_some((speed, error))
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len() as f64;
-    values.sum::<f64>() / count
+/// Slips without those that are far off the usual square: what a defect or a lost edge spoils says nothing.
+fn unspoilt<'a>(all: &'a [(&'a Cycle, Fitted)], usual: f64) -> Vec<(&'a Cycle, &'a Fitted)> {
+    let good = all
+        .iter()
+        .filter(|(cycle, fit)| fit.squares < 8.0 * usual * cycle.ways.len() as f64);
+    good.map(|(cycle, fit)| (*cycle, fit)).collect()
 }

@@ -1,3 +1,5 @@
+mod agreement;
+
 use super::*;
 use crate::diagnose::prepare;
 use crate::diagnose::track::{Mark, Stretch, Track};
@@ -156,7 +158,7 @@ fn a_shaft_that_breaks_away_once_shows_spring_and_friction() {
         let friction = 10.0 + drop * (-(speed / over) * (speed / over)).exp();
         spring * (pull * time - way) - friction - viscous * speed
     })];
-    let found = stick_slip::recognised(&recordings).expect("stick-slip");
+    let found = stick_slip::recognised(&recordings).expect("stick-slip").0;
     let near = |name: &str, truth: f64| {
         assert!(
             (value(&found, name) / truth - 1.0).abs() < 0.03,
@@ -186,25 +188,32 @@ fn a_drive_that_starts_from_rest_without_a_spring_does_not_stick() {
     assert!(found.is_none(), "{found:?}");
 }
 
+/// A shaft that sticks and slips, and the twin without.
+fn sticking(noise: Option<Noise>) -> (Twin, Twin) {
+    let mut told = rig(12.0, 12.0);
+    told.noise = noise;
+    told.shaft.viscous_n_m_s = 2e-5;
+    let speed = told.drive.nominal_rad_s();
+    let stiffness = 1e-4 * (8.0 * speed).powi(2);
+    let mut truth = told.clone();
+    truth.stick_slip = Some(StickSlip {
+        stiffness_n_m_rad: stiffness,
+    });
+    truth.shaft.stiffness_n_m_s = 0.0;
+    truth.shaft.coulomb_n_m = 0.2 * stiffness;
+    truth.shaft.stribeck_n_m = 0.2 * stiffness;
+    truth.shaft.stribeck_rad_s = 0.5 * speed;
+    (truth, told)
+}
+
 #[test]
 fn stick_slip_is_named_with_its_spring_and_its_friction() {
     for seed in 1..=3 {
-        let mut told = rig(12.0, 12.0);
-        told.noise = None;
+        let (truth, told) = sticking(None);
         let speed = told.drive.nominal_rad_s();
-        let mut truth = told.clone();
-        let stiffness = 1e-4 * (8.0 * speed).powi(2);
-        truth.stick_slip = Some(StickSlip {
-            stiffness_n_m_rad: stiffness,
-        });
-        truth.shaft.stiffness_n_m_s = 0.0;
-        truth.shaft.viscous_n_m_s = 2e-5;
-        told.shaft.viscous_n_m_s = 2e-5;
-        truth.shaft.coulomb_n_m = 0.2 * stiffness;
-        truth.shaft.stribeck_n_m = 0.2 * stiffness;
-        truth.shaft.stribeck_rad_s = 0.5 * speed;
+        let stiffness = truth.stick_slip.unwrap().stiffness_n_m_rad;
         let recordings = [recorded(&truth, &told, seed)];
-        let found = stick_slip::recognised(&recordings).expect("stick-slip");
+        let found = stick_slip::recognised(&recordings).expect("stick-slip").0;
         assert!(
             (value(&found, "stiffness_n_m_rad") / stiffness - 1.0).abs() < 0.01,
             "{found:?}"

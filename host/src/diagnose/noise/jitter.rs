@@ -9,6 +9,7 @@ use super::levels::Levels;
 use super::odds::normal_above;
 use super::{NoiseFinding, NoiseParameter};
 use crate::mechanism::Mechanism;
+use crate::report::si;
 
 /// Twice the log likelihood ratio that a finding needs, and its size in standard errors.
 const LEAST_GAIN: f64 = 25.0;
@@ -47,8 +48,8 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         .map_or(0.0, |bench| bench.declared.unwrap_or(bench.noise).stamp_s);
     let text = if late {
         format!(
-            "every capture late by an exponential latency of mean {:.3e} s: skewed, not only spread",
-            size
+            "every capture late by an exponential latency of mean {}: skewed, not only spread",
+            si(size, "s")
         )
     } else {
         format!(

@@ -1,3 +1,5 @@
+mod task;
+
 use super::super::board::{Board, Model};
 use super::super::prepare;
 use super::super::run::Recorded;

@@ -118,7 +118,7 @@ fn facts(file: &str, twin: &str, r_min: f64) -> RecordingFacts {
         seconds: 660.0 / r_min,
         speed_r_min: [r_min, 1.002 * r_min],
         anchored: true,
-        stamp_rms_s: 6.1e-9,
+        stamp_rms_s: Some(6.1e-9),
         disturbed_s: vec![12.3456],
     }
 }
@@ -131,25 +131,25 @@ pub(crate) fn full() -> Diagnosed {
     ];
     let findings = vec![eccentricity(), edge_delay()];
     let fit = Fit {
-        rms_before_rad: 3.72e-4,
-        rms_after_rad: 1.23e-5,
-        floor_rad: 1.19e-5,
+        rms_before_rad: Some(3.72e-4),
+        rms_after_rad: Some(1.23e-5),
+        floor_rad: Some(1.19e-5),
         slow: Band {
-            rms_before_rad: 2.12e-5,
-            rms_after_rad: 2.11e-5,
-            floor_rad: 2.09e-5,
+            rms_before_rad: Some(2.12e-5),
+            rms_after_rad: Some(2.11e-5),
+            floor_rad: Some(2.09e-5),
         },
         edge_to_edge: Band {
-            rms_before_rad: 4.1e-6,
-            rms_after_rad: 3.2e-6,
-            floor_rad: 3.2e-6,
+            rms_before_rad: Some(4.1e-6),
+            rms_after_rad: Some(3.2e-6),
+            floor_rad: Some(3.2e-6),
         },
-        whiteness_p_before: 0.0,
-        whiteness_p: 0.31,
+        whiteness_p_before: Some(0.0),
+        whiteness_p: Some(0.31),
         held_out: HeldOut {
-            rms_before_rad: 3.70e-4,
-            rms_after_rad: 1.27e-5,
-            floor_rad: 1.19e-5,
+            rms_before_rad: Some(3.70e-4),
+            rms_after_rad: Some(1.27e-5),
+            floor_rad: Some(1.19e-5),
             reducible_removed: Some(0.987),
         },
     };

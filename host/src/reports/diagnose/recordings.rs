@@ -7,6 +7,7 @@ use crate::report::{Body, Cell, Colour};
 use crate::reports::words::speed_range;
 
 use super::curves::{columns, series};
+use super::words;
 
 /// Figures of each recording.
 pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, plots: &[RecordingPlot]) {
@@ -17,10 +18,7 @@ pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, plots: &[Recordin
         } else {
             "What is left".to_owned()
         };
-        body.section(
-            title,
-            &["How far each edge comes from where the twin and the edges before it let it expect."],
-        );
+        body.section(title, &[words::what_is_left(&diagnosis.fit)]);
         let found = !diagnosis.findings.is_empty();
         residual(body, plot, found);
         spectrum(body, diagnosis, plot, found);
@@ -80,7 +78,9 @@ pub(super) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
             Cell::fixed(facts.turns, 1),
             Cell::si(facts.seconds, "s"),
             speed(facts.speed_r_min).into(),
-            Cell::si(facts.stamp_rms_s, "s"),
+            facts
+                .stamp_rms_s
+                .map_or_else(|| "".into(), |stamp| Cell::si(stamp, "s")),
             origin(facts).into(),
             #[allow(clippy::cast_precision_loss)]
             Cell::fixed(facts.disturbed_s.len() as f64, 0),

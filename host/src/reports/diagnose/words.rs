@@ -1,5 +1,6 @@
 //! A diagnosis in words, the same in the report and on the terminal.
 
+pub use super::compared::{by_slips, is_noise, judged_on, residual, what_is_left};
 use crate::diagnose::diagnosis::{
     Band, Diagnosis, Evidence, Finding, Fit, NextRecording, Parameter, Verdict,
 };
@@ -235,7 +236,8 @@ pub const fn bands(fit: &Fit) -> [(&'static str, &Band); 2] {
 #[must_use]
 pub fn changes(band: &Band) -> bool {
     const PART: f64 = 0.02;
-    (band.rms_before_rad - band.rms_after_rad).abs() > PART * band.rms_before_rad
+    let both = band.rms_before_rad.zip(band.rms_after_rad);
+    both.is_some_and(|(before, after)| (before - after).abs() > PART * before)
 }
 
 /// Share of what could be removed that was, in percent.
