@@ -3,14 +3,16 @@
 use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
+use super::contest::best;
 use super::disc::{self, Pattern, merged};
+use super::disc_parts::disc_parts;
 use super::hypothesis::Hypothesis;
+use super::least_squares::squares;
 use super::pairs::pair;
 use super::propose::propose;
-use super::refine::refined;
 use super::scan::{defects, loads};
-use super::sift::{beside_disc, beyond_rigs, no_disc, passes, stands, trifle};
-use super::weigh::{Shelf, Weighed, weigh};
+use super::sift::{beside_disc, no_disc, passes};
+use super::weigh::Shelf;
 use crate::mechanism::Mechanism;
 
 /// Mechanisms at the most.
@@ -121,13 +123,28 @@ fn once(board: &mut Board, learned: bool) -> Option<Searched> {
             model = board.fit(columns(&nuisances, &found))?;
             continue;
         }
+        let known = learned || pattern.is_some();
         let whole = if patterns < PATTERNS {
-            disc::pattern(board, &model, learned || pattern.is_some())
+            disc::score(board, &model, known)
         } else {
             None
         };
         let over = if pattern.is_some() { MORE } else { over };
-        if let Some(whole) = whole.filter(|whole| whole.score > BEYOND.max(over * score)) {
+        let whole = whole.filter(|whole| *whole > BEYOND.max(over * score));
+        // Several named errors of the disc look like an error of every edge, and may look like one place.
+        let place = best
+            .as_ref()
+            .filter(|one| one.score > BEYOND && one.hypothesis.mechanism == Mechanism::LocalDefect);
+        if !known
+            && (whole.is_some() || place.is_some())
+            && let Some(parts) = disc_parts(board, &model, whole, place)
+        {
+            found.extend(parts);
+            model = board.fit(columns(&nuisances, &found))?;
+            continue;
+        }
+        let whole = whole.and_then(|_| disc::pattern(board, &model, known));
+        if let Some(whole) = whole {
             // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
             let before = found.len();
             found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
@@ -198,59 +215,9 @@ fn beyond(hypothesis: &Hypothesis) -> f64 {
     }
 }
 
-/// Sum of squares that is left.
-fn squares(model: &Model) -> f64 {
-    model.left.iter().flatten().map(|w| w * w).sum()
-}
-
 fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
     let own = found.iter().flat_map(|f| f.columns.iter());
     nuisances.iter().chain(own).cloned().collect()
-}
-
-/// The best hypothesis on top of a model.
-fn best(
-    board: &Board,
-    model: &Model,
-    shelf: &mut Shelf,
-    proposed: Vec<Hypothesis>,
-) -> Option<Found> {
-    let mut tried: Vec<Weighed> = proposed
-        .into_iter()
-        .filter_map(|hypothesis| {
-            let columns = shelf.columns(board, &hypothesis);
-            weigh(board, model, hypothesis, columns)
-        })
-        .filter(|one| !trifle(board, model, one) && !stands(board, one))
-        .filter(|one| !beyond_rigs(board, model, one))
-        .collect();
-    tried.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let top = tried.first()?.score;
-    // Only what may win is worth a closer look: a frequency a little off costs a good part. Of one kind, the best will do.
-    let mut closer: Vec<Weighed> = Vec::new();
-    let mut kinds: Vec<(Mechanism, i64)> = Vec::new();
-    for one in tried {
-        let kind = (
-            one.hypothesis.mechanism,
-            one.hypothesis.rhythm().map_or(0, |r| (8.0 * r) as i64),
-        );
-        let again = kinds.iter().filter(|k| **k == kind).count();
-        if one.score < 0.5 * top || again >= 1 || closer.len() >= 6 {
-            continue;
-        }
-        kinds.push(kind);
-        closer.push(refined(board, model, one));
-    }
-    closer.retain(|one| !stands(board, one));
-    closer.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut closer = closer.into_iter();
-    let first = closer.next()?;
-    Some(Found {
-        hypothesis: first.hypothesis,
-        columns: first.columns,
-        score: first.score,
-        rivals: closer.map(|one| (one.hypothesis, one.score)).collect(),
-    })
 }
 
 impl Searched {
