@@ -1,6 +1,6 @@
 //! What else could be in a finding's place.
 
-use super::basis::channels;
+use super::basis::{Basis, channels};
 use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
 use super::refine::refined;
@@ -35,6 +35,7 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
             let weighed = refined(board, &without, score(hypothesis, columns)?);
             Some((weighed.hypothesis, weighed.score))
         })
+        .filter(|(hypothesis, _)| !nearly_whole(board, hypothesis))
         .collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     (own, all)
@@ -56,6 +57,19 @@ fn alternatives(board: &Board, without: &Model, found: &Found) -> Vec<Hypothesis
         .chain(own.look_alikes())
         .flat_map(|other| (other.card().handling.instead_of)(&found.hypothesis, setting))
         .collect()
+}
+
+/// Whether its order is said to be off a whole number, and the recordings are too short to say so.
+fn nearly_whole(board: &Board, hypothesis: &Hypothesis) -> bool {
+    const PART: f64 = 0.5;
+    let turns = board.benches.iter().map(|bench| bench.seen.turns());
+    let within = PART / turns.fold(1.0, f64::max);
+    match hypothesis.bases.first() {
+        Some(Basis::Lagged { order } | Basis::TorqueOrder { order }) => {
+            order.fract() != 0.0 && (order - order.round()).abs() < within
+        }
+        _ => false,
+    }
 }
 
 /// The recording in which a finding makes most of what a model without it leaves: what has a frequency there has an order by the speed
