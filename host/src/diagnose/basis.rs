@@ -12,7 +12,7 @@ pub enum Basis {
         /// Cycles a turn.
         order: f64,
     },
-    /// The same by the true angle of each edge in place of its grid angle: what a bent shaft would do.
+    /// The same by the true angle of each edge in place of its grid angle: what a bent shaft or a bearing does.
     Lagged {
         /// Cycles a turn.
         order: f64,

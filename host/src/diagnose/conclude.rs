@@ -184,7 +184,7 @@ fn name(board: &Board, searched: &Searched, number: usize) -> Name {
     if let Some(best) = others.first().cloned()
         && best.1 > own + ALIKE
         && best.0.bases.len() == hypothesis.bases.len()
-        && !matches!(best.0.bases.first(), Some(Basis::Lagged { .. }))
+        && !matches!(best.0.bases.first(), Some(Basis::Lagged { .. }) if best.0.whole())
     {
         others[0] = (hypothesis, own);
         (hypothesis, score) = best;

@@ -9,7 +9,7 @@
 use realfft::num_complex::Complex;
 
 use super::board::{Board, Model, PARTS};
-use super::disc_shown::{Disc, Kept};
+use super::disc_shown::{Disc, FAR, Kept};
 
 /// A pattern and how likely it is.
 #[derive(Clone, Debug)]
@@ -31,30 +31,83 @@ const FEW: usize = 2;
 /// Part of the pattern's squares that makes it one order's.
 const ALONE: f64 = 0.9;
 
+/// Score that a pattern would have in what a model leaves; none where one order is all of it, unless a pattern was `learned` before.
+#[must_use]
+pub fn score(board: &Board, model: &Model, learned: bool) -> Option<f64> {
+    let disc = Disc::of(board)?;
+    let modes = modes(&disc, &disc.spectrum(pulled(&disc, model)));
+    if !learned && of_one_order(&modes) {
+        return None;
+    }
+    Some(score_of(board, likeliest(&modes)?.1))
+}
+
 /// The pattern that a model leaves; orders that another mechanism may own are left to it, unless a pattern was `learned` before.
 #[must_use]
 pub fn pattern(board: &Board, model: &Model, learned: bool) -> Option<Pattern> {
     let disc = Disc::of(board)?;
-    let pulled = disc.own(&disc.folded(model.left.clone()));
+    let pulled = pulled(&disc, model);
     let spectrum = disc.spectrum(pulled.clone());
     let modes = modes(&disc, &spectrum);
-    let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
-    let edge_variance = shares.sum::<f64>() / disc.edges as f64;
-    // What one order makes is a rhythm: others name it.
-    let all: f64 = modes.iter().map(|mode| mode.weight * mode.squares).sum();
-    let top = modes.iter().map(|mode| mode.squares).fold(0.0, f64::max);
-    if !learned && modes.len() > FEW && top > ALONE * all {
+    if !learned && of_one_order(&modes) {
         return None;
     }
+    let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
+    let edge_variance = shares.sum::<f64>() / disc.edges as f64;
     let (log_s2, most, bend) = likeliest(&modes)?;
     let s2 = log_s2.exp();
     Some(Pattern {
         rms_rad: s2.sqrt(),
         standard_error_rad: standard_error(log_s2, bend),
-        score: most - (board.edges() as f64).ln(),
+        score: score_of(board, most),
         errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
         edge_error_rad: edge_variance.sqrt(),
     })
+}
+
+/// The same where orders that stand far out of the pattern are sizes of their own; 0 where there is nothing.
+#[must_use]
+pub fn score_of_orders(board: &Board, model: &Model) -> Option<f64> {
+    const TIMES: usize = 3;
+    let disc = Disc::of(board)?;
+    let mut modes = modes(&disc, &disc.spectrum(pulled(&disc, model)));
+    let cost = (board.edges() as f64).ln();
+    let (mut best, mut apart) = (0.0_f64, 0.0);
+    for _ in 0..TIMES {
+        let Some((log_s2, most, _)) = likeliest(&modes) else {
+            break;
+        };
+        best = best.max(apart + score_of(board, most).max(0.0));
+        let s2 = log_s2.exp();
+        let own = |mode: &Mode| mode.squares > FAR * (1.0 + s2 * mode.clear);
+        let far = modes.iter().filter(|mode| own(mode));
+        let gained: f64 = far
+            .map(|mode| 2.0 * mode.weight * (mode.squares - cost))
+            .sum();
+        if gained == 0.0 {
+            break;
+        }
+        apart += gained;
+        modes.retain(|mode| !own(mode));
+    }
+    Some(best.max(apart))
+}
+
+/// How strongly what a model leaves pulls at every edge, in the pattern's own orders.
+fn pulled(disc: &Disc<'_>, model: &Model) -> Vec<f64> {
+    disc.own(&disc.folded(model.left.clone()))
+}
+
+/// What one order makes is a rhythm: others name it.
+fn of_one_order(modes: &[Mode]) -> bool {
+    let all: f64 = modes.iter().map(|mode| mode.weight * mode.squares).sum();
+    let top = modes.iter().map(|mode| mode.squares).fold(0.0, f64::max);
+    modes.len() > FEW && top > ALONE * all
+}
+
+/// Twice the logarithm of a likelihood ratio less what its one number costs.
+fn score_of(board: &Board, likelihood: f64) -> f64 {
+    likelihood - (board.edges() as f64).ln()
 }
 
 /// Size and its standard error of a pattern that white rows still have, rad: with the noise and the findings beside it as they are

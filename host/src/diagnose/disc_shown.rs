@@ -14,6 +14,9 @@ pub type Kept<'a> = &'a dyn Fn(usize) -> bool;
 /// Edges that a pattern needs.
 const EDGES_LEAST: usize = 4;
 
+/// Squares over those of the pattern and noise from which on an order stands far out of it.
+pub const FAR: f64 = 12.0;
+
 /// Steps of the conjugate gradients at the most.
 const STEPS: usize = 60;
 /// Squares that they may leave.
@@ -145,7 +148,6 @@ impl<'a> Disc<'a> {
 
     /// Variance of each order: that of the white pattern, and as found where an order stands far out of it, as low orders do.
     pub fn prior(&self, pulled: &[Complex<f64>], s2: f64) -> Vec<f64> {
-        const FAR: f64 = 12.0;
         let each = pulled.iter().zip(&self.clear);
         each.map(|(pulled, clear)| {
             let z2 = pulled.norm_sqr() / (self.edges as f64 * clear);

@@ -81,6 +81,7 @@ impl Hypothesis {
     pub fn at_rhythm(&self, rhythm: f64) -> Self {
         let bases = self.bases.iter().map(|basis| match *basis {
             Basis::Round { .. } => Basis::Round { order: rhythm },
+            Basis::Lagged { .. } => Basis::Lagged { order: rhythm },
             Basis::TorqueOrder { .. } => Basis::TorqueOrder { order: rhythm },
             Basis::TorqueTone { .. } => Basis::TorqueTone { f_hz: rhythm },
             Basis::LevelTone { channel, .. } => Basis::LevelTone {

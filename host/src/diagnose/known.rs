@@ -18,7 +18,7 @@ pub fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     for bearing in &twin.bearing {
         if let Some(runout) = bearing.runout_rad {
             let order = bearing.order;
-            known.push((Basis::Round { order }, round(runout, bearing.phase_rad)));
+            known.push((Basis::Lagged { order }, round(runout, bearing.phase_rad)));
         }
     }
     // Without a loop the simulated course has felt them.

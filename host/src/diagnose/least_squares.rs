@@ -183,3 +183,9 @@ fn take_off(left: &mut [Vec<f64>], columns: &[Column], sizes: &DVector<f64>) {
         }
     }
 }
+
+/// Sum of squares that a model leaves.
+#[must_use]
+pub fn squares(model: &Model) -> f64 {
+    model.left.iter().flatten().map(|w| w * w).sum()
+}

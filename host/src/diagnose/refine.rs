@@ -8,7 +8,7 @@ use super::hypothesis::Hypothesis;
 use super::weigh::{Weighed, weigh};
 
 /// Widest place of the disc that is out of line, rad (sigma).
-const WIDEST_RAD: f64 = std::f64::consts::TAU / 8.0;
+pub const WIDEST_RAD: f64 = std::f64::consts::TAU / 8.0;
 
 /// The same hypothesis with what is searched for where it explains most: Gauss and Newton's steps, the slopes by differences.
 #[must_use]

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::basis::channels;
-use super::board::{Board, Column};
+use super::basis::{Basis, channels};
+use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
 use super::refine::refined;
 use super::search::{Found, Searched};
@@ -30,32 +30,67 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
         |hypothesis: Hypothesis, columns: Vec<Column>| weigh(board, &without, hypothesis, columns);
     let own =
         score(found.hypothesis.clone(), found.columns.clone()).map_or(found.score, |w| w.score);
-    let mut all: Vec<(Hypothesis, f64)> = alternatives(board, found)
+    let mut all: Vec<(Hypothesis, f64)> = alternatives(board, &without, found)
         .into_par_iter()
         .filter_map(|hypothesis| {
             let columns = hypothesis.columns(board);
             let weighed = refined(board, &without, score(hypothesis, columns)?);
             Some((weighed.hypothesis, weighed.score))
         })
+        .filter(|(hypothesis, _)| !nearly_whole(board, hypothesis))
         .collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     (own, all)
 }
 
 /// What the look-alikes of a finding would make of its mark, and what else its own mechanism would.
-fn alternatives(board: &Board, found: &Found) -> Vec<Hypothesis> {
+fn alternatives(board: &Board, without: &Model, found: &Found) -> Vec<Hypothesis> {
     let Some(first) = board.benches.first() else {
         return Vec::new();
     };
     let setting = Setting {
         channels: channels(first.seen.classes),
-        speed_rad_s: first.seen.mean_speed(),
+        speed_rad_s: board.benches[shown_best(board, without, found)]
+            .seen
+            .mean_speed(),
     };
     let own = found.hypothesis.mechanism;
     std::iter::once(&own)
         .chain(own.look_alikes())
         .flat_map(|other| (other.card().handling.instead_of)(&found.hypothesis, setting))
         .collect()
+}
+
+/// Whether its order is said to be off a whole number, and the recordings are too short to say so.
+fn nearly_whole(board: &Board, hypothesis: &Hypothesis) -> bool {
+    const PART: f64 = 0.5;
+    let turns = board.benches.iter().map(|bench| bench.seen.turns());
+    let within = PART / turns.fold(1.0, f64::max);
+    match hypothesis.bases.first() {
+        Some(Basis::Lagged { order } | Basis::TorqueOrder { order }) => {
+            order.fract() != 0.0 && (order - order.round()).abs() < within
+        }
+        _ => false,
+    }
+}
+
+/// The recording in which a finding makes most of what a model without it leaves: what has a frequency there has an order by the speed
+/// of that one.
+fn shown_best(board: &Board, without: &Model, found: &Found) -> usize {
+    let Some(gain) = board.gain(without, &found.columns) else {
+        return 0;
+    };
+    let power = |bench: usize| {
+        let mut sum = vec![0.0; board.benches[bench].seen.len()];
+        for (column, size) in found.columns.iter().zip(gain.sizes.iter()) {
+            for (sum, value) in sum.iter_mut().zip(column.0[bench].iter().flatten()) {
+                *sum += size * value;
+            }
+        }
+        sum.iter().map(|value| value * value).sum::<f64>()
+    };
+    let best = (0..board.benches.len()).max_by(|a, b| power(*a).total_cmp(&power(*b)));
+    best.unwrap_or(0)
 }
 
 /// Mechanisms that leave the very same mark: no recording of edges tells them apart.

@@ -5,7 +5,9 @@ use super::best::best;
 use super::board::{Board, Column, Model};
 use super::conclude::crowd;
 use super::disc::{self, Pattern, merged};
+use super::disc_parts::disc_parts;
 use super::hypothesis::Hypothesis;
+use super::least_squares::squares;
 use super::pairs::pair;
 use super::propose::propose;
 use super::scan::{defects, loads};
@@ -125,7 +127,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         proposed.retain(|one| !refused.contains(one));
         proposed.extend(loads(board, &model));
         proposed.extend(defects(board, &model));
-        let own = learned != Learned::Never || pattern.is_some();
+        let known = learned != Learned::Never || pattern.is_some();
         let ((best, pair), whole) = rayon::join(
             || {
                 let best = best(board, &model, &mut shelf, proposed);
@@ -135,7 +137,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
                 let pair = (!alone).then(|| pair(board, &model, &mut shelf, score));
                 (best, pair.flatten())
             },
-            || (patterns < PATTERNS).then(|| disc::pattern(board, &model, own)),
+            || (patterns < PATTERNS).then(|| disc::score(board, &model, known)),
         );
         if let Some(pair) = pair {
             found.extend(pair);
@@ -145,7 +147,22 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         let score = best.as_ref().map_or(0.0, |best| best.score);
         let whole = whole.flatten();
         let over = if pattern.is_some() { MORE } else { over };
-        if let Some(whole) = whole.filter(|whole| whole.score > BEYOND.max(over * score)) {
+        let whole = whole.filter(|whole| *whole > BEYOND.max(over * score));
+        // Several named errors of the disc look like an error of every edge, and may look like one place.
+        let place = best
+            .as_ref()
+            .filter(|one| one.score > BEYOND && one.hypothesis.mechanism == Mechanism::LocalDefect);
+        if !off
+            && pattern.is_none()
+            && (whole.is_some() || place.is_some())
+            && let Some(parts) = disc_parts(board, &model, whole, place)
+        {
+            found.extend(parts);
+            model = board.fit(columns(&nuisances, &found))?;
+            continue;
+        }
+        let whole = whole.and_then(|_| disc::pattern(board, &model, known));
+        if let Some(whole) = whole {
             // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
             let before = found.len();
             found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
@@ -214,11 +231,6 @@ fn beyond(hypothesis: &Hypothesis) -> f64 {
         [Basis::Direction] => AT_ONCE,
         _ => BEYOND,
     }
-}
-
-/// Sum of squares that is left.
-fn squares(model: &Model) -> f64 {
-    model.left.iter().flatten().map(|w| w * w).sum()
 }
 
 fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {

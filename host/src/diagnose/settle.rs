@@ -5,11 +5,13 @@ use super::board::{Board, Column, Model};
 use super::conclude::Conclusion;
 use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
+use super::faded::{faded, squares_of};
 use super::instants::sharpened;
 use super::joined::join;
 use super::judge::{self, HeldRatios, Judged};
 use super::mended;
 use super::prepare;
+use super::rests::{far, rests};
 use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};
 use crate::twin::Twin;
@@ -39,14 +41,46 @@ pub struct Settled {
     pub fit: Fit,
     /// Each finding's part in it on the turns held out.
     pub held: HeldRatios,
+    /// Named findings that the mended twin leaves nothing of, by their places among them: what others make beyond a linear model.
+    pub faded: Vec<usize>,
     class_names: &'static [&'static str],
 }
 
-/// Settles.
+/// Settles; what fades is left out.
 ///
 /// # Errors
 /// [`DiagnoseError`] where a mended twin can't be run.
 pub fn settle(
+    rig: &[Recorded],
+    given: &Board,
+    board: Board,
+    searched: Searched,
+    concluded: Conclusion,
+) -> Result<Settled, DiagnoseError> {
+    let settled = once(
+        rig,
+        given,
+        board.clone(),
+        searched.clone(),
+        concluded.clone(),
+    )?;
+    if settled.faded.is_empty() {
+        return Ok(settled);
+    }
+    let mut concluded = concluded;
+    let mut number = 0;
+    concluded.named.retain(|_| {
+        number += 1;
+        !settled.faded.contains(&(number - 1))
+    });
+    once(rig, given, board, searched, concluded)
+}
+
+/// Settles once.
+///
+/// # Errors
+/// [`DiagnoseError`] where a mended twin can't be run.
+fn once(
     rig: &[Recorded],
     given: &Board,
     mut board: Board,
@@ -72,6 +106,7 @@ pub fn settle(
         number.between = between;
     }
     let marks = marks(&board, &chosen);
+    let before_mending: Vec<f64> = numbers.iter().map(squares_of).collect();
     let pattern = chosen.pattern.as_ref();
     let mended = |numbers: &[Estimate]| mended::twins(rig, &given, pattern, numbers);
     // Against the mended twins only small rests are left of the sizes.
@@ -105,6 +140,7 @@ pub fn settle(
             }
         }
     }
+    let faded = faded(&numbers, &before_mending, given.edges());
     let (twins, error_lists) = mended(&numbers);
     let after = again
         .fit(again.nuisances())
@@ -133,6 +169,7 @@ pub fn settle(
         error_lists,
         fit,
         held,
+        faded,
         class_names,
     })
 }
@@ -238,41 +275,4 @@ fn chosen(board: &Board, searched: &Searched, concluded: &Conclusion) -> Searche
         },
         None => searched.clone(),
     }
-}
-
-/// What is left of each finding's sizes against mended twins.
-fn rests(board: &Board, chosen: &Searched) -> Option<Vec<Vec<f64>>> {
-    let mut columns = board.nuisances();
-    let mut at = columns.len();
-    let mut ranges = Vec::new();
-    for found in &chosen.found {
-        let own = found.hypothesis.columns(board);
-        // One that does not show was left out of the fit.
-        let own = if own.len() == found.columns.len() {
-            own
-        } else {
-            found.columns.clone()
-        };
-        ranges.push(at..at + own.len());
-        at += own.len();
-        columns.extend(own);
-    }
-    let model = board.fit(columns)?;
-    let sizes = model.sizes.as_slice();
-    Some(
-        ranges
-            .into_iter()
-            .map(|range| sizes[range].to_vec())
-            .collect(),
-    )
-}
-
-/// Largest rest in standard errors.
-fn far(numbers: &[Estimate], rests: &[Vec<f64>]) -> f64 {
-    let each = numbers.iter().zip(rests).flat_map(|(number, rest)| {
-        let rest = rest.iter().enumerate();
-        rest.map(|(i, rest)| rest.abs() / number.covariance[(i, i)].sqrt())
-            .collect::<Vec<_>>()
-    });
-    each.fold(0.0, f64::max)
 }

@@ -1,5 +1,6 @@
 //! What is left of a recording whose twin knows all.
 
+mod disc_parts;
 mod reversal;
 
 use super::basis::Basis;

@@ -4,7 +4,7 @@
 //! diameter D with contact angle alpha. Slip makes n drift a little off that, so it is searched for. The shaft moves across its axis
 //! with it, and an edge with the shaft:
 //! `e = r sin(n theta + phi), n not whole`
-//! of the same angle at any speed; as a torque its mark is that of a [`Mechanism::GearMesh`]. Simulated in `sim/disc.rs`, as a torque
+//! of the same angle at any speed, theta being the shaft's own angle and not that of the grid, whose marks are a little off it; as a torque its mark is that of a [`Mechanism::GearMesh`]. Simulated in `sim/disc.rs`, as a torque
 //! in `sim/taylor.rs`.
 //!
 //! Source: ball pass frequency of the outer ring (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2).
@@ -50,7 +50,7 @@ pub const CARD: Card = Card {
         columns,
         of_rhythm: |rhythm| {
             let order = rhythm.fractional()?;
-            Some(Basis::Round { order })
+            Some(Basis::Lagged { order })
         },
         instead_of,
         values,
@@ -60,16 +60,14 @@ pub const CARD: Card = Card {
     },
 };
 
-/// Whether by the grid angle or by the true angle of each edge: no name hangs on that.
 fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
     match found.bases.first() {
-        Some(&Basis::TorqueOrder { order }) if order.fract() != 0.0 => vec![
-            Hypothesis::by(Basis::Round { order }),
-            Hypothesis::by(Basis::Lagged { order }),
-        ],
+        Some(&Basis::TorqueOrder { order }) if order.fract() != 0.0 => {
+            vec![Hypothesis::by(Basis::Lagged { order })]
+        }
         Some(&Basis::TorqueTone { f_hz }) => {
             let order = off_whole(std::f64::consts::TAU * f_hz / setting.speed_rad_s);
-            vec![Hypothesis::by(Basis::Round { order })]
+            vec![Hypothesis::by(Basis::Lagged { order })]
         }
         _ => Vec::new(),
     }
@@ -87,7 +85,7 @@ fn values(numbers: &Numbers<'_>) -> Named {
 }
 
 fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
-    if let Basis::Round { order } = basis {
+    if let Some(order) = round_order(basis) {
         let (runout_rad, phase_rad) = wave(sizes);
         mended.twin.bearing.push(Bearing {
             order,

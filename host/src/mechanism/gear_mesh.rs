@@ -60,7 +60,7 @@ pub const CARD: Card = Card {
 
 fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
     let order = match found.bases.first() {
-        Some(&Basis::Round { order }) if order.fract() != 0.0 => order,
+        Some(&Basis::Lagged { order }) if order.fract() != 0.0 => order,
         Some(&Basis::TorqueTone { f_hz }) => {
             off_whole(std::f64::consts::TAU * f_hz / setting.speed_rad_s)
         }

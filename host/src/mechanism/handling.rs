@@ -56,7 +56,7 @@ pub fn off_whole(order: f64) -> f64 {
 pub struct Setting {
     /// Channels of its encoder.
     pub channels: usize,
-    /// Mean speed of its first recording, rad/s.
+    /// Mean speed of the recording that shows the finding best, rad/s.
     pub speed_rad_s: f64,
 }
 

@@ -56,9 +56,14 @@ pub const CARD: Card = Card {
             let order = rhythm.whole()?;
             Some(Basis::TorqueOrder { order })
         },
-        instead_of: |found, _| match found.bases.first() {
+        instead_of: |found, setting| match found.bases.first() {
             Some(&Basis::Round { order }) if order.fract() == 0.0 => {
                 vec![Hypothesis::by(Basis::TorqueOrder { order })]
+            }
+            Some(&Basis::TorqueTone { f_hz }) => {
+                let order = (std::f64::consts::TAU * f_hz / setting.speed_rad_s).round();
+                let whole = (order >= 1.0).then_some(Basis::TorqueOrder { order });
+                whole.into_iter().map(Hypothesis::by).collect()
             }
             _ => Vec::new(),
         },

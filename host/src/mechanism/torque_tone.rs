@@ -60,7 +60,7 @@ pub const CARD: Card = Card {
 /// At the frequency that an order has at the mean speed.
 fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
     match found.bases.first() {
-        Some(&Basis::Round { order } | &Basis::TorqueOrder { order }) if order.fract() != 0.0 => {
+        Some(&Basis::Lagged { order } | &Basis::TorqueOrder { order }) if order.fract() != 0.0 => {
             let f_hz = order * setting.speed_rad_s / std::f64::consts::TAU;
             vec![Hypothesis::by(Basis::TorqueTone { f_hz })]
         }

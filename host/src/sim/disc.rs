@@ -14,8 +14,6 @@ use crate::twin::{Bearing, Encoder, Errors, Per, Position, Twin, TwinError};
 pub(super) struct Mark {
     /// True shaft angle, 0 to 2 pi.
     angle_rad: f64,
-    /// Grid angle, by which run-out at an order that is not whole goes.
-    grid_rad: f64,
     /// Number of the edge; none for the index.
     pub(super) edge: Option<u32>,
     /// What changes, seen forward.
@@ -34,7 +32,12 @@ pub(super) struct Disc {
     encoder: Encoder,
 }
 
-/// An error amplitude sin(order theta + phase) through all turns.
+/// Newton's steps to where a mark is passed under run-out, at the most.
+const RUNOUT_STEPS: usize = 8;
+/// Last step of them, rad.
+const RUNOUT_NEAR: f64 = 1e-13;
+
+/// An error amplitude sin(order theta + phase) through all turns, theta being the shaft's angle.
 #[derive(Clone, Copy, Debug)]
 struct Runout {
     order: f64,
@@ -63,20 +66,19 @@ impl Disc {
                 });
             }
         }
-        let mark = |angle_rad: f64, error_rad: f64, edge, class| Mark {
+        let mark = |angle_rad: f64, edge, class| Mark {
             angle_rad: angle_rad.rem_euclid(TAU),
-            grid_rad: angle_rad.rem_euclid(TAU) + error_rad,
             edge,
             class,
             levels: 0,
         };
         let mut marks: Vec<Mark> = (0..real)
-            .map(|k| mark(angle(k), errors[k as usize], Some(k), class_of(encoder, k)))
+            .map(|k| mark(angle(k), Some(k), class_of(encoder, k)))
             .collect();
         if encoder.has_index() {
             let (before, after) = (angle(0) - 0.5 * step, angle(0) + 0.5 * step);
-            marks.push(mark(before, errors[0], None, Class::IndexRise));
-            marks.push(mark(after, errors[0], None, Class::IndexFall));
+            marks.push(mark(before, None, Class::IndexRise));
+            marks.push(mark(after, None, Class::IndexFall));
         }
         marks.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad));
         // Every channel changes at least once a turn, so the second time round the levels are right.
@@ -123,14 +125,28 @@ impl Disc {
         &self.marks
     }
 
-    /// True shaft angle of a mark in a turn, rad, run-out included.
+    /// True shaft angle of a mark in a turn, rad, run-out included: that goes by the angle at which the shaft is when the mark is
+    /// passed, so it is found by Newton's steps.
     pub(super) fn mark_angle_rad(&self, turn: f64, mark: &Mark) -> f64 {
-        let grid = turn * TAU + mark.grid_rad;
-        let runouts = self.runouts.iter();
-        let error = runouts.fold(0.0, |sum, runout| {
-            sum + runout.amplitude_rad * libm::sin(runout.order * grid + runout.phase_rad)
-        });
-        turn * TAU + mark.angle_rad - error
+        let still = turn * TAU + mark.angle_rad;
+        let mut angle = still;
+        if self.runouts.is_empty() {
+            return angle;
+        }
+        for _ in 0..RUNOUT_STEPS {
+            let (mut off, mut slope) = (angle - still, 1.0);
+            for runout in &self.runouts {
+                let (sin, cos) = libm::sincos(runout.order * angle + runout.phase_rad);
+                off += runout.amplitude_rad * sin;
+                slope += runout.amplitude_rad * runout.order * cos;
+            }
+            let step = off / slope;
+            angle -= step;
+            if step.abs() < RUNOUT_NEAR {
+                break;
+            }
+        }
+        angle
     }
 
     /// Levels between the mark before a place and the one at it.

@@ -242,7 +242,7 @@ const fn own(basis: Basis, tied: bool) -> bool {
 /// The same with marks at the places of the grid, which a twin can have.
 fn placed(hypothesis: &Hypothesis) -> Hypothesis {
     let bases = hypothesis.bases.iter().map(|basis| match *basis {
-        Basis::Lagged { order } => Basis::Round { order },
+        Basis::Lagged { order } if order.fract() == 0.0 => Basis::Round { order },
         other => other,
     });
     Hypothesis {

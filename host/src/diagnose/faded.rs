@@ -1,0 +1,70 @@
+//! What was found and is gone once the others are in the twin: a linear model leaves a little of what is large, and that looks like
+//! mechanisms of its own, as an eccentric disc does beside every ripple that the twin declares.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::estimate::Estimate;
+
+/// Part of its squares that is left of what fades.
+const PART: f64 = 0.25;
+
+/// Squares of an estimate's sizes over their covariance.
+#[must_use]
+pub fn squares_of(estimate: &Estimate) -> f64 {
+    let count = estimate.sizes.len();
+    let covariance = estimate.covariance.view((0, 0), (count, count));
+    // Of any unit: scaled to one before.
+    let scale: Vec<f64> = (0..count).map(|i| covariance[(i, i)].sqrt()).collect();
+    let scaled = DMatrix::from_fn(count, count, |i, j| {
+        covariance[(i, j)] / (scale[i] * scale[j])
+    });
+    let sizes = DVector::from_fn(count, |i, _| estimate.sizes[i] / scale[i]);
+    scaled
+        .cholesky()
+        .map_or(f64::INFINITY, |factor| sizes.dot(&factor.solve(&sizes)))
+}
+
+/// Estimates of which the mended twin leaves less than their numbers cost, and a small part of what they were.
+#[must_use]
+pub fn faded(numbers: &[Estimate], before: &[f64], edges: usize) -> Vec<usize> {
+    let each = numbers.iter().zip(before).enumerate();
+    each.filter(|(_, (estimate, before))| {
+        let count = estimate.sizes.len() + estimate.searched.len();
+        let squares = squares_of(estimate);
+        squares < count as f64 * (edges as f64).ln() && squares < PART * *before
+    })
+    .map(|(at, _)| at)
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::basis::Basis;
+    use crate::diagnose::hypothesis::Hypothesis;
+    use crate::diagnose::instants::Between;
+
+    /// Of a ripple whose sizes, of so many standard errors, hang together by half.
+    fn ripple(sizes: [f64; 2]) -> Estimate {
+        let unit = [1e-6, 3e-3];
+        Estimate {
+            hypothesis: Hypothesis::by(Basis::TorqueOrder { order: 14.0 }),
+            sizes: vec![sizes[0] * unit[0], sizes[1] * unit[1]],
+            searched: Vec::new(),
+            covariance: DMatrix::from_fn(2, 2, |i, j| {
+                unit[i] * unit[j] * if i == j { 1.0 } else { 0.5 }
+            }),
+            between: Between::default(),
+        }
+    }
+
+    #[test]
+    fn what_a_mended_twin_leaves_little_of_fades_and_what_was_small_before_does_not() {
+        assert!((squares_of(&ripple([3.0, 0.0])) - 12.0).abs() < 1e-9);
+        let before: Vec<f64> = [[9.0, 0.0], [2.0, 0.0], [60.0, 0.0]]
+            .map(|sizes| squares_of(&ripple(sizes)))
+            .to_vec();
+        let after = [[1.0, 0.5], [2.0, 0.2], [8.0, 0.0]].map(ripple);
+        assert_eq!(faded(&after, &before, 20_000), [0]);
+    }
+}
