@@ -81,7 +81,7 @@ impl Law {
         for round in 0..ROUNDS {
             let each = cycles.iter().zip(&all);
             let found: Option<Vec<About>> =
-                each.map(|(cycle, at)| about(cycle, at, &left)).collect();
+                each.map(|(cycle, at)| about(cycle, at, left)).collect();
             abouts = found?;
             if round + 1 == ROUNDS {
                 break;
@@ -138,7 +138,7 @@ fn sum<const C: usize>(
 fn about(
     cycle: &Cycle,
     at: &[f64; FREE],
-    left: &dyn Fn(&Cycle, &[f64; FREE]) -> Option<DVector<f64>>,
+    left: impl Fn(&Cycle, &[f64; FREE]) -> Option<DVector<f64>>,
 ) -> Option<About> {
     let now = left(cycle, at)?;
     let nudges = [
