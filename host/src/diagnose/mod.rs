@@ -53,6 +53,7 @@ pub mod propose;
 pub mod pushed;
 pub mod refine;
 mod repair;
+pub mod repeats;
 pub mod response;
 mod rests;
 pub mod rivals;

@@ -11,6 +11,7 @@ use super::joined::join;
 use super::judge::{self, HeldRatios, Judged};
 use super::mended;
 use super::prepare;
+use super::repeats::{self, Repeats};
 use super::rests::{far, rests};
 use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};
@@ -39,6 +40,8 @@ pub struct Settled {
     pub error_lists: Vec<Option<Vec<f64>>>,
     /// How well it fits.
     pub fit: Fit,
+    /// How much of what has no name comes again each turn.
+    pub repeats: Option<Repeats>,
     /// Each finding's part in it on the turns held out.
     pub held: HeldRatios,
     /// Named findings that the mended twin leaves nothing of, by their places among them: what others make beyond a linear model.
@@ -145,6 +148,8 @@ fn once(
     let after = again
         .fit(again.nuisances())
         .unwrap_or_else(|| Model::none(&again));
+    let repeats = concluded.nameless.as_ref();
+    let repeats = repeats.and_then(|_| repeats::repeats(&again, &after.left));
     let judged = Judged {
         given: &given,
         before: &before,
@@ -168,6 +173,7 @@ fn once(
         twins,
         error_lists,
         fit,
+        repeats,
         held,
         faded,
         class_names,

@@ -1,6 +1,7 @@
 //! The diagnosis in the user's terms.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use super::beside::{put_in, put_lost};
 use super::board::Bench;
@@ -249,11 +250,28 @@ fn disc(settled: &Settled) -> Option<Finding> {
 
 fn unknown(settled: &Settled) -> Option<Finding> {
     let nameless = settled.concluded.nameless.as_ref()?;
+    let mut parameters = BTreeMap::new();
+    let mut text = nameless.text.clone();
+    if let Some(repeats) = settled.repeats {
+        let half = 1.96 * repeats.standard_error;
+        let bound = |share: f64| share.clamp(0.0, 1.0);
+        let share = Parameter {
+            value: repeats.share,
+            unit: "1".to_owned(),
+            ci95: Some([bound(repeats.share - half), bound(repeats.share + half)]),
+        };
+        parameters.insert("repeats_each_turn".to_owned(), share);
+        let _ = write!(
+            text,
+            "; {:.0} % of it comes again each turn",
+            100.0 * repeats.share
+        );
+    }
     Some(Finding {
         mechanism: Mechanism::Unknown,
-        text: nameless.text.clone(),
+        text,
         confidence: 1.0,
-        parameters: BTreeMap::new(),
+        parameters,
         place: Place {
             orders: nameless.orders.clone(),
             frequencies_hz: nameless.frequencies_hz.clone(),

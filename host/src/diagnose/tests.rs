@@ -6,6 +6,7 @@ mod reversal;
 use super::basis::Basis;
 use super::disc;
 use super::prepare;
+use super::repeats::repeats;
 use super::run::Recorded;
 use super::ties::{self, Tie};
 use super::track::Track;
@@ -136,4 +137,19 @@ fn a_discs_own_pattern_comes_again_and_noise_that_is_more_than_declared_does_not
     );
     let (_, none) = shares(&noisy);
     assert!(none.iter().all(|(share, _)| share.abs() < 0.35), "{none:?}");
+}
+
+#[test]
+fn of_what_has_no_name_a_disc_comes_again_each_turn_and_noise_does_not() {
+    let told = twin(STEADY);
+    let share = |truth: &str| {
+        let board = prepare::board(&[recorded(&twin(truth), &told)]).unwrap();
+        repeats(&board, &board.white()).unwrap()
+    };
+    let disc = share(&format!(
+        "{STEADY}[errors.position.normal]\nrms_rad = 1e-4\n"
+    ));
+    assert!((disc.share - 1.0).abs() < 0.05, "{disc:?}");
+    let noise = share(&STEADY.replace("jitter_s = 1e-7", "jitter_s = 4e-7"));
+    assert!(noise.share < 0.05, "{noise:?}");
 }
