@@ -22,6 +22,8 @@ const RUNS: u64 = 4;
 const LONG_TURNS: f64 = 6.0;
 /// Part of what fades from the start that is no straight line, from which on it is told from one.
 const LINE: f64 = 1e-3;
+/// Times in which a speed fades to the e-th part after which nothing is left of it.
+const FADES: f64 = 5.0;
 
 /// Sums of squares over edges.
 #[derive(Clone, Copy, Debug, Default)]
@@ -190,15 +192,21 @@ fn steady(bench: &Bench, angles: &[f64]) -> Vec<f64> {
         way
     });
     let fading: Vec<f64> = fading.collect();
+    // What happens later is none of it.
+    let times = &bench.seen.times_s;
+    let damping = readings.last().map_or(0.0, |last| last.leap.damping);
+    let until_s = times.first().map_or(0.0, |first| first + FADES / damping);
+    let early = times.partition_point(|time| *time < until_s);
     let rows = |values: &[f64]| -> Vec<(f64, f64, f64)> {
-        let each = bench.seen.times_s.iter().zip(values);
+        let each = times.iter().zip(values).take(early);
         each.map(|(time, value)| (*time, *value, 0.0)).collect()
     };
     // What a line does as well is taken off already.
     let apart = off_line(&rows(&fading));
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let own = product(&apart, &apart);
-    if own <= LINE * product(&fading, &fading) {
+    let all = product(&fading[..early], &fading[..early]);
+    if own <= LINE * all || all == 0.0 {
         return angles.to_vec();
     }
     let size = product(&apart, &off_line(&rows(angles))) / own;

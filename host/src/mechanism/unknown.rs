@@ -18,6 +18,12 @@ pub const CARD: Card = Card {
     twin: "",
     parameters: &[
         Quantity::new(
+            "repeats_each_turn",
+            "1",
+            [0.0, 1.0],
+            "share of its squares above noise that one half of the turns foretells in the other, edge by edge",
+        ),
+        Quantity::new(
             "share",
             "1",
             [0.0, 1.0],
