@@ -7,6 +7,7 @@ use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
 use super::refine::refined;
 use super::search::{Found, Searched};
+use super::sift::beyond_rigs;
 use super::weigh::weigh;
 use crate::mechanism::{Mechanism, Setting};
 
@@ -35,7 +36,7 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
         .filter_map(|hypothesis| {
             let columns = hypothesis.columns(board);
             let weighed = refined(board, &without, score(hypothesis, columns)?);
-            Some((weighed.hypothesis, weighed.score))
+            (!beyond_rigs(&weighed)).then_some((weighed.hypothesis, weighed.score))
         })
         .filter(|(hypothesis, _)| !nearly_whole(board, hypothesis))
         .collect();

@@ -152,8 +152,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         let place = best
             .as_ref()
             .filter(|one| one.score > BEYOND && one.hypothesis.mechanism == Mechanism::LocalDefect);
-        if !off
-            && pattern.is_none()
+        if !known
             && (whole.is_some() || place.is_some())
             && let Some(parts) = disc_parts(board, &model, whole, place)
         {

@@ -97,21 +97,21 @@ pub fn trifle(board: &Board, one: &Weighed) -> bool {
 /// Whether it is a disc that no rig has: what is far off the axis is none, but follows a motion that has another cause.
 #[must_use]
 pub fn beyond_rigs(one: &Weighed) -> bool {
-    let geometry = matches!(
-        one.hypothesis.mechanism,
-        Mechanism::Eccentricity | Mechanism::DiscTilt
-    );
+    let mechanism = one.hypothesis.mechanism;
+    let size = match (mechanism, one.hypothesis.bases.first()) {
+        (Mechanism::Eccentricity | Mechanism::DiscTilt, _) => Some("amplitude_rad"),
+        (Mechanism::Bearing, Some(Basis::Lagged { .. } | Basis::Round { .. })) => {
+            Some("runout_rad")
+        }
+        _ => None,
+    };
     let together = one.hypothesis.bases.len() > 1;
-    if !geometry && !together {
-        return false;
-    }
     let gain = &one.gain;
-    let card = one.hypothesis.mechanism.card();
-    let size = [("amplitude_rad", gain.sizes.norm())];
+    let no_rigs = |name| mechanism.card().implausible([(name, gain.sizes.norm())]);
     // Patterns that all but cancel explain by what their laws leave out.
     let largest = one.columns.iter().zip(gain.sizes.iter());
     let largest = largest.map(|(column, size)| size * size * product(column, column));
-    geometry && card.implausible(size).is_some()
+    size.and_then(no_rigs).is_some()
         || together && gain.squares < CANCELLED * largest.fold(0.0, f64::max)
 }
 

@@ -19,6 +19,9 @@ use crate::diagnose::seen::Seen;
 use crate::diagnose::shaft::ShaftLaw;
 use crate::twin::Ripple;
 
+/// Part of a cycle by which the order of a tone at the mean speed may be off a whole one for it to be a ripple's.
+const NEAR: f64 = 0.05;
+
 /// Its card.
 pub const CARD: Card = Card {
     title: "torque ripple of the motor",
@@ -61,8 +64,10 @@ pub const CARD: Card = Card {
                 vec![Hypothesis::by(Basis::TorqueOrder { order })]
             }
             Some(&Basis::TorqueTone { f_hz }) => {
-                let order = (std::f64::consts::TAU * f_hz / setting.speed_rad_s).round();
-                let whole = (order >= 1.0).then_some(Basis::TorqueOrder { order });
+                let cycles = std::f64::consts::TAU * f_hz / setting.speed_rad_s;
+                let order = cycles.round();
+                let near = order >= 1.0 && (cycles - order).abs() < NEAR;
+                let whole = near.then_some(Basis::TorqueOrder { order });
                 whole.into_iter().map(Hypothesis::by).collect()
             }
             _ => Vec::new(),
