@@ -72,15 +72,15 @@ impl Capture {
         (time_s * self.clock_hz).floor() as u64
     }
 
-    /// The time stamp of a change, in full-width ticks.
-    pub(super) fn stamp(&mut self, time_s: f64) -> u64 {
+    /// When a change that arrives at a time is captured, s, and its time stamp, in full-width ticks.
+    pub(super) fn stamp(&mut self, time_s: f64) -> (f64, u64) {
         let error = if self.jitter_s > 0.0 {
             self.jitter_s * self.jitter.normal()
         } else {
             0.0
         };
         let captured_s = self.latency.captured_s(time_s);
-        self.ticks(captured_s + error)
+        (captured_s, self.ticks(captured_s + error))
     }
 
     /// Whether the edge that just came gets through; draws its faults.

@@ -103,12 +103,13 @@ impl Simulation {
     fn send_crossing(&mut self, mark: Mark, direction: Direction, tau: f64, way: f64) {
         let time_s = self.segment_start_s + self.within_s.plus(tau);
         let arrival_s = time_s + self.signals.delay_s(&mark, direction);
-        let stamp = self.capture.stamp(arrival_s);
+        let (captured_s, stamp) = self.capture.stamp(arrival_s);
         let taken = mark.edge.is_none() || self.capture.takes_edge(time_s);
         if let (Some(k), Some(speed_loop)) = (mark.edge, &mut self.speed_loop)
             && taken
         {
-            speed_loop.edge(stamp, direction, self.disc.steps_into(k, direction));
+            let steps = self.disc.steps_into(k, direction);
+            speed_loop.edge(captured_s, stamp, direction, steps);
         }
         let passed = Passed {
             truth: Truth {

@@ -1,5 +1,6 @@
 //! What pushes the shaft: open-loop profiles, the sampled speed loop, torque noise.
 
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use quadcal::edge::Direction;
@@ -115,8 +116,19 @@ pub(super) struct SpeedLoop {
     model: twin::SpeedLoop,
     clock_hz: f64,
     seen: SeenSpeed,
+    /// Edges that no sample has come after yet, by the time of their capture.
+    captured: VecDeque<Captured>,
     integral: f64,
     samples: u64,
+}
+
+/// An edge that the loop will see.
+#[derive(Clone, Copy, Debug)]
+struct Captured {
+    at_s: f64,
+    ticks: u64,
+    direction: Direction,
+    steps: u32,
 }
 
 impl SpeedLoop {
@@ -128,14 +140,22 @@ impl SpeedLoop {
             model,
             clock_hz,
             seen: SeenSpeed::new(clock_hz, plant.step_rad, model.timeout_s, Some(0)),
+            captured: VecDeque::new(),
             integral: model.start,
             samples: 0,
         })
     }
 
-    /// Takes a captured edge, `steps` of the grid after the one before.
-    pub(super) fn edge(&mut self, ticks: u64, direction: Direction, steps: u32) {
-        self.seen.edge(ticks, direction, steps);
+    /// Takes an edge captured at a time, `steps` of the grid after the one before: samples from then on see it.
+    pub(super) fn edge(&mut self, at_s: f64, ticks: u64, direction: Direction, steps: u32) {
+        let after = self.captured.partition_point(|edge| edge.at_s <= at_s);
+        let edge = Captured {
+            at_s,
+            ticks,
+            direction,
+            steps,
+        };
+        self.captured.insert(after, edge);
     }
 
     /// Time of the next sample, s.
@@ -145,7 +165,11 @@ impl SpeedLoop {
 
     /// Takes a sample: the acceleration the drive gives until the next one.
     pub(super) fn sample(&mut self) -> f64 {
-        let now = (self.next_s() * self.clock_hz).floor();
+        let now_s = self.next_s();
+        while let Some(edge) = self.captured.pop_front_if(|edge| edge.at_s <= now_s) {
+            self.seen.edge(edge.ticks, edge.direction, edge.steps);
+        }
+        let now = (now_s * self.clock_hz).floor();
         self.samples += 1;
         let model = &self.model;
         let miss = model.target_rad_s - self.seen.at(now).unwrap_or(model.target_rad_s);
