@@ -7,6 +7,8 @@ use super::estimate::Estimate;
 
 /// Part of its squares that is left of what fades.
 const PART: f64 = 0.25;
+/// Squares over sizes of what may as well be nothing: the 95 % interval of one size holds 0.
+const NOTHING: f64 = 3.84;
 
 /// Squares of an estimate's sizes over their covariance.
 #[must_use]
@@ -24,17 +26,24 @@ pub fn squares_of(estimate: &Estimate) -> f64 {
         .map_or(f64::INFINITY, |factor| sizes.dot(&factor.solve(&sizes)))
 }
 
-/// Estimates of which the mended twin leaves less than their numbers cost, and a small part of what they were.
+/// Estimates of which the mended twin leaves less than their numbers cost, and a small part of what they were; where there are none,
+/// the weakest of those that may as well be nothing, as one of two findings at one place is.
 #[must_use]
 pub fn faded(numbers: &[Estimate], before: &[f64], edges: usize) -> Vec<usize> {
-    let each = numbers.iter().zip(before).enumerate();
-    each.filter(|(_, (estimate, before))| {
+    let squares: Vec<f64> = numbers.iter().map(squares_of).collect();
+    let each = numbers.iter().zip(before).zip(&squares).enumerate();
+    let faded = each.filter(|(_, ((estimate, before), squares))| {
         let count = estimate.sizes.len() + estimate.searched.len();
-        let squares = squares_of(estimate);
-        squares < count as f64 * (edges as f64).ln() && squares < PART * *before
-    })
-    .map(|(at, _)| at)
-    .collect()
+        **squares < count as f64 * (edges as f64).ln() && **squares < PART * **before
+    });
+    let faded: Vec<usize> = faded.map(|(at, _)| at).collect();
+    if !faded.is_empty() {
+        return faded;
+    }
+    let share = |at: usize| squares[at] / numbers[at].sizes.len() as f64;
+    let nothing = (0..numbers.len()).filter(|at| share(*at) < NOTHING);
+    let weakest = nothing.min_by(|a, b| share(*a).total_cmp(&share(*b)));
+    weakest.into_iter().collect()
 }
 
 #[cfg(test)]
@@ -64,7 +73,15 @@ mod tests {
         let before: Vec<f64> = [[9.0, 0.0], [2.0, 0.0], [60.0, 0.0]]
             .map(|sizes| squares_of(&ripple(sizes)))
             .to_vec();
-        let after = [[1.0, 0.5], [2.0, 0.2], [8.0, 0.0]].map(ripple);
+        let after = [[1.0, 0.5], [3.0, 0.2], [8.0, 0.0]].map(ripple);
         assert_eq!(faded(&after, &before, 20_000), [0]);
+    }
+
+    #[test]
+    fn of_two_that_may_as_well_be_nothing_the_weaker_fades() {
+        let there = [[1.5, 0.9], [1.2, 0.9], [8.0, 0.0]].map(ripple);
+        let before: Vec<f64> = there.iter().map(squares_of).collect();
+        assert_eq!(faded(&there, &before, 20_000), [1]);
+        assert!(faded(&there[2..], &before[2..], 20_000).is_empty());
     }
 }

@@ -60,23 +60,24 @@ pub fn settle(
     searched: Searched,
     concluded: Conclusion,
 ) -> Result<Settled, DiagnoseError> {
-    let settled = once(
-        rig,
-        given,
-        board.clone(),
-        searched.clone(),
-        concluded.clone(),
-    )?;
-    if settled.faded.is_empty() {
-        return Ok(settled);
-    }
     let mut concluded = concluded;
-    let mut number = 0;
-    concluded.named.retain(|_| {
-        number += 1;
-        !settled.faded.contains(&(number - 1))
-    });
-    once(rig, given, board, searched, concluded)
+    loop {
+        let settled = once(
+            rig,
+            given,
+            board.clone(),
+            searched.clone(),
+            concluded.clone(),
+        )?;
+        if settled.faded.is_empty() {
+            return Ok(settled);
+        }
+        let mut number = 0;
+        concluded.named.retain(|_| {
+            number += 1;
+            !settled.faded.contains(&(number - 1))
+        });
+    }
 }
 
 /// Settles once.
