@@ -133,6 +133,9 @@ impl Bench {
         seen.places.truncate(edges);
         seen.times_s.truncate(edges);
         seen.speeds.truncate(edges);
+        seen.swung.truncate(edges);
+        seen.run_off.truncate(edges);
+        seen.level_off.truncate(edges);
         seen.angles.truncate(edges);
         seen.readings.truncate(edges);
         self.set_noise(self.noise);

@@ -1,7 +1,7 @@
-//! What a twin has beside disc, shaft, drive, torques and loads, as patterns with sizes.
+//! What a twin has beside disc, shaft, drive, torques, run-out and delays, as patterns with sizes.
 
 use super::basis::Basis;
-use crate::twin::{RiseFall, Twin};
+use crate::twin::Twin;
 
 /// How much further along a twin's marks lie forward than in reverse, rad.
 #[must_use]
@@ -15,12 +15,6 @@ pub fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
     let mut known: Vec<(Basis, Vec<f64>)> = Vec::new();
     // size sin(x + phase)
     let round = |size: f64, phase: f64| vec![size * phase.sin(), size * phase.cos()];
-    for bearing in &twin.bearing {
-        if let Some(runout) = bearing.runout_rad {
-            let order = bearing.order;
-            known.push((Basis::Lagged { order }, round(runout, bearing.phase_rad)));
-        }
-    }
     // Without a loop the simulated course has felt them.
     for load in twin.load_step.iter().filter(|_| looped) {
         let basis = Basis::Load {
@@ -42,20 +36,6 @@ pub fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
             tau_s: drift.tau_s,
         };
         known.push((basis, vec![drift.angle_rad]));
-    }
-    let delay = twin.edge_delay.unwrap_or_default();
-    let skew = twin.channel_skew.unwrap_or_default();
-    let channels: [(RiseFall, f64); 3] = [
-        (delay.a, skew.a_s),
-        (delay.b, skew.b_s),
-        (delay.c, skew.c_s),
-    ];
-    for (channel, (delay, skew)) in channels.into_iter().enumerate() {
-        let rise = Basis::RiseLate {
-            channel: Some(channel),
-        };
-        known.push((rise, vec![delay.rise_s - delay.fall_s]));
-        known.push((Basis::Late { channel }, vec![delay.fall_s + skew]));
     }
     known.retain(|(_, sizes)| sizes.iter().any(|size| *size != 0.0));
     known

@@ -13,10 +13,12 @@ use crate::twin::{SeenSpeed, SpeedLoop, Twin};
 /// Least error of a stamp that a tie is reckoned with, s.
 pub const TIED_JITTER_S: f64 = 3e-7;
 
-/// The shaft as a speed loop sends it that saw these edges. The push before the first is not known: a constant one is anyone's guess.
+/// The shaft as a speed loop sends it that saw these edges as they were captured, at the times at which their marks passed. The push
+/// before the first is not known: a constant one is anyone's guess.
 #[must_use]
 pub fn looped(
-    marks: &[(Mark, i64)],
+    captured: &[(Mark, i64)],
+    passed: &[(Mark, i64)],
     track: &Track,
     twin: &Twin,
     model: &SpeedLoop,
@@ -28,7 +30,7 @@ pub fn looped(
     let friction =
         |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
     let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
-    let Some((first, _)) = marks.first() else {
+    let Some((first, _)) = captured.first() else {
         return (Course::new(), Vec::new());
     };
     let mut ties = Vec::new();
@@ -52,62 +54,70 @@ pub fn looped(
         let push = push - friction(state[1]);
         leap.step(state, [push; 3])
     };
-    let each = marks.iter().map(|(mark, direction)| {
-        while sample / model.rate_hz < mark.time_s {
-            let time = sample / model.rate_hz;
-            state = go(state, push, (time - now).max(0.0));
-            now = now.max(time);
-            let seen = saw.at((time * clock_hz).floor());
-            sampled += i32::from(seen.is_some());
-            let here = seen.unwrap_or(target);
-            let otherwise = if mark.time_s - time < tie_s {
-                let next = *direction as f64 * step / (mark.time_s - last_edge).max(track.tick_s);
-                Some((next, mark.time_s - time))
-            } else if time - last_edge < tie_s {
-                Some((speed_before, time - last_edge))
+    let each = captured
+        .iter()
+        .zip(passed)
+        .map(|((mark, direction), (passed, _))| {
+            while sample / model.rate_hz < mark.time_s {
+                let time = sample / model.rate_hz;
+                state = go(state, push, (time - now).max(0.0));
+                now = now.max(time);
+                let seen = saw.at((time * clock_hz).floor());
+                sampled += i32::from(seen.is_some());
+                let here = seen.unwrap_or(target);
+                let otherwise = if mark.time_s - time < tie_s {
+                    let next =
+                        *direction as f64 * step / (mark.time_s - last_edge).max(track.tick_s);
+                    Some((next, mark.time_s - time))
+                } else if time - last_edge < tie_s {
+                    Some((speed_before, time - last_edge))
+                } else {
+                    None
+                };
+                if let Some((other, apart_s)) = otherwise.filter(|_| begun) {
+                    ties.push(Tie {
+                        at_s: time,
+                        until_s: time + 1.0 / model.rate_hz,
+                        apart_s,
+                        push: model.gains.kp * (here - other),
+                        after: model.gains.ki / model.rate_hz * (here - other),
+                        turned: false,
+                    });
+                }
+                let miss = target - seen.unwrap_or(target);
+                let asked = model.gains.kp * miss + integral;
+                push = asked.clamp(-model.limit, model.limit);
+                if push == asked || miss * asked < 0.0 {
+                    integral += model.gains.ki / model.rate_hz * miss;
+                }
+                sample += 1.0;
+            }
+            state = go(state, push, mark.time_s - now);
+            now = mark.time_s;
+            let steps = before.map_or(1, |place| (mark.place - place).abs().max(1));
+            before = Some(mark.place);
+            let way = if *direction > 0 {
+                Direction::Forward
             } else {
-                None
+                Direction::Reverse
             };
-            if let Some((other, apart_s)) = otherwise.filter(|_| begun) {
-                ties.push(Tie {
-                    at_s: time,
-                    until_s: time + 1.0 / model.rate_hz,
-                    apart_s,
-                    push: model.gains.kp * (here - other),
-                    after: model.gains.ki / model.rate_hz * (here - other),
-                    turned: false,
-                });
+            let ticks = (mark.time_s / track.tick_s).round() as u64;
+            speed_before = saw.at(ticks as f64).unwrap_or(target);
+            saw.edge(ticks, way, u32::try_from(steps).unwrap_or(1));
+            last_edge = mark.time_s;
+            if !begun && sampled < 2 {
+                return None;
             }
-            let miss = target - seen.unwrap_or(target);
-            let asked = model.gains.kp * miss + integral;
-            push = asked.clamp(-model.limit, model.limit);
-            if push == asked || miss * asked < 0.0 {
-                integral += model.gains.ki / model.rate_hz * miss;
+            if !begun {
+                begun = true;
+                state = [mark.place as f64 * step, target];
             }
-            sample += 1.0;
-        }
-        state = go(state, push, mark.time_s - now);
-        now = mark.time_s;
-        let steps = before.map_or(1, |place| (mark.place - place).abs().max(1));
-        before = Some(mark.place);
-        let way = if *direction > 0 {
-            Direction::Forward
-        } else {
-            Direction::Reverse
-        };
-        let ticks = (mark.time_s / track.tick_s).round() as u64;
-        speed_before = saw.at(ticks as f64).unwrap_or(target);
-        saw.edge(ticks, way, u32::try_from(steps).unwrap_or(1));
-        last_edge = mark.time_s;
-        if !begun && sampled < 2 {
-            return None;
-        }
-        if !begun {
-            begun = true;
-            state = [mark.place as f64 * step, target];
-        }
-        Some((state[0], target, 0.0))
-    });
+            Some((
+                state[0] - state[1] * (mark.time_s - passed.time_s),
+                target,
+                0.0,
+            ))
+        });
     let course = each.collect();
     (course, ties)
 }

@@ -31,11 +31,7 @@ pub struct Push {
 /// Pushes of a recording against its twin.
 #[must_use]
 pub fn pushes(track: &Track, twin: &Twin) -> Vec<Push> {
-    let marks: Vec<(Mark, i64)> = track
-        .stretches
-        .iter()
-        .flat_map(|stretch| stretch.marks.iter().map(|mark| (*mark, stretch.direction)))
-        .collect();
+    let marks = track.directed();
     let speeds = speeds(&marks, track);
     let each = ranges(&marks, &speeds, track, twin).into_iter();
     let speed = |at: usize| speeds.get(at).copied().flatten().unwrap_or(0.0);

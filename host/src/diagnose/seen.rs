@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 use super::kalman::Reading;
+use super::run_out::RunOuts;
 use super::shaft::{ShaftLaw, Stride};
 use super::still::Still;
 use super::swing::Torques;
@@ -33,7 +34,7 @@ pub struct Seen {
     pub places: Vec<i64>,
     /// When it came, s.
     pub times_s: Vec<f64>,
-    /// Speed of the twin there, rad/s, negative in reverse.
+    /// Speed of the twin there without its swing, rad/s, negative in reverse.
     pub speeds: Vec<f64>,
     /// Acceleration of the twin's shaft over the interval before it, rad/s^2.
     pub(super) bends: Vec<f64>,
@@ -49,9 +50,18 @@ pub struct Seen {
     pub(super) slow: f64,
     /// Samples of a speed loop that may have seen an edge or not.
     pub ties: Vec<Tie>,
+    /// By how much the comparators' levels move each edge, rad; empty before they are taken off.
+    pub(super) level_off: Vec<f64>,
+    /// The twin's run-outs, and by how much they move each edge, rad; empty where there are none.
+    pub(super) run_outs: RunOuts,
+    pub(super) run_off: Vec<f64>,
     /// The twin's torques, and the angles that they give, rad.
     pub(super) torques: Torques,
     pub(super) swings: Vec<f64>,
+    /// Speeds that they give, rad/s; empty where `speeds` was measured.
+    pub(super) swung: Vec<f64>,
+    /// Whether `speeds` is the recording's own in place of the twin's.
+    pub(super) measured: bool,
     /// The play that leaves the smoothest motion, rad, once it was asked for; worked out by one thread alone.
     pub(super) smoothest: OnceLock<f64>,
     /// How the shaft goes over the interval before each edge, once it was asked for.
@@ -159,17 +169,30 @@ impl Seen {
         (self.places[at] - self.shift) as f64 * (TAU / self.edges as f64)
     }
 
-    /// True angle of an edge as the twin's disc has it, rad.
+    /// True angle of an edge as the twin's disc and its run-out have it, rad.
     #[must_use]
     pub fn true_theta(&self, at: usize) -> f64 {
+        self.mark_theta(at) - self.run_off.get(at).copied().unwrap_or(0.0)
+    }
+
+    /// The same without the run-out.
+    #[must_use]
+    pub(super) fn mark_theta(&self, at: usize) -> f64 {
         let error = self.errors.get(self.edge(at)).copied().unwrap_or(0.0);
-        self.theta(at) - error + self.play_rad * self.side(at)
+        let level = self.level_off.get(at).copied().unwrap_or(0.0);
+        self.theta(at) - error - level + self.play_rad * self.side(at)
     }
 
     /// Half of the way it goes at an edge: 0.5 forward, -0.5 in reverse.
     #[must_use]
     pub fn side(&self, at: usize) -> f64 {
         0.5_f64.copysign(self.speeds[at])
+    }
+
+    /// Speed of the twin at an edge with its swing, rad/s: what a delay makes of the angle.
+    #[must_use]
+    pub fn true_speed(&self, at: usize) -> f64 {
+        self.speeds[at] + self.swung.get(at).copied().unwrap_or(0.0)
     }
 
     /// Whether it goes both ways.

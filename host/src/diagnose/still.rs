@@ -99,7 +99,6 @@ fn to_and_fro(twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
 
 /// Without randomness, with time stamps as good as exact, at the recording's mean speed where it is to hold one.
 fn without_randomness(track: &Track, twin: &Twin) -> Twin {
-    const FINE_HZ: u64 = 1_000_000_000_000;
     let mut still = twin.clone();
     // A wander also says how strongly the drive holds the speed, which stays.
     still.noise = still.noise.and_then(|noise| match noise {
@@ -126,7 +125,7 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
         resonance.load_hold_s = None;
     }
     still.timer.jitter_s = 0.0;
-    still.timer.clock_hz = FINE_HZ;
+    still.timer.clock_hz = fine_hz(track);
     still.timer.bits = 64;
     still.timer.raw_captures = false;
     if let Some(longest) = track.longest()
@@ -137,7 +136,10 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
                 *r_min = mean_r_min(track, &longest.marks).unwrap_or(*r_min)
             }
             Drive::RunDown { r_min, off_s } => {
-                let driven = longest.marks.partition_point(|mark| mark.time_s < *off_s);
+                // A load takes the shaft from the speed that it is driven at.
+                let loads = still.load_step.iter().map(|load| load.from_s);
+                let until_s = loads.fold(*off_s, f64::min);
+                let driven = longest.marks.partition_point(|mark| mark.time_s < until_s);
                 *r_min = mean_r_min(track, &longest.marks[..driven]).unwrap_or(*r_min);
             }
             _ => {}
@@ -156,6 +158,17 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
         }
     };
     still
+}
+
+/// Ticks a second that leave no interval of a recording as long as a decoder that tells a wheel's gap by it can count.
+fn fine_hz(track: &Track) -> u64 {
+    const FINE_HZ: u64 = 1_000_000_000_000;
+    const TICKS: f64 = 0.5 * u32::MAX as f64;
+    let marks = || track.stretches.iter().flat_map(|s| &s.marks);
+    let pairs = marks().zip(marks().skip(1));
+    let longest_s = pairs.map(|(mark, next)| next.time_s - mark.time_s);
+    let longest_s = longest_s.fold(0.0, f64::max);
+    FINE_HZ.min((TICKS / longest_s) as u64)
 }
 
 /// The same, started so that it passes the recording's first place when the recording does; and the turns by which the shaft's angle
@@ -179,8 +192,10 @@ fn started(track: &Track, mut still: Twin) -> Result<(Twin, i64), TwinError> {
     let travelled = last.truth.angle_rad - still.shaft.initial_angle_rad;
     let place = first.place as f64 * TAU / track.edges as f64;
     let start = place - travelled;
-    still.shaft.initial_angle_rad = start.rem_euclid(TAU);
-    Ok((still, -start.div_euclid(TAU) as i64))
+    // Torques of no whole order tell turns apart: it starts less than half a turn from where the twin does.
+    let turns = ((still.shaft.initial_angle_rad - start) / TAU).round();
+    still.shaft.initial_angle_rad = start + turns * TAU;
+    Ok((still, turns as i64))
 }
 
 /// The same shaft with a disc and a capture that do nothing, and none of the torques that keep step with turn or time: a shaft that

@@ -68,6 +68,8 @@ impl Torques {
 pub struct Swing {
     /// Angle that they give each edge, rad.
     pub angles: Vec<f64>,
+    /// Speed that they give it at each edge, rad/s.
+    pub speeds: Vec<f64>,
     /// How well the way of the interval before each edge is known.
     pub ways: Vec<Known>,
 }
@@ -86,9 +88,14 @@ pub enum Known {
 pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
     let Torques { turning, tones } = torques;
     let mut angles = vec![0.0; seen.len()];
+    let mut speeds = vec![0.0; seen.len()];
     let mut ways = vec![Known::Within(0.0); seen.len()];
     if turning.is_empty() && tones.is_empty() {
-        return Swing { angles, ways };
+        return Swing {
+            angles,
+            speeds,
+            ways,
+        };
     }
     let fastest = |torques: &[Torque]| torques.iter().map(|t| t.rate.abs()).fold(0.0, f64::max);
     let (order, pulsation) = (fastest(turning), fastest(tones));
@@ -153,7 +160,7 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
             if seen.follows(at) {
                 state = [0.0; 2];
             }
-            angles[at] = state[0];
+            [angles[at], speeds[at]] = state;
             most = most.max(state[0].abs());
         }
         // The first pass goes the straight way, which a slight swing hardly leaves.
@@ -165,7 +172,11 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
             break;
         }
     }
-    Swing { angles, ways }
+    Swing {
+        angles,
+        speeds,
+        ways,
+    }
 }
 
 /// Swings of a pass at every place of every interval, its ends included.

@@ -140,6 +140,16 @@ impl Track {
         self.placed = true;
     }
 
+    /// All marks, each with the direction of its stretch.
+    #[must_use]
+    pub fn directed(&self) -> Vec<(Mark, i64)> {
+        let each = self.stretches.iter().flat_map(|stretch| {
+            let marks = stretch.marks.iter();
+            marks.map(|mark| (*mark, stretch.direction))
+        });
+        each.collect()
+    }
+
     /// Whether it goes in both directions, each for a while.
     #[must_use]
     pub fn reverses(&self) -> bool {

@@ -7,10 +7,13 @@
 
 use std::f64::consts::TAU;
 
+use super::basis::Basis;
+use super::delays::Delays;
 use super::kalman::Reading;
 use super::known::{known, play_rad};
 use super::looped::looped;
 use super::pushed;
+use super::run_out::RunOuts;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
 use super::slow::too_slow;
@@ -29,11 +32,9 @@ pub type Course = Vec<Option<(f64, f64, f64)>>;
 impl Seen {
     /// Compares a recording with its twin.
     pub(super) fn compare(&mut self, track: &Track, twin: &Twin, still: &Still, law: &ShaftLaw) {
-        let marks: Vec<(Mark, i64)> = track
-            .stretches
-            .iter()
-            .flat_map(|stretch| stretch.marks.iter().map(|mark| (*mark, stretch.direction)))
-            .collect();
+        let captured = track.directed();
+        // Places lie whole turns from the twin's, which changes no edge's class.
+        let marks = Delays::of(twin, track.classes).passed(&captured);
         let step = TAU / track.edges as f64;
         let pushed = pushed::course(&marks, track, twin);
         self.pushed = pushed.is_some();
@@ -41,7 +42,8 @@ impl Seen {
         let even = twin.speed_loop().is_none() && !self.pushed;
         let course = match (twin.speed_loop(), pushed) {
             (Some(model), _) => {
-                let (course, ties) = looped(&marks, track, twin, &model);
+                // The loop saw what was captured.
+                let (course, ties) = looped(&captured, &marks, track, twin, &model);
                 self.ties = ties;
                 course
             }
@@ -57,6 +59,7 @@ impl Seen {
         let mut anew = false;
         // What nothing holds, something else pushes, or turns round, goes at its own speed, not at the twin's.
         let unheld = !law.held() || self.pushed || twin.drive.reverses();
+        self.measured = unheld;
         let measured = if unheld || slow > 0.0 {
             speeds(&marks, track)
         } else {
@@ -131,14 +134,19 @@ impl Seen {
         self.angles.iter_mut().for_each(|angle| *angle -= turns);
     }
 
-    /// Takes off what the twin's torques do on the disc as it is known now.
+    /// Takes off what the twin's run-out and torques do on the disc as it is known now.
     pub(super) fn swing(&mut self) {
+        self.run_out();
         let swing = swing(self, &self.torques);
         let each = swing.angles.iter().zip(&self.swings);
         for (angle, (now, before)) in self.angles.iter_mut().zip(each) {
             *angle -= now - before;
         }
         self.swings = swing.angles;
+        // A speed that was measured has most of the swing in it.
+        if !self.measured {
+            self.swung = swing.speeds;
+        }
         self.smoothest = std::sync::OnceLock::new();
         for (at, way) in swing.ways.into_iter().enumerate() {
             if self.speeds[at].abs() >= self.slow {
@@ -152,23 +160,30 @@ impl Seen {
         }
     }
 
-    /// Takes off what the twin's torques, delays, levels and play do.
+    /// Takes off what the twin's torques, run-out, levels and play do.
     pub(super) fn take_off(&mut self, twin: &Twin, law: &ShaftLaw) {
-        self.torques = Torques::of(twin, law);
-        self.play_rad = play_rad(twin);
-        self.swings = vec![0.0; self.len()];
-        self.swing();
+        self.level_off = vec![0.0; self.len()];
         let looped = twin.speed_loop().is_some();
-        for at in 0..self.len() {
-            self.angles[at] += self.play_rad * self.side(at);
-        }
         for (basis, sizes) in known(twin, looped) {
+            let level = matches!(basis, Basis::LevelTone { .. } | Basis::LevelDrift { .. });
             for (column, size) in basis.columns(self, law).into_iter().zip(sizes) {
-                for (angle, value) in self.angles.iter_mut().zip(column) {
-                    *angle -= size * value;
+                for (at, value) in column.into_iter().enumerate() {
+                    self.angles[at] -= size * value;
+                    if level {
+                        self.level_off[at] += size * value;
+                    }
                 }
             }
         }
+        self.play_rad = play_rad(twin);
+        for at in 0..self.len() {
+            self.angles[at] += self.play_rad * self.side(at);
+        }
+        // Where the shaft is when an edge comes is known now.
+        self.torques = Torques::of(twin, law);
+        self.run_outs = RunOuts::of(twin);
+        self.swings = vec![0.0; self.len()];
+        self.swing();
     }
 }
 

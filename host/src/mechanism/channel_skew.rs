@@ -76,7 +76,7 @@ fn columns(basis: Basis, seen: &Seen, _: &ShaftLaw) -> Vec<Vec<f64>> {
     };
     by_edge(seen, |at, change| {
         if change.channel == channel {
-            -seen.speeds[at]
+            -seen.true_speed(at)
         } else {
             0.0
         }

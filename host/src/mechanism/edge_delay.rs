@@ -100,7 +100,7 @@ fn columns(basis: Basis, seen: &Seen, _: &ShaftLaw) -> Vec<Vec<f64>> {
         // Backwards a rise is passed as a fall.
         let reverse = seen.speeds[at] < 0.0;
         let late = change.on(channel) && change.rises != reverse;
-        if late { -seen.speeds[at] } else { 0.0 }
+        if late { -seen.true_speed(at) } else { 0.0 }
     })
 }
 
