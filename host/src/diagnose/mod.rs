@@ -24,6 +24,7 @@ mod disc_shown;
 pub mod estimate;
 pub mod events;
 mod faded;
+mod goes;
 pub mod hold;
 pub mod hypothesis;
 pub mod index;

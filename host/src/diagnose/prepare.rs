@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::board::{Bench, Board, Products};
+use super::goes;
 use super::kalman::ShaftNoise;
 use super::looped::TIED_JITTER_S;
 use super::one_channel::turned;
@@ -81,6 +82,13 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             file: one.file.clone(),
             edges,
             turns,
+        });
+    }
+    if let Some(why) = goes::other(&one.track, &one.twin) {
+        return Err(DiagnoseError::OtherMotion {
+            file: one.file.clone(),
+            twin: one.twin.name.clone(),
+            why,
         });
     }
     let seen = seen(one)?;
