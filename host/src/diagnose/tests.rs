@@ -2,6 +2,7 @@
 
 mod disc_parts;
 mod reversal;
+mod where_it_shows;
 
 use super::basis::Basis;
 use super::disc;
