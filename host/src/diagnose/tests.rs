@@ -1,6 +1,7 @@
 //! What is left of a recording whose twin knows all.
 
 mod disc_parts;
+mod drawn;
 mod reversal;
 mod where_it_shows;
 

@@ -9,7 +9,7 @@ const LATE_S: f64 = 40e-6;
 
 fn rig(encoder: &str, seed: u32, r_min: f64) -> Twin {
     twin(&format!(
-        "duration = {{ turns = 30 }}\nseed = {seed}\n{encoder}\n[shaft]\ninertia_kg_m2 = 1e-4\n\
+        "duration = {{ turns = 20 }}\nseed = {seed}\n{encoder}\n[shaft]\ninertia_kg_m2 = 1e-4\n\
          viscous_n_m_s = 2e-4\nstiffness_n_m_s = 4e-4\n[drive.constant]\nr_min = {r_min}\n\
          [noise.white]\npsd_n2_m2_s = 1e-12\n[timer]\nclock_hz = 84000000\njitter_s = 1e-6\n"
     ))
@@ -36,7 +36,12 @@ fn said(encoder: &str, channel: usize, [rise_s, fall_s]: [f64; 2]) -> Vec<(Mecha
     let each = found.diagnosis.findings.into_iter();
     each.map(|finding| {
         let place = finding.place;
-        assert_eq!(place.speed_exponent, Some(1.0), "{}", finding.text);
+        if matches!(
+            finding.mechanism,
+            Mechanism::EdgeDelay | Mechanism::ChannelSkew
+        ) {
+            assert_eq!(place.speed_exponent, Some(1.0), "{}", finding.text);
+        }
         (finding.mechanism, (place.channels, place.edge_classes))
     })
     .collect()

@@ -67,7 +67,7 @@ fn the_surest_finding_comes_first() {
 
 #[test]
 fn what_no_noise_makes_is_not_called_noise() {
-    let found = [finding(Mechanism::Bearing, 1.0, 100.0)];
+    let found = [finding(Mechanism::DiscTilt, 1.0, 100.0)];
     let said = |p: f64| summary(Verdict::Explained, &found, &fit(0.0, p), 1);
     assert!(said(0.01).ends_with("what is left is noise."));
     let more = said(0.0012);
@@ -84,7 +84,7 @@ fn what_no_noise_makes_is_not_called_noise() {
     assert!(!nothing(0.005).contains("is noise"), "{}", nothing(0.005));
     // A residual that the finding changes nothing of says nothing of the rest.
     let hidden = summary(Verdict::Explained, &found, &fit(1e-9, 1e-9), 1);
-    assert_eq!(hidden, "The twin lacked: bearing error.");
+    assert!(!hidden.contains("noise"), "{hidden}");
 }
 
 #[test]
