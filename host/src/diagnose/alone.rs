@@ -7,7 +7,7 @@ use super::motion::agreement::Agreement;
 use super::run::{Diagnosed, Recorded};
 use super::shown::Shown;
 use super::tell;
-use super::verdict::{names, order, verdict};
+use super::verdict::{Rest, more_than_noise, names, order, verdict};
 
 /// The diagnosis of a motion; `findings` are all there are, the motion among them.
 #[must_use]
@@ -28,12 +28,16 @@ pub fn alone(
     for (twin, one) in twins.iter_mut().zip(rig) {
         put_lost(twin, &one.track);
     }
+    let rest = match Rest::of(&agreement.fit, true) {
+        Rest::More(p) => format!("; {}", more_than_noise(p)),
+        Rest::Noise | Rest::Hidden => String::new(),
+    };
     Diagnosed {
         diagnosis: Diagnosis {
             version: 1,
             verdict,
             summary: format!(
-                "The twin lacked: {}. Beside a shaft that does not turn evenly nothing smaller is looked for.",
+                "The twin lacked: {}{rest}. Beside a shaft that does not turn evenly nothing smaller is looked for.",
                 names(&findings)
             ),
             recordings: rig.iter().map(facts).collect(),

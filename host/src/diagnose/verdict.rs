@@ -23,10 +23,16 @@ impl Rest {
     /// The rest of a fit; `found` is whether there are findings.
     #[must_use]
     pub fn of(fit: &Fit, found: bool) -> Self {
-        match (fit.whiteness_p, fit.whiteness_p_before) {
-            (Some(p), _) if p >= NO_NOISE => Self::Noise,
-            // What changes nothing there is not in it: a resonance or another course is told from the whole of a recording.
-            (Some(p), Some(before)) if !found || p.to_bits() != before.to_bits() => Self::More(p),
+        // What changes nothing there is not in it: a resonance or another course is told from the whole of a recording.
+        let same = |before: Option<f64>, after: Option<f64>| before == after;
+        let hidden = same(fit.rms_before_rad, fit.rms_after_rad)
+            && same(
+                fit.edge_to_edge.rms_before_rad,
+                fit.edge_to_edge.rms_after_rad,
+            );
+        match fit.whiteness_p {
+            Some(p) if p >= NO_NOISE => Self::Noise,
+            Some(p) if !(found && hidden) => Self::More(p),
             _ => Self::Hidden,
         }
     }
@@ -100,7 +106,9 @@ pub fn summary(verdict: Verdict, findings: &[Finding], fit: &Fit, recordings: us
     }
 }
 
-fn more_than_noise(p: f64) -> String {
+/// That more than noise is left.
+#[must_use]
+pub fn more_than_noise(p: f64) -> String {
     let chance = match p {
         p if p < 1e-15 => "under 1e-15".to_owned(),
         p => format!("{p:.0e}"),

@@ -23,10 +23,13 @@ fn finding(mechanism: Mechanism, confidence: f64, delta_bic: f64) -> Finding {
     }
 }
 
+/// A fit with a residual that changes with the probability that it is noise.
 fn fit(before: f64, after: f64) -> Fit {
     Fit {
         whiteness_p_before: Some(before),
         whiteness_p: Some(after),
+        rms_before_rad: Some(before.hypot(1.0)),
+        rms_after_rad: Some(after.hypot(1.0)),
         ..Fit::default()
     }
 }
@@ -68,7 +71,7 @@ fn the_surest_finding_comes_first() {
 #[test]
 fn what_no_noise_makes_is_not_called_noise() {
     let found = [finding(Mechanism::DiscTilt, 1.0, 100.0)];
-    let said = |p: f64| summary(Verdict::Explained, &found, &fit(0.0, p), 1);
+    let said = |p: f64| summary(Verdict::Explained, &found, &fit(0.9, p), 1);
     assert!(said(0.01).ends_with("what is left is noise."));
     let more = said(0.0012);
     assert!(

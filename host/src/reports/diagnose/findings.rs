@@ -143,8 +143,12 @@ fn look_alikes(body: &mut Body, finding: &Finding, diagnosis: &Diagnosis) {
     let names: Vec<String> = names.collect();
     let mut paragraphs = Vec::new();
     if !names.is_empty() {
+        let these = match diagnosis.recordings.len() {
+            1 => "This recording",
+            _ => "These recordings",
+        };
         paragraphs.push(format!(
-            "These recordings would look much the same with {} in its place.",
+            "{these} would look much the same with {} in its place.",
             words::list_or(&names)
         ));
     }
