@@ -40,8 +40,12 @@ struct Own {
 pub fn moved(estimate: &Estimate) -> Vec<Moved> {
     let bases = &estimate.hypothesis.bases;
     match bases[0] {
-        Basis::Bump { channel, rises, .. } => vec![Moved { channel, rises }]
-            .split_off(usize::from(channel.is_none() && rises.is_none())),
+        Basis::Bump {
+            channel: None,
+            rises: None,
+            ..
+        } => Vec::new(),
+        Basis::Bump { channel, rises, .. } => vec![Moved { channel, rises }],
         Basis::LevelTone { channel, .. } => {
             let rises = None;
             channel.map_or_else(Vec::new, |_| vec![Moved { channel, rises }])
