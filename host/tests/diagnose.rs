@@ -5,26 +5,7 @@ mod workshop;
 use std::fs;
 
 use quadcal_host::twin::Twin;
-use tempfile::TempDir;
-use workshop::{TWIN, done, json, refused};
-
-const HALL: &str = "[encoder.hall]\npole_pairs = 2";
-const QUADRATURE: &str = "[encoder.quadrature]\nlines = 50\nindex = true";
-
-/// A folder with a twin, its recording, and the twin and recording of three Hall sensors.
-fn bench() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    let hall = TWIN
-        .replace(QUADRATURE, HALL)
-        .replace("quadrature_rad = 6e-3", "");
-    fs::write(at.join("rig.toml"), TWIN).unwrap();
-    fs::write(at.join("hall.toml"), hall).unwrap();
-    done(at, "simulate rig.toml -o rig.csv");
-    done(at, "simulate rig.toml --seed 9 -o again.csv");
-    done(at, "simulate hall.toml -o hall.csv");
-    folder
-}
+use workshop::{QUADRATURE, TWIN, bench, done, json, refused};
 
 #[test]
 fn bad_twins_are_refused_with_their_line() {
@@ -147,6 +128,11 @@ fn results_that_would_take_each_others_place_are_refused() {
         ),
         ("--write-twin rig.toml", "rig.toml: is the input itself"),
         ("--json rig.csv", "rig.csv: is the input itself"),
+        ("--json ./one --report one", "./one: named for two results"),
+        (
+            "--json - --report -",
+            "quadcal: standard output: named for two results; give each its own file",
+        ),
     ] {
         let arguments = format!("diagnose rig.csv --twin rig.toml {results}");
         let message = refused(&folder, &arguments, 2);
@@ -157,7 +143,25 @@ fn results_that_would_take_each_others_place_are_refused() {
         "diagnose rig.csv --twin rig.toml --json found.json --write-twin gone/new.toml",
         1,
     );
-    assert!(message.contains("cannot be written"), "{message}");
+    assert!(
+        message.starts_with("quadcal: gone/new.")
+            && message.contains(": cannot be written (No such file or directory"),
+        "{message}"
+    );
+    assert!(!message.contains(".part"), "{message}");
+}
+
+#[test]
+fn a_report_on_stdout_stands_alone() {
+    let folder = bench();
+    let page = done(
+        folder.path(),
+        "diagnose rig.csv --twin rig.toml --report - --json found.json",
+    );
+    assert!(
+        page.starts_with("<!") && page.trim_end().ends_with("</html>"),
+        "{page}"
+    );
 }
 
 #[test]

@@ -167,7 +167,8 @@ impl Calibrate {
             target.write_report(&page)?;
         }
         let text = facts(&calibrated, &self.output);
-        self.json.write(&Summary::new(&calibrated), &text)
+        self.json
+            .write_beside(&self.outputs(), &Summary::new(&calibrated), &text)
     }
 
     fn learn(&self, surveyed: &[Surveyed], globals: Globals) -> Result<Calibration, Failure> {
@@ -237,13 +238,16 @@ impl Calibrate {
 
     /// Refuses outputs that would take a recording's place.
     fn spare(&self, input: &InputArgs) -> Result<(), Failure> {
-        let outputs = [
+        spare(&self.outputs(), &input.recording)
+    }
+
+    fn outputs(&self) -> [Option<&Target>; 4] {
+        [
             Some(&self.output),
             self.csv.as_ref(),
             self.report.report.as_ref(),
             self.json.json.as_ref(),
-        ];
-        spare(&outputs, &input.recording)
+        ]
     }
 
     /// A way through all recordings.

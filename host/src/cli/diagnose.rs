@@ -41,8 +41,8 @@ The twin says what is known of the rig: encoder, shaft, drive, noise (quadcal si
 it lacks is searched in every coordinate in which physics leaves a mark, named, fitted on the
 earlier turns and judged on the last ones. The verdict is one of
 
-  complete   the twin explains the recordings; what is left is noise
-  explained  with the findings, what is left is noise
+  complete   nothing was found that the twin lacks
+  explained  everything that was found has a name
   partly     findings have names, and something else is left
   ambiguous  a finding may be one mechanism or another: the recording that would decide is named
   unknown    something is there, and it is none of the known mechanisms
@@ -50,11 +50,6 @@ earlier turns and judged on the last ones. The verdict is one of
 Two recordings at speeds a factor of two apart, or in both directions, tell most look-alikes apart.
 
 ";
-
-/// Both ways to call it.
-const USAGE: &str = "\
-quadcal diagnose [OPTIONS] --twin <TWIN> <REC>...
-       quadcal diagnose --mechanisms [ID]";
 
 /// As of all commands, but whatever the verdict is, it was reached.
 const EXIT_CODES: &str = "\
@@ -65,7 +60,7 @@ Exit codes:
 
 /// Find what a twin lacks to explain its recordings, name it, and show that it fits
 #[derive(Debug, Args)]
-#[command(after_help = [EXAMPLES, EXIT_CODES].concat(), override_usage = USAGE)]
+#[command(after_help = [EXAMPLES, EXIT_CODES].concat())]
 pub struct Diagnose {
     /// Recordings of one rig: native CSV, logic-analyser CSV, VCD, or one column of seconds
     #[arg(value_name = "REC", required_unless_present = "mechanisms")]
@@ -148,7 +143,8 @@ impl Diagnose {
             staged.add(target.clone(), &json)?;
         }
         staged.commit()?;
-        if self.json.json == Some(Target::Stdout) {
+        let asked = [self.report.report.as_ref(), self.json.json.as_ref()];
+        if asked.contains(&Some(&Target::Stdout)) {
             return Ok(());
         }
         let mut text = facts::facts(&diagnosed.diagnosis);

@@ -34,6 +34,12 @@ pub(super) fn twin_hint(error: &TwinError) -> &'static str {
         TwinError::Read { .. } => {
             "; check the path (quadcal simulate --example paper > twin.toml writes one to start from)"
         }
+        TwinError::Empty { .. } => {
+            "; write what is known of the rig (quadcal simulate --keys lists every key, --example paper shows a complete twin)"
+        }
+        TwinError::Syntax { message, .. } if message.starts_with("missing field") => {
+            "; add it (quadcal simulate --keys lists every key, --example paper shows a complete twin)"
+        }
         TwinError::Syntax { .. } => {
             "; correct the line (quadcal simulate --keys lists every key, --example paper shows a complete twin)"
         }

@@ -1,5 +1,8 @@
 //! Where results go: files that appear whole or not at all, stdout, JSON, and text for people.
 
+mod apart;
+mod facts;
+
 use std::ffi::OsString;
 use std::fmt;
 use std::fs::{self, File};
@@ -10,9 +13,12 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::recording::write::AtomicFile;
-use crate::report::{self, Report};
+use crate::report::Report;
 
 use super::failure::Failure;
+use apart::same_file;
+pub use apart::spare;
+pub use facts::Facts;
 
 /// Where an output goes; written `-` for stdout.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -145,48 +151,6 @@ impl Target {
     }
 }
 
-/// Whether both paths lead to one regular file, through links or not.
-/// Refuses outputs of which one would take another's place, or an input's.
-///
-/// # Errors
-/// [`Failure::OverOutput`], [`Failure::OverInput`].
-pub fn spare(outputs: &[Option<&Target>], input: &Path) -> Result<(), Failure> {
-    distinct(outputs)?;
-    let mut files = outputs.iter().flatten();
-    files.try_for_each(|target| target.spare(input))
-}
-
-fn distinct(outputs: &[Option<&Target>]) -> Result<(), Failure> {
-    let files: Vec<_> = outputs.iter().flatten().collect();
-    for (index, target) in files.iter().enumerate() {
-        let Target::File(path) = target else {
-            continue;
-        };
-        let taken = files[..index].iter().any(|other| match other {
-            Target::File(other) => (other == path || same_file(other, path)) && !is_device(path),
-            Target::Stdout => false,
-        });
-        if taken {
-            return Err(Failure::OverOutput {
-                target: (**target).clone(),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Whether there is something that is no regular file, such as /dev/null, which may be written by all.
-fn is_device(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b && a.is_file(),
-        _ => false,
-    }
-}
-
 /// An output being written. Dropped before [`commit`](Self::commit), a file is as it was before.
 #[derive(Debug)]
 pub enum Output {
@@ -244,10 +208,24 @@ impl JsonArg {
     /// # Errors
     /// [`Failure::Write`].
     pub fn write(&self, value: &impl Serialize, text: &Facts) -> Result<(), Failure> {
+        self.write_beside(&[], value, text)
+    }
+
+    /// The same beside other outputs: where one of them is stdout, nothing else may go there.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub fn write_beside(
+        &self,
+        others: &[Option<&Target>],
+        value: &impl Serialize,
+        text: &Facts,
+    ) -> Result<(), Failure> {
         if let Some(target) = &self.json {
             target.write_json(value)?;
         }
-        if self.json == Some(Target::Stdout) {
+        let mut outputs = others.iter().copied().chain([self.json.as_ref()]);
+        if outputs.any(|output| output == Some(&Target::Stdout)) {
             return Ok(());
         }
         Target::Stdout.write(text.to_string().as_bytes())
@@ -257,57 +235,14 @@ impl JsonArg {
 /// The option of a command that can write a report.
 #[derive(Clone, Debug, Args)]
 pub struct ReportArg {
-    /// Write a report with plots, one HTML file that needs nothing else
+    /// Write a report with plots, one HTML file that needs nothing else; '-' prints it in place of the text
     #[arg(long, value_name = "PATH", help_heading = "Results")]
     pub report: Option<Target>,
-}
-
-/// Named results, one a line, the values in one column.
-#[derive(Clone, Debug, Default)]
-pub struct Facts(Vec<(String, String)>);
-
-impl Facts {
-    /// Adds a line.
-    pub fn push(&mut self, name: impl Into<String>, value: impl fmt::Display) -> &mut Self {
-        // Text copied from a terminal should hold plain spaces, and a value must stay on its line.
-        let value = value.to_string().replace(['\u{a0}', '\u{202f}'], " ");
-        self.0
-            .push((name.into(), value.replace(char::is_control, "?")));
-        self
-    }
-
-    /// Adds the lines of `other`.
-    pub fn append(&mut self, mut other: Self) -> &mut Self {
-        self.0.append(&mut other.0);
-        self
-    }
-
-    /// Adds a line with a value in SI units, three digits.
-    pub fn push_si(&mut self, name: impl Into<String>, value: f64, unit: &str) -> &mut Self {
-        self.push(name, report::si(value, unit))
-    }
-}
-
-impl fmt::Display for Facts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = self.0.iter().map(|(name, _)| name.chars().count());
-        let width = names.max().unwrap_or(0);
-        self.0
-            .iter()
-            .try_for_each(|(name, value)| writeln!(f, "{name:width$}  {value}"))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn values_stand_in_one_column_and_on_one_line() {
-        let mut facts = Facts::default();
-        facts.push("µ", "a\nb").push_si("Clock", 8.4e7, "Hz");
-        assert_eq!(facts.to_string(), "µ      a?b\nClock  84.0 MHz\n");
-    }
 
     #[test]
     fn a_file_is_replaced_whole_and_through_a_link() {

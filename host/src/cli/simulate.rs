@@ -157,7 +157,7 @@ impl Simulate {
         let (Some(path), Some(output)) = (&self.twin, &self.output) else {
             return Ok(());
         };
-        self.spare(path)?;
+        spare(&self.outputs(), path)?;
         let twin = self.load(path)?;
         let simulation = Simulation::new(&twin)?;
         let truth = simulation.true_errors();
@@ -182,15 +182,9 @@ impl Simulate {
             seconds: outcome.seconds,
             turns: outcome.turns,
         };
-        if *output == Target::Stdout {
-            // The recording is on stdout, where nothing else may go.
-            return match &self.json.json {
-                Some(target) if *target != Target::Stdout => target.write_json(&summary),
-                _ => Ok(()),
-            };
-        }
-        self.json.write(&summary, &self.facts(&summary))?;
-        if !globals.quiet && self.json.json.is_none() {
+        let facts = self.facts(&summary);
+        self.json.write_beside(&self.outputs(), &summary, &facts)?;
+        if !globals.quiet && self.json.json.is_none() && *output != Target::Stdout {
             // Edges alone do not tell a loop that hides orders, nor what kind of disc it is.
             let plain = matches!(twin.encoder, Encoder::Quadrature { .. });
             let free = !matches!(twin.drive, Drive::SpeedLoop { .. });
@@ -208,16 +202,14 @@ impl Simulate {
         Ok(())
     }
 
-    /// Refuses an output in place of the twin.
-    fn spare(&self, twin: &Path) -> Result<(), Failure> {
-        let outputs = [
+    fn outputs(&self) -> [Option<&Target>; 5] {
+        [
             self.output.as_ref(),
             self.truth.as_ref(),
             self.reference.as_ref(),
             self.report.report.as_ref(),
             self.json.json.as_ref(),
-        ];
-        spare(&outputs, twin)
+        ]
     }
 
     fn load(&self, path: &Path) -> Result<Twin, Failure> {

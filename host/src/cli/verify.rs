@@ -132,7 +132,8 @@ impl Verify {
         }
         let delays = class_delays(plan.kind, &slot.header.delays);
         let facts = self.facts(&check, &delays);
-        self.json.write(&self.summary(&check, delays), &facts)?;
+        let summary = self.summary(&check, delays);
+        self.json.write_beside(&outputs, &summary, &facts)?;
         self.judge(&check)
     }
 

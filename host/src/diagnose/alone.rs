@@ -7,6 +7,7 @@ use super::motion::agreement::Agreement;
 use super::run::{Diagnosed, Recorded};
 use super::shown::Shown;
 use super::tell;
+use super::verdict::{Rest, more_than_noise, names, order, verdict};
 
 /// The diagnosis of a motion; `findings` are all there are, the motion among them.
 #[must_use]
@@ -21,22 +22,23 @@ pub fn alone(
             finding.evidence.held_out_rms_ratio = agreement.held_out_ratio;
         }
     }
-    findings.sort_by(|a, b| b.evidence.delta_bic.total_cmp(&a.evidence.delta_bic));
+    let verdict = verdict(&findings);
+    order(&mut findings, verdict);
     let mut twins = motion.twins;
     for (twin, one) in twins.iter_mut().zip(rig) {
         put_lost(twin, &one.track);
     }
-    let names: Vec<String> = findings
-        .iter()
-        .map(|finding| finding.mechanism.title().to_lowercase())
-        .collect();
+    let rest = match Rest::of(&agreement.fit, true) {
+        Rest::More(p) => format!("; {}", more_than_noise(p)),
+        Rest::Noise | Rest::Hidden => String::new(),
+    };
     Diagnosed {
         diagnosis: Diagnosis {
             version: 1,
-            verdict: tell::verdict(&findings),
+            verdict,
             summary: format!(
-                "The twin lacked: {}. Beside a shaft that does not turn evenly nothing smaller is looked for.",
-                names.join(", ")
+                "The twin lacked: {}{rest}. Beside a shaft that does not turn evenly nothing smaller is looked for.",
+                names(&findings)
             ),
             recordings: rig.iter().map(facts).collect(),
             fit: agreement.fit,

@@ -5,14 +5,21 @@ use std::collections::BTreeMap;
 use super::basis::{Basis, Change, change_of};
 use super::conclude::Name;
 use super::diagnosis::{Parameter, Place};
+use super::estimate::Estimate;
+use super::moved::moved;
 use super::settle::Settled;
-use crate::mechanism::Shows;
+use crate::mechanism::{Mechanism, Shows};
 
 const CHANNELS: [&str; 3] = ["A", "B", "C"];
 
 /// Where a named finding shows.
 #[must_use]
-pub fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Parameter>) -> Place {
+pub fn place(
+    settled: &Settled,
+    name: &Name,
+    estimate: &Estimate,
+    parameters: &BTreeMap<String, Parameter>,
+) -> Place {
     let mut place = Place::default();
     let value = |name: &str| parameters.get(name).map(|p| p.value);
     place.orders.extend(value("order"));
@@ -26,55 +33,52 @@ pub fn place(settled: &Settled, name: &Name, parameters: &BTreeMap<String, Param
     {
         place.orders.push(order);
     }
+    if let Basis::Bump { angle_rad, .. } = name.hypothesis.bases[0] {
+        place.angles_deg = vec![value("angle_rad").unwrap_or(angle_rad).to_degrees()];
+    }
+    place.speed_exponent = speed_exponent(settled, name);
     let Some(first) = settled.given.benches.first() else {
         return place;
     };
-    let names = settled.class_names();
-    let hit: Vec<usize> = (0..first.seen.classes as usize)
-        .filter(|class| {
-            hits(
-                name.hypothesis.bases[0],
-                change_of(*class, first.seen.classes),
-            )
-        })
+    let (names, classes) = (settled.class_names(), first.seen.classes);
+    let moved = moved(estimate);
+    let on = |change: Change| moved.iter().any(|moved| moved.has(change));
+    let hit: Vec<usize> = (0..names.len())
+        .filter(|class| on(change_of(*class, classes)))
         .collect();
     if hit.len() < names.len() {
         place.edge_classes = hit.iter().map(|class| names[*class].to_owned()).collect();
     }
-    match name.hypothesis.bases[0] {
-        Basis::Bump {
-            angle_rad, channel, ..
-        } => {
-            place.angles_deg = vec![value("angle_rad").unwrap_or(angle_rad).to_degrees()];
-            place
-                .channels
-                .extend(channel.map(|c| CHANNELS[c].to_owned()));
-        }
-        Basis::LevelTone { channel, .. } => {
-            place
-                .channels
-                .extend(channel.map(|c| CHANNELS[c].to_owned()));
-        }
-        Basis::Shift { channel } | Basis::Late { channel } => {
-            place.channels.push(CHANNELS[channel].to_owned());
-        }
-        _ => {}
-    }
+    let mut channels: Vec<usize> = hit
+        .iter()
+        .map(|class| change_of(*class, classes).channel)
+        .collect();
+    channels.sort_unstable();
+    channels.dedup();
+    let named = channels.into_iter().map(|channel| CHANNELS[channel]);
+    place.channels = named.map(str::to_owned).collect();
     place
 }
 
-/// Whether a pattern is on an edge.
-fn hits(basis: Basis, change: Change) -> bool {
-    match basis {
-        Basis::Bump { channel, rises, .. } => {
-            channel.is_none_or(|c| c == change.channel) && rises.is_none_or(|r| r == change.rises)
-        }
-        Basis::LevelTone { channel, .. } => channel.is_none_or(|c| c == change.channel),
-        Basis::Width { channel } => !change.rises && channel.is_none_or(|c| c == change.channel),
-        Basis::RiseLate { channel } => change.rises && channel.is_none_or(|c| c == change.channel),
-        Basis::Shift { channel } | Basis::Late { channel } => channel == change.channel,
-        _ => true,
-    }
+/// Speeds that are two: a look-alike of another exponent would differ by as much.
+const TWO_SPEEDS: f64 = 1.25;
+
+/// The power of the speed that its angle goes with, as far as these recordings tell it: one size fits all of their speeds, and what fits
+/// as well goes with the same power.
+fn speed_exponent(settled: &Settled, name: &Name) -> Option<f64> {
+    let exponent = |mechanism: Mechanism| mechanism.card().speed_exponent;
+    let own = exponent(name.hypothesis.mechanism)?;
+    let tied = name.hypothesis.bases.iter().all(|basis| !basis.timed());
+    let alike = name.alike.iter().all(|other| exponent(*other) == Some(own));
+    let (least, most) = settled
+        .given
+        .benches
+        .iter()
+        .flat_map(|bench| bench.seen.speeds.iter().map(|speed| speed.abs()))
+        .fold((f64::INFINITY, 0.0), |(least, most), speed| {
+            (f64::min(least, speed), f64::max(most, speed))
+        });
+    (tied && alike && most > TWO_SPEEDS * least).then(|| f64::from(own))
 }
 
 /// The same in a sentence.

@@ -1,9 +1,9 @@
 //! What a report draws of a diagnosis.
 
-use super::basis::{Basis, Change, change_of};
 use super::board::{Bench, Model};
 use super::diagnosis::Finding;
 use super::locate::{Along, Among, spectrum};
+use super::mark_plot::{self, lines_each};
 use super::motion::foretold::Open;
 use super::run::Diagnosed;
 use super::settle::Settled;
@@ -88,7 +88,15 @@ fn in_time(bench: &Bench, model: &Model, number: usize) -> Line {
     let rad = rad(bench, model, number);
     let each = bench.seen.times_s.iter().copied().zip(rad.iter().copied());
     let there = each.enumerate().filter(|(at, _)| !bench.seen.follows(*at));
-    cells(there.map(|(_, point)| point))
+    let there: Vec<(f64, f64)> = there.map(|(_, point)| point).collect();
+    let cells = there.chunks(lines_each(there.len(), bench.seen.classes, POINTS));
+    let mean = |cell: &[(f64, f64)]| {
+        let (x, y) = cell
+            .iter()
+            .fold((0.0, 0.0), |sum, point| (sum.0 + point.0, sum.1 + point.1));
+        (x / cell.len() as f64, y / cell.len() as f64)
+    };
+    cells.map(mean).collect()
 }
 
 fn in_orders(bench: &Bench, model: &Model, number: usize) -> (Line, f64) {
@@ -107,110 +115,12 @@ fn in_orders(bench: &Bench, model: &Model, number: usize) -> (Line, f64) {
     (peaks.collect(), threshold)
 }
 
-/// Bins of a finding's plot.
-const BINS: usize = 60;
-
-/// A finding in its coordinate: what it makes, and how much of that the recording shows, bin by bin.
-///
-/// In each bin the finding's mark, as it passes the noise's filter, is fitted to what is left without it: a size of 1 is the finding as
-/// it was found. So shaft wander, which is larger than most marks, is not in the way.
+/// A finding in the coordinate where it shows; what is no pattern, along time.
 fn plot(settled: &Settled, finding: &Finding, number: Option<usize>) -> FindingPlot {
-    let label = |text: String| FindingPlot {
-        mechanism: finding.mechanism,
-        x_label: text,
-        y_label: "what it moves edges by, urad".to_owned(),
-        before: Vec::new(),
-        after: Vec::new(),
-        model: Vec::new(),
-    };
-    let Some(mark) = number.and_then(|number| settled.marks.get(number)) else {
-        return residual_plot(settled, finding);
-    };
-    let bench = &settled.given.benches[mark.bench];
-    let seen = &bench.seen;
-    let (text, x) = coordinate(bench, finding, mark.basis);
-    let mut bins = [(0.0, 0.0, 0.0, 0.0, 0.0); BINS];
-    let places: Vec<f64> = (0..seen.len()).map(x).collect();
-    let range = match mark.basis {
-        Basis::Bump {
-            angle_rad,
-            width_rad,
-            ..
-        } => {
-            let (middle, half) = (angle_rad.to_degrees(), 6.0 * width_rad.to_degrees());
-            (middle - half, middle + half)
-        }
-        _ => places
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(*x), high.max(*x))
-            }),
-    };
-    let width = ((range.1 - range.0) / BINS as f64).max(f64::MIN_POSITIVE);
-    for (at, &place) in places.iter().enumerate() {
-        if !(range.0..=range.1).contains(&place) || mark.angles[at] == 0.0 {
-            continue;
-        }
-        let bin = &mut bins[(((place - range.0) / width) as usize).min(BINS - 1)];
-        let sign = sign_of(mark.basis, change_of(seen.class(at), seen.classes));
-        let white = mark.white[at];
-        bin.0 += white * (mark.left[at] + white);
-        bin.1 += white * white;
-        bin.2 += 1e6 * sign * mark.angles[at];
-        bin.3 += 1.0;
-        bin.4 += place;
-    }
-    let mut plot = label(text);
-    for bin in bins.iter().filter(|bin| bin.3 > 0.0 && bin.1 > 0.0) {
-        let (x, model, share) = (bin.4 / bin.3, bin.2 / bin.3, bin.0 / bin.1);
-        plot.model.push((x, model));
-        plot.before.push((x, share * model));
-        plot.after.push((x, (share - 1.0) * model));
-    }
-    plot
-}
-
-/// Which way a kind of edge is drawn: falls up and rises down where they are moved against each other.
-fn sign_of(basis: Basis, change: Change) -> f64 {
-    match basis {
-        Basis::LevelTone { .. } | Basis::LevelDrift { .. } if change.rises => -1.0,
-        _ => 1.0,
-    }
-}
-
-type Coordinate<'a> = Box<dyn Fn(usize) -> f64 + 'a>;
-
-/// What a finding is drawn along.
-fn coordinate<'a>(bench: &'a Bench, finding: &Finding, basis: Basis) -> (String, Coordinate<'a>) {
-    let seen = &bench.seen;
-    match basis {
-        Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. } => (
-            format!("phase at {f_hz:.4} Hz, degrees"),
-            Box::new(move |at| 360.0 * (seen.times_s[at] * f_hz).rem_euclid(1.0)),
-        ),
-        Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order }
-            if order > 2.5 =>
-        {
-            (
-                format!("phase at order {order:.4}, degrees"),
-                Box::new(move |at| (order * seen.theta(at)).to_degrees().rem_euclid(360.0)),
-            )
-        }
-        Basis::LevelDrift { .. }
-        | Basis::Load { .. }
-        | Basis::Drift
-        | Basis::Direction
-        | Basis::Coulomb
-        | Basis::Viscous
-        | Basis::Drag
-        | Basis::Stribeck { .. } => ("time, s".to_owned(), Box::new(|at| seen.times_s[at])),
-        _ => {
-            let _ = finding;
-            (
-                "angle of the disc, degrees".to_owned(),
-                Box::new(|at| seen.theta(at).to_degrees().rem_euclid(360.0)),
-            )
-        }
+    let mark = number.and_then(|number| settled.marks.get(number));
+    match mark {
+        Some(mark) => mark_plot::plot(&settled.given.benches[mark.bench], mark, finding.mechanism),
+        None => residual_plot(settled, finding),
     }
 }
 
@@ -230,12 +140,17 @@ fn residual_plot(settled: &Settled, finding: &Finding) -> FindingPlot {
     }
     let bench = &settled.given.benches[0];
     let line = |model: &Model| in_time(bench, model, 0);
+    // What has no name is in no twin: it is all that is left beside what has one.
+    let (before, after) = match finding.mechanism {
+        Mechanism::Unknown => (line(&settled.after), Vec::new()),
+        _ => (line(&settled.before), line(&settled.after)),
+    };
     FindingPlot {
         mechanism: finding.mechanism,
         x_label: "time, s".to_owned(),
         y_label: "edges off their expected place, urad".to_owned(),
-        before: line(&settled.before),
-        after: line(&settled.after),
+        before,
+        after,
         model: Vec::new(),
     }
 }

@@ -61,7 +61,7 @@ pub enum DiagnoseError {
     Twin(#[from] TwinError),
     /// A recording says too little.
     #[error(
-        "{file}: {edges} edges in {turns:.1} turns say nothing: record 3 turns and 200 edges or more"
+        "{file}: too short: {edges} edges in {turns:.2} turns, with an index from its first pulse on; record 3 turns and 200 edges or more"
     )]
     TooShort {
         /// The recording.
@@ -70,6 +70,16 @@ pub enum DiagnoseError {
         edges: usize,
         /// Turns they make.
         turns: f64,
+    },
+    /// Edges that no motion can be fitted to.
+    #[error(
+        "{file}: no motion can be fitted to its {edges} edges; check that they are of a shaft that turns, as its twin does"
+    )]
+    NoFit {
+        /// The recording.
+        file: String,
+        /// Edges in it.
+        edges: usize,
     },
     /// A twin whose motion is nothing like the recording's.
     #[error(
@@ -266,9 +276,9 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
 /// A recording in which nothing moves can't be fitted.
 fn nothing(rig: &[Recorded]) -> DiagnoseError {
     let first = rig.first();
-    DiagnoseError::TooShort {
+    let edges = |one: &Recorded| one.track.stretches.iter().map(|s| s.marks.len()).sum();
+    DiagnoseError::NoFit {
         file: first.map(|one| one.file.clone()).unwrap_or_default(),
-        edges: 0,
-        turns: first.map_or(0.0, |one| one.track.turns()),
+        edges: first.map_or(0, edges),
     }
 }

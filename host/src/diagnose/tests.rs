@@ -1,7 +1,9 @@
 //! What is left of a recording whose twin knows all.
 
 mod disc_parts;
+mod drawn;
 mod reversal;
+mod where_it_shows;
 
 use super::basis::Basis;
 use super::disc;

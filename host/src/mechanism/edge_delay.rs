@@ -64,7 +64,12 @@ pub const CARD: Card = Card {
         },
         beside: |_, channels| widths_and_shifts(channels),
         values,
-        text: |_| "rising against falling edges, the same time throughout".to_owned(),
+        text: |shows| {
+            format!(
+                "{} later than the others, by the same time throughout",
+                shows.edges
+            )
+        },
         mends,
         ..Handling::NONE
     },

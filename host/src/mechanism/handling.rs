@@ -76,6 +76,13 @@ impl Shows<'_> {
         self.place.orders.first().copied().unwrap_or(0.0)
     }
 
+    /// Its order with as many digits as say something: a whole one without any.
+    #[must_use]
+    pub fn order_in_words(&self) -> String {
+        let text = format!("{:.4}", self.order());
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    }
+
     /// Its frequency, Hz, 0 where it has none.
     #[must_use]
     pub fn f_hz(&self) -> f64 {

@@ -135,7 +135,7 @@ pub(super) fn values(_: &Numbers<'_>) -> Named {
 pub(super) fn text(shows: Shows<'_>) -> String {
     format!(
         "order {}, {}, the same angle at any speed",
-        shows.order(),
+        shows.order_in_words(),
         shows.edges
     )
 }

@@ -123,8 +123,8 @@ pub(super) fn named(order: Value) -> Named {
 /// A torque of an order in words.
 pub(super) fn text(shows: Shows<'_>) -> String {
     format!(
-        "order {:.4}, {}, smaller the faster it turns",
-        shows.order(),
+        "order {}, {}, smaller the faster it turns",
+        shows.order_in_words(),
         shows.edges
     )
 }

@@ -1,5 +1,6 @@
 //! Files that appear whole or not at all.
 
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -19,16 +20,19 @@ impl AtomicFile {
     /// # Errors
     /// Where the folder of `target` does not exist or cannot be written.
     pub fn create(target: &Path) -> io::Result<Self> {
-        let mut builder = Builder::new();
-        builder.prefix(".quadcal-").suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // As for any new file; the umask takes its share.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
+        let mut why = None;
+        let made =
+            Builder::new()
+                .prefix(".quadcal-")
+                .suffix(".part")
+                .make_in(folder(target), |path| {
+                    let made = File::options().write(true).create_new(true).open(path);
+                    made.inspect_err(|error| why = error.raw_os_error())
+                });
+        // The library's error names the file beside the target, which nobody asked for.
+        let plain = |error| why.map_or(error, io::Error::from_raw_os_error);
         Ok(Self {
-            file: builder.tempfile_in(folder(target))?,
+            file: made.map_err(plain)?,
             target: target.to_owned(),
         })
     }
@@ -43,18 +47,18 @@ impl AtomicFile {
         file.persist(&target)?;
         // The new name is on the disk once its folder is.
         #[cfg(unix)]
-        std::fs::File::open(folder(&target))?.sync_all()?;
+        File::open(folder(&target))?.sync_all()?;
         Ok(())
     }
 }
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        self.file.as_file_mut().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        self.file.as_file_mut().flush()
     }
 }
 

@@ -12,6 +12,7 @@ pub mod words;
 
 use crate::diagnose::diagnosis::{Diagnosis, Verdict};
 use crate::diagnose::run::Diagnosed;
+use crate::diagnose::verdict::{NO_NOISE, Rest};
 use crate::report::plot::{Axis, Bars};
 use crate::report::{Body, Cell, Colour, Footer, Level, Report, Tile};
 
@@ -23,7 +24,7 @@ pub fn report(diagnosed: &Diagnosed, footer: Footer) -> Report {
     } = diagnosed;
     let mut report = Report::new("Diagnosis", subtitle(diagnosis));
     report.verdict(
-        level(diagnosis.verdict),
+        level(diagnosis),
         words::headline(diagnosis),
         tiles(diagnosis),
     );
@@ -49,9 +50,14 @@ fn subtitle(diagnosis: &Diagnosis) -> String {
     format!("{} against {}", words::list(&files), words::list(&twins))
 }
 
-const fn level(verdict: Verdict) -> Level {
-    match verdict {
-        Verdict::Complete | Verdict::Explained => Level::Good,
+fn level(diagnosis: &Diagnosis) -> Level {
+    match diagnosis.verdict {
+        Verdict::Complete | Verdict::Explained => {
+            match Rest::of(&diagnosis.fit, !diagnosis.findings.is_empty()) {
+                Rest::More(_) => Level::Warn,
+                Rest::Noise | Rest::Hidden => Level::Good,
+            }
+        }
         Verdict::Partly | Verdict::Ambiguous => Level::Warn,
         Verdict::Unknown => Level::Bad,
     }
@@ -59,7 +65,7 @@ const fn level(verdict: Verdict) -> Level {
 
 fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
     let fit = &diagnosis.fit;
-    let found = !diagnosis.findings.is_empty();
+    let found = words::mended(diagnosis);
     let given = match words::by_slips(fit) {
         true => "RMS within a slip, the twin as given",
         false => "RMS over two turns, the twin as given",
@@ -88,10 +94,10 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
     );
     if let Some(percent) = words::removed(diagnosis) {
         tiles.push(Tile::new(
-            "Removed",
+            "Foretold",
             format!("{percent:.1}"),
             "%",
-            "of what could be, on turns not fitted on",
+            "of what the findings can explain at best, on turns not fitted on",
         ));
     }
     tiles
@@ -99,12 +105,12 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
 
 fn agreement(body: &mut Body, diagnosis: &Diagnosis) {
     let (fit, held) = (&diagnosis.fit, &diagnosis.fit.held_out);
-    let found = !diagnosis.findings.is_empty();
+    let found = words::mended(diagnosis);
     let mut text = String::new();
     let names = ["with the twin as given", "with the findings"];
     if let Some(noise) = words::is_noise(fit, found, names) {
         text = format!(
-            "Probability that noise alone leaves a residual like this: {noise}. Under 0.01 something is left that is no noise. "
+            "Probability that noise alone leaves a residual like this: {noise}. Under {NO_NOISE} something is left that is no noise. "
         );
     }
     if found && held.rms_after_rad.is_some() {

@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use super::is_zero;
+
 use super::Twin;
 
 /// Inertia and friction of everything that turns.
@@ -49,12 +51,6 @@ impl Twin {
         }
         friction
     }
-}
-
-/// Whether a key may be left out of a file, as its default is 0.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
 }
 
 /// What drives the shaft; a negative speed is reverse.

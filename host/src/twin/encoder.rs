@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::is_zero;
+
 /// Kind and counts of an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -82,22 +84,22 @@ pub struct Errors {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<Position>,
     /// Width error xi_A: added on edges where A falls.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub width_a_rad: f64,
     /// Width error xi_B: added on edges where B falls.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub width_b_rad: f64,
     /// Width error of the third Hall sensor: added on edges where C falls.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub width_c_rad: f64,
     /// Quadrature error p: added on both edges of B. Quadrature encoders only.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub quadrature_rad: f64,
     /// Offset of the second Hall sensor: added on both edges of B.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub shift_b_rad: f64,
     /// Offset of the third Hall sensor: added on both edges of C.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub shift_c_rad: f64,
     /// Disc centre off the axis: amplitude sin(theta - phase).
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -101,6 +101,32 @@ pub enum TwinError {
         /// The system's word on it.
         source: std::io::Error,
     },
+    /// A folder in place of a file.
+    #[error("{path}: is a folder; name the twin's file in it", path = path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Something else than text.
+    #[error("{path}:{line}: not text; a twin is a TOML file in UTF-8", path = path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// Line from 1 that is none.
+        line: usize,
+    },
+    /// A file without a key in it.
+    #[error("{name}: no key is in it")]
+    Empty {
+        /// The twin's name.
+        name: String,
+    },
+    /// A recording in a twin's place.
+    #[error("{name}: a recording, not a twin; give the TOML file that declares the rig")]
+    Recording {
+        /// The file.
+        name: String,
+    },
     /// Not TOML, a key that does not exist or is missing, or a value of the wrong type.
     #[error("{place}: {key}: {message}", key = if key.is_empty() { "(top level)" } else { key })]
     Syntax {
@@ -146,12 +172,39 @@ pub enum TwinError {
     Write(#[from] toml::ser::Error),
 }
 
+/// The text of a twin's file.
+pub(super) fn text_of(path: &Path) -> Result<String, TwinError> {
+    let path = path.to_owned();
+    if path.is_dir() {
+        return Err(TwinError::Folder { path });
+    }
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(source) => return Err(TwinError::Read { path, source }),
+    };
+    String::from_utf8(bytes).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        TwinError::NotText { path, line }
+    })
+}
+
 /// A TOML reader's error with line, column and key.
 pub(super) fn from_toml(error: &toml::de::Error, text: &str, name: &str) -> TwinError {
-    let span = error.span();
+    let names_recording = [".csv", ".vcd"].iter().any(|end| name.ends_with(end));
+    let name = name.to_owned();
+    match DeTable::parse(text) {
+        Err(_) if names_recording => return TwinError::Recording { name },
+        Ok(table) if table.get_ref().is_empty() => return TwinError::Empty { name },
+        _ => {}
+    }
+    // What is missing at the top level has no place, and the reader gives it the file's beginning.
+    let missing = error.message().starts_with("missing field");
+    let whole = |span: &Range<usize>| span.is_empty() || span.len() >= text.trim_end().len();
+    let span = error.span().filter(|span| !(missing && whole(span)));
     TwinError::Syntax {
         place: Place {
-            name: name.to_owned(),
+            name,
             position: span.as_ref().map(|span| line_column(text, span.start)),
         },
         key: span.map_or_else(String::new, |span| key_around(text, &span)),

@@ -181,6 +181,12 @@ pub struct Faults {
     pub glitch_width_s: f64,
 }
 
+/// Whether a key may be left out of a file, as its default is 0.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 impl Faults {
     fn is_none(&self) -> bool {
         *self == Self::default()
@@ -191,13 +197,9 @@ impl Twin {
     /// Reads and checks a twin file.
     ///
     /// # Errors
-    /// [`TwinError::Read`] where the file can't be read, else as [`Twin::parse`].
+    /// [`TwinError::Read`], [`TwinError::Folder`], [`TwinError::NotText`] where there is no text to read, else as [`Twin::parse`].
     pub fn load(path: &Path) -> Result<Self, TwinError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TwinError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::parse(&text, &path.display().to_string())
+        Self::parse(&error::text_of(path)?, &path.display().to_string())
     }
 
     /// Parses and checks the text of a twin; `name` is its file's name, used in messages, and an error list's path is relative to

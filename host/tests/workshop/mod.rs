@@ -77,6 +77,26 @@ pub fn workshop() -> TempDir {
     folder
 }
 
+/// Three Hall sensors in the place of [`QUADRATURE`].
+pub const HALL: &str = "[encoder.hall]\npole_pairs = 2";
+/// The encoder of [`TWIN`].
+pub const QUADRATURE: &str = "[encoder.quadrature]\nlines = 50\nindex = true";
+
+/// A folder with a twin, its recording, and the twin and recording of three Hall sensors.
+pub fn bench() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let hall = TWIN
+        .replace(QUADRATURE, HALL)
+        .replace("quadrature_rad = 6e-3", "");
+    fs::write(at.join("rig.toml"), TWIN).unwrap();
+    fs::write(at.join("hall.toml"), hall).unwrap();
+    done(at, "simulate rig.toml -o rig.csv");
+    done(at, "simulate rig.toml --seed 9 -o again.csv");
+    done(at, "simulate hall.toml -o hall.csv");
+    folder
+}
+
 pub fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap()
 }

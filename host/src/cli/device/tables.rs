@@ -57,10 +57,8 @@ impl Dump {
         self.output.write(&bytes)?;
         let summary = transfer(client.name(), &self.output.to_string(), &bytes, None)?;
         let facts = table_facts(&summary);
-        if self.output == Target::Stdout && self.json.json.is_none() {
-            return Ok(());
-        }
-        self.json.write(&summary, &facts)
+        self.json
+            .write_beside(&[Some(&self.output)], &summary, &facts)
     }
 }
 

@@ -90,6 +90,14 @@ pub fn plan(encoder: Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncode
     Ok(plan)
 }
 
+/// Turns that a recording without an index pulse may have at the most, where that is less than one: it needs no index to be too short.
+#[must_use]
+#[allow(clippy::cast_precision_loss)]
+pub fn part_of_a_turn(encoder: Encoder, survey: &Survey) -> Option<f64> {
+    let turns = survey.rows as f64 / f64::from(encoder.grid_edges());
+    (survey.index_pulses == 0 && turns < 1.0).then_some(turns)
+}
+
 /// A row without an index that the twin does not declare, as the decoder would go by it.
 #[must_use]
 pub fn as_declared(plan: SensorPlan, row: Row) -> Row {

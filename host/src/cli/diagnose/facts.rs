@@ -64,14 +64,14 @@ fn finding_facts(facts: &mut Facts, number: usize, finding: &Finding) {
 }
 
 fn fit_facts(facts: &mut Facts, diagnosis: &Diagnosis, fit: &Fit) {
-    let found = !diagnosis.findings.is_empty();
+    let found = words::mended(diagnosis);
     let rms = |before: Option<f64>, after: Option<f64>, floor: Option<f64>| {
         let mut text = si(before?, "rad");
         if found {
             text += &format!(" before, {} after", si(after?, "rad"));
         }
         if let Some(floor) = floor {
-            text += &format!(", of which noise {}", si(floor, "rad"));
+            text += &format!(", noise alone {}", si(floor, "rad"));
         }
         Some(text)
     };
@@ -81,7 +81,7 @@ fn fit_facts(facts: &mut Facts, diagnosis: &Diagnosis, fit: &Fit) {
     }
     if let Some(mut text) = rms(held.rms_before_rad, held.rms_after_rad, held.floor_rad) {
         if let Some(percent) = words::removed(diagnosis) {
-            text += &format!("; {percent:.1} % of what could be removed");
+            text += &format!("; {percent:.1} % foretold of what the findings can explain there");
         }
         facts.push(
             format!("  on {} not fitted on", words::judged_on(fit)),

@@ -116,10 +116,16 @@ fn remarks(diagnosed: &Diagnosed, index: usize) -> String {
     let mut text = String::new();
     if let Some(facts) = diagnosis.recordings.get(index) {
         let (twin, file) = (plain(&facts.twin), plain(&facts.file));
-        let _ = writeln!(
-            text,
-            "# {twin} with what 'quadcal diagnose' found missing on {file}."
-        );
+        let _ = match diagnosis.findings.is_empty() {
+            true => writeln!(
+                text,
+                "# {twin}, in which 'quadcal diagnose' found nothing missing on {file}."
+            ),
+            false => writeln!(
+                text,
+                "# {twin} with what 'quadcal diagnose' found missing on {file}."
+            ),
+        };
     }
     for finding in &diagnosis.findings {
         let what = plain(&finding.text);

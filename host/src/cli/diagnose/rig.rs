@@ -7,7 +7,7 @@ use crate::cli::Globals;
 use crate::cli::failure::Failure;
 use crate::cli::input::{InputArgs, ReadingArgs};
 use crate::cli::progress::Pass;
-use crate::diagnose::run::Recorded;
+use crate::diagnose::run::{DiagnoseError, Recorded};
 use crate::diagnose::track::Track;
 use crate::recording::Header;
 use crate::sensor::PlanError;
@@ -126,7 +126,19 @@ fn recorded(
         twin: declared.path.to_owned(),
         source,
     };
-    let plan = encoder::plan(declared.twin.encoder, survey).map_err(other)?;
+    let file = input.recording.display().to_string();
+    let encoder = declared.twin.encoder;
+    let plan = encoder::plan(encoder, survey).map_err(|source| {
+        match encoder::part_of_a_turn(encoder, survey) {
+            Some(turns) if source == OtherEncoder::NoIndexPulse => DiagnoseError::TooShort {
+                file: file.clone(),
+                edges: usize::try_from(survey.rows).unwrap_or(usize::MAX),
+                turns,
+            }
+            .into(),
+            _ => other(source),
+        }
+    })?;
     let clock_hz = declared.twin.timer.clock_hz;
     if let Some(stated) = stated_clock(&survey.header).filter(|stated| *stated != clock_hz) {
         return Err(Failure::OtherClock {
@@ -146,7 +158,7 @@ fn recorded(
         Broken::Read(failure) => failure,
     })?;
     Ok(Recorded {
-        file: input.recording.display().to_string(),
+        file,
         plan,
         track,
         twin: declared.twin.clone(),

@@ -37,10 +37,12 @@ pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, shown: &Shown) {
         let title = words::sentence(finding.mechanism.title());
         let mut text = format!("{}.", place(finding));
         if let Some(exponent) = finding.place.speed_exponent {
-            text += &format!(
-                " Its angle goes with the speed to the power of {}.",
-                exponent_text(exponent)
-            );
+            let goes = match exponent {
+                0.0 => "is the same".to_owned(),
+                1.0 => "goes with it".to_owned(),
+                exponent => format!("goes with its power of {}", exponent_text(exponent)),
+            };
+            text += &format!(" It was seen at more than one speed, and its angle {goes}.");
         }
         body.section(format!("{}. {title}", index + 1), &[&text]);
         // A finding may have no curve of its own, and then plots are fewer.
@@ -114,19 +116,26 @@ fn parameters(body: &mut Body, finding: &Finding) {
 fn figure(body: &mut Body, plot: &FindingPlot) {
     let (x, y) = (axis_of(&plot.x_label), axis_of(&plot.y_label));
     let scale = [unit_factor(&plot.x_label), unit_factor(&plot.y_label)];
-    let mut drawn = Xy::new(x, y)
-        .series(series("without it", &plot.before, scale).colour(Colour::BEFORE))
-        .series(series("with it", &plot.after, scale).colour(Colour::AFTER));
+    let mut drawn =
+        Xy::new(x, y).series(series("without it", &plot.before, scale).colour(Colour::BEFORE));
+    if !plot.after.is_empty() {
+        drawn = drawn.series(series("with it", &plot.after, scale).colour(Colour::AFTER));
+    }
     if !plot.model.is_empty() {
         let [x, y] = columns(&plot.model, scale);
         let model = Series::dashed("what it makes", &x, &y);
         drawn = drawn.series(model.colour(Colour::Green));
     }
-    body.figure(
-        drawn,
-        "How far edges come from where the twin has them, in the coordinate where this shows: with everything else found in the twin \
-         (orange), and with this too (blue).",
-    );
+    let caption = match plot.after.is_empty() {
+        true => {
+            "How far edges come from where the twin has them, with everything else found in the twin."
+        }
+        false => {
+            "How far edges come from where the twin has them, in the coordinate where this shows: with everything else found in the \
+             twin (orange), and with this too (blue)."
+        }
+    };
+    body.figure(drawn, caption);
 }
 
 fn look_alikes(body: &mut Body, finding: &Finding, diagnosis: &Diagnosis) {
@@ -134,8 +143,12 @@ fn look_alikes(body: &mut Body, finding: &Finding, diagnosis: &Diagnosis) {
     let names: Vec<String> = names.collect();
     let mut paragraphs = Vec::new();
     if !names.is_empty() {
+        let these = match diagnosis.recordings.len() {
+            1 => "This recording",
+            _ => "These recordings",
+        };
         paragraphs.push(format!(
-            "These recordings would look much the same with {} in its place.",
+            "{these} would look much the same with {} in its place.",
             words::list_or(&names)
         ));
     }

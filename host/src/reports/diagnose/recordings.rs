@@ -19,24 +19,32 @@ pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, plots: &[Recordin
             "What is left".to_owned()
         };
         body.section(title, &[words::what_is_left(&diagnosis.fit)]);
-        let found = !diagnosis.findings.is_empty();
-        residual(body, plot, found);
+        let found = words::mended(diagnosis);
+        residual(body, diagnosis, plot, found);
         spectrum(body, diagnosis, plot, found);
     }
 }
 
-fn residual(body: &mut Body, plot: &RecordingPlot, found: bool) {
+fn residual(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot, found: bool) {
     if plot.before.is_empty() {
         return;
     }
     let scale = [1.0, 1e-6];
-    let mut drawn = Xy::new(Axis::new("Time", "s"), Axis::new("Residual", "rad"))
+    // Of turns that is much smaller than the residual of the tiles, and should not have its name.
+    let (name, caption) = match words::by_slips(&diagnosis.fit) {
+        true => ("Residual", "Residual along the recording."),
+        false => (
+            "Edges off their expected place",
+            "The same along the recording, each point the mean of the edges around it.",
+        ),
+    };
+    let mut drawn = Xy::new(Axis::new("Time", "s"), Axis::new(name, "rad"))
         .series(series("twin as given", &plot.before, scale).colour(Colour::BEFORE));
     if found {
         let after = series("with the findings", &plot.after, scale);
         drawn = drawn.series(after.colour(Colour::AFTER));
     }
-    body.figure(drawn, "Residual along the recording.");
+    body.figure(drawn, caption);
 }
 
 fn spectrum(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot, found: bool) {
@@ -63,7 +71,7 @@ fn spectrum(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot, found:
     }
     body.figure(
         drawn,
-        "Spectrum of the residual. What stands above the dashed line is no noise.",
+        "Its spectrum. What stands above the dashed line is seldom noise.",
     );
 }
 

@@ -33,7 +33,7 @@ fn the_page_says_what_where_how_large_and_what_to_record_next() {
         "would tell eccentricity from torque_ripple",
         "2. Rise and fall delayed unequally",
         "1.339 ± 0.041 µs",
-        "to the power of 1.",
+        "seen at more than one speed, and its angle goes with its power of 1.",
         "What is left of fast.csv",
     ] {
         assert!(page.contains(part), "{part}");
@@ -46,8 +46,30 @@ fn the_page_says_what_where_how_large_and_what_to_record_next() {
 #[test]
 fn a_complete_twin_has_neither_findings_nor_a_recording_to_make() {
     let page = page(&complete());
-    assert!(page.contains("The twin explains the recordings; what is left is noise."));
+    assert!(page.contains("Nothing was found that the twin lacks."));
     assert!(!page.contains("Record next") && !page.contains("Residual after"));
+}
+
+#[test]
+fn what_has_no_name_is_in_no_twin_and_leaves_nothing_after() {
+    let mut diagnosed = full();
+    let diagnosis = &mut diagnosed.diagnosis;
+    diagnosis.verdict = Verdict::Unknown;
+    diagnosis.findings.truncate(1);
+    diagnosis.findings[0].mechanism = Mechanism::Unknown;
+    let page = page(&diagnosed);
+    assert!(!page.contains("Residual after") && !page.contains("with the findings"));
+}
+
+#[test]
+fn what_is_no_noise_is_not_headed_as_well_explained() {
+    let mut diagnosed = full();
+    let diagnosis = &mut diagnosed.diagnosis;
+    diagnosis.verdict = Verdict::Explained;
+    for (p, expected) in [(0.01, Level::Good), (0.0012, Level::Warn)] {
+        diagnosis.fit.whiteness_p = Some(p);
+        assert_eq!(level(diagnosis), expected, "{p}");
+    }
 }
 
 #[test]

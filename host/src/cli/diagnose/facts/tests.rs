@@ -16,8 +16,8 @@ fn a_finding_is_printed_with_its_size_its_evidence_and_what_to_do_next() {
         "turns not fitted on: with it the RMS is 0.38 of that without it",
         "looks the same torque ripple of the motor (torque_ripple)",
         "rise_less_fall_s 1.339 ± 0.041 µs",
-        "Residual, RMS 372 µrad before, 12.3 µrad after, of which noise 11.9 µrad",
-        "from edge to edge 4.10 µrad before, 3.20 µrad after, of which noise 3.20 µrad",
+        "Residual, RMS 372 µrad before, 12.3 µrad after, noise alone 11.9 µrad",
+        "from edge to edge 4.10 µrad before, 3.20 µrad after, noise alone 3.20 µrad",
         "Record next 44 s at 30 r/min would tell eccentricity from torque_ripple: Schwarz's criterion would differ by about 180",
         "is noise, probability under 1e-15 before, 0.31 after",
     ] {
@@ -31,7 +31,7 @@ fn a_finding_is_printed_with_its_size_its_evidence_and_what_to_do_next() {
 fn nothing_missing_is_said_in_few_lines() {
     let text = facts(&complete().diagnosis).to_string();
     assert!(
-        text.contains("complete: the twin explains the recordings"),
+        text.contains("complete: nothing was found that the twin lacks"),
         "{text}"
     );
     assert!(
