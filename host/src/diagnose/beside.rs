@@ -30,7 +30,7 @@ fn number(mechanism: Mechanism, name: &str, value: f64) -> Parameter {
 }
 
 /// A finding without a place yet.
-fn plain(mechanism: Mechanism, text: String, delta_bic: f64) -> Finding {
+pub(super) fn plain(mechanism: Mechanism, text: String, delta_bic: f64) -> Finding {
     Finding {
         mechanism,
         text,

@@ -8,7 +8,8 @@ use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
 use super::diagnosis::{Diagnosis, Finding};
 use super::motion::foretold::Foretold;
-use super::motion::{closed_loop, stick_slip};
+use super::motion::sticking::Sticking;
+use super::motion::{closed_loop, stick_slip, sticking};
 use super::next;
 use super::noise::{
     NoiseFinding, find_task, is_own, noise_findings, own_columns, rhythmic_findings,
@@ -81,6 +82,22 @@ pub enum DiagnoseError {
         /// Edges in it.
         edges: usize,
     },
+    /// Too few slips of a shaft that should stick and slip as its twin does.
+    #[error(
+        "{file}: {slips} whole slips say nothing of a twin that sticks and slips ({twin}): record {needed} or more, some {seconds:.3} s"
+    )]
+    FewSlips {
+        /// The recording.
+        file: String,
+        /// The twin.
+        twin: String,
+        /// Slips in it, from standstill to standstill.
+        slips: usize,
+        /// Slips needed.
+        needed: usize,
+        /// How long the twin takes for them, s.
+        seconds: f64,
+    },
     /// A twin whose motion is nothing like the recording's.
     #[error(
         "{file}: the twin {twin} never goes where the recording goes: {why}; check drive and duration"
@@ -91,6 +108,16 @@ pub enum DiagnoseError {
         /// The twin.
         twin: String,
         /// What differs.
+        why: String,
+    },
+    /// A twin that can't have made a recording.
+    #[error("{file}: the twin {twin} can't have made this: {why}")]
+    OtherRig {
+        /// The recording.
+        file: String,
+        /// The twin.
+        twin: String,
+        /// What can't be, and what to correct.
         why: String,
     },
 }
@@ -115,9 +142,24 @@ pub fn diagnose(
     start::counted(&mut rig);
     let mut found = of_events(&rig);
     // What sticks and slips is no small change of the twin's motion: nothing else can be told beside it.
-    if let Some((motion, agreement)) = stick_slip::recognised(&rig) {
-        found.push(of_motion(&motion));
-        return Ok(alone(&rig, motion, agreement, found));
+    match sticking::against(&rig)? {
+        Some(Sticking::Alike(agreement)) => return Ok(alone(&rig, None, agreement, found)),
+        Some(Sticking::Otherwise(motion, agreement)) => {
+            found.push(of_motion(&motion));
+            return Ok(alone(&rig, Some(motion), agreement, found));
+        }
+        Some(Sticking::Not(motion)) => {
+            found.push(of_motion(&motion));
+            for (one, twin) in rig.iter_mut().zip(motion.twins) {
+                one.twin = twin;
+            }
+        }
+        None => {
+            if let Some((motion, agreement)) = stick_slip::recognised(&rig) {
+                found.push(of_motion(&motion));
+                return Ok(alone(&rig, Some(motion), agreement, found));
+            }
+        }
     }
     found.extend(of_pushes(&rig));
     let mut board = prepare::board(&rig)?;

@@ -11,6 +11,7 @@ use super::diagnosis::{
 };
 use super::estimate::Estimate;
 use super::named::parameters;
+use super::next;
 use super::place::{place, text};
 use super::plots;
 use super::run::{Diagnosed, Recorded};
@@ -22,13 +23,13 @@ use crate::mechanism::Mechanism;
 /// Revolutions a minute in rad/s.
 pub const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
 
-/// Everything that comes of what was settled; `next` are the recordings to make, one for each finding with a name, and `beside`
+/// Everything that comes of what was settled; `to_record` are the recordings to make, one for each finding with a name, and `beside`
 /// findings that are no pattern.
 #[must_use]
 pub fn tell(
     rig: &[Recorded],
     settled: &Settled,
-    next: &[Option<NextRecording>],
+    to_record: &[Option<NextRecording>],
     beside: Vec<Finding>,
 ) -> Diagnosed {
     let mut findings: Vec<Finding> = settled
@@ -38,7 +39,7 @@ pub fn tell(
         .zip(&settled.estimates)
         .enumerate()
         .map(|(number, (name, estimate))| Finding {
-            next_recording: next.get(number).cloned().flatten(),
+            next_recording: to_record.get(number).cloned().flatten(),
             ..finding(settled, name, settled.held.named.get(number), estimate)
         })
         .collect();
@@ -66,9 +67,7 @@ pub fn tell(
             (finding.clone(), numbers.iter().position(same))
         })
         .collect();
-    let first_next = findings
-        .iter()
-        .find_map(|finding| finding.next_recording.clone());
+    let first_next = next::first(findings.iter().map(|one| one.next_recording.as_ref())).cloned();
     Diagnosed {
         shown: plots::shown(settled, &drawn),
         diagnosis: Diagnosis {

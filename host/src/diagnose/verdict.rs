@@ -49,7 +49,7 @@ pub fn verdict(findings: &[Finding]) -> Verdict {
         None => Verdict::Complete,
         Some(strongest) if nameless(strongest) => Verdict::Unknown,
         _ if findings.iter().any(nameless) => Verdict::Partly,
-        _ if findings.iter().any(|f| f.next_recording.is_some()) => Verdict::Ambiguous,
+        _ if findings.iter().any(Finding::is_open) => Verdict::Ambiguous,
         _ => Verdict::Explained,
     }
 }

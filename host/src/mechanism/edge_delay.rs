@@ -127,17 +127,21 @@ fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
         return;
     };
     let mut delay = mended.twin.edge_delay.unwrap_or_default();
-    let each = [&mut delay.a, &mut delay.b, &mut delay.c];
     // Of channels that this encoder has.
     let channels = mended.channels();
-    for (number, one) in each.into_iter().enumerate().take(channels) {
-        if channel.is_some_and(|channel| channel != number) {
-            continue;
+    let mut each = [&mut delay.a, &mut delay.b, &mut delay.c];
+    let there = &mut each[..channels.min(3)];
+    for (number, one) in there.iter_mut().enumerate() {
+        if channel.is_none_or(|channel| channel == number) {
+            one.rise_s += sizes[0];
         }
-        // Only the difference shows: no delay is negative.
-        let difference = one.rise_s - one.fall_s + sizes[0];
-        one.rise_s = difference.max(0.0);
-        one.fall_s = (-difference).max(0.0);
+    }
+    // No delay is negative: all the others wait instead, as an earlier rise of one channel is no later fall of it.
+    let all = there.iter().map(|one| one.rise_s.min(one.fall_s));
+    let least = all.fold(0.0, f64::min);
+    for one in there {
+        one.rise_s -= least;
+        one.fall_s -= least;
     }
     mended.twin.edge_delay = Some(delay);
 }

@@ -4,7 +4,8 @@
 //! `J dw/dt = T sin(n theta + phi), so e = -T / (J (n w)^2) sin(n theta + phi) at speed w`
 //! for a shaft that nothing holds; stiffness of the drive and friction make it smaller. It falls with the square of the speed, where
 //! errors of the disc keep their size. The response is integrated along the recording (`diagnose/response.rs`), so it is right on ramps
-//! and reversals as well; n is a whole number near a peak of the spectrum along the turn. Simulated in `sim/taylor.rs`.
+//! and reversals as well; n is a whole number near a peak of the spectrum along the turn. A [`Mechanism::GearMesh`] may have such an order
+//! too, and is named beside it. Simulated in `sim/taylor.rs`.
 //!
 //! Source: Newton's law for the shaft, linear about its mean speed; orders of the pole pairs as in section 4 of Yin, Guo et al.,
 //! doi 10.19650/j.cnki.cjsi.J2210801.
@@ -49,7 +50,7 @@ pub const CARD: Card = Card {
         Mechanism::ClosedLoop,
     ],
     same_mark: &[],
-    told_by_rig: &[],
+    told_by_rig: &[Mechanism::GearMesh],
     separated_by: "Two recordings at speeds a factor of two apart, in torque or voltage mode: torque falls with the square of the speed, \
                    errors of the disc keep their size in angle, a torque tone keeps its frequency.",
     handling: Handling {

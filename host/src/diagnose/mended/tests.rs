@@ -40,3 +40,22 @@ fn delays_of_two_channels_leave_the_third_alone() {
         assert!((skew.b_s - skew.a_s - size).abs() < 1e-15);
     }
 }
+
+#[test]
+fn rises_of_one_channel_ahead_leave_its_falls_and_the_other_channel_where_they_are() {
+    for channel in [0, 1] {
+        let earlier = with(
+            Basis::RiseLate {
+                channel: Some(channel),
+            },
+            -3e-7,
+        );
+        let delay = earlier.edge_delay.unwrap();
+        let all = [delay.a, delay.b];
+        let (own, other) = (all[channel], all[1 - channel]);
+        assert_eq!(own.rise_s, 0.0);
+        for waits in [own.fall_s, other.rise_s, other.fall_s] {
+            assert!((waits - own.rise_s - 3e-7).abs() < 1e-15);
+        }
+    }
+}

@@ -1,22 +1,18 @@
 //! How well a shaft that sticks and slips agrees with its twin.
 //!
 //! Torque noise moves the phase of the limit cycle, so edges are compared slip by slip: each slip's instant of breaking away and its
-//! place of rest are its own, all else is the law's. The twin as given goes on steadily through each slip. The floor is what the same
-//! comparison leaves of a run of the mended twin itself, with the noise that it declares, and slips of that run say whether what the
-//! recording's slips leave is noise: the logarithms of their mean squares are held against each other (B. L. Welch, Biometrika 34, 1947).
+//! place of rest are its own, all else is the law's. A twin that does not stick goes on steadily through each slip. The floor is what
+//! slips differ by among each other, and what they have in common says whether the law leaves more than that ([`super::scatter`]).
 
 use super::cycles::cycles;
+use super::scatter::Scatter;
 use super::slip_fit::{Cycle, FREE, off, placed};
 use super::slip_law::Law;
 use crate::diagnose::board::{FITTED, PARTS};
 use crate::diagnose::diagnosis::{Fit, HeldOut};
 use crate::diagnose::run::Recorded;
 use crate::diagnose::shown::{FindingPlot, Line, RecordingPlot};
-use crate::diagnose::track::Track;
 use crate::mechanism::Mechanism;
-use crate::sensor::PlanError;
-use crate::sim::Simulation;
-use crate::twin::Twin;
 
 use super::rests::slips;
 
@@ -31,6 +27,8 @@ pub struct Agreement {
     pub recordings: Vec<RecordingPlot>,
     /// RMS on slips that were not fitted over what it was.
     pub held_out_ratio: Option<f64>,
+    /// Edges that were compared.
+    pub edges: usize,
 }
 
 /// One slip compared.
@@ -39,45 +37,53 @@ struct Compared {
     times_s: Vec<f64>,
     /// Time of its breaking away, s.
     from_s: f64,
+    /// Way from its first edge to its last, rad.
+    way_rad: f64,
     before: Vec<f64>,
     after: Vec<f64>,
 }
 
-/// Compares all recordings with the law that was found from all slips, and later slips with that from the earlier ones.
+/// Part of a slip's way to which its law is worked out.
+const ACCURACY: f64 = 1e-5;
+
+/// Compares all recordings with laws, one for each, that were found from all slips, and later slips with that from the earlier ones.
+/// `given` are the laws of the twins as they were, where they stick.
 #[must_use]
-pub fn agreement(rig: &[Recorded], twins: &[Twin], law: &Law, early: Option<&Law>) -> Agreement {
+pub fn agreement(
+    rig: &[Recorded],
+    laws: &[Law],
+    early: Option<&Law>,
+    given: Option<&[Law]>,
+) -> Agreement {
     let part = FITTED as f64 / PARTS as f64;
     let mut all: Vec<Vec<Compared>> = Vec::new();
-    let (mut late, mut noise) = (Vec::new(), Vec::new());
-    for (one, twin) in rig.iter().zip(twins) {
-        all.push(compared(one, law, 0.0));
-        late.extend(
-            early
-                .into_iter()
-                .flat_map(|early| compared(one, early, part)),
-        );
-        noise.extend(
-            again(one, twin)
-                .iter()
-                .flat_map(|run| compared(run, law, 0.0)),
-        );
+    let mut late = Vec::new();
+    for (at, (one, law)) in rig.iter().zip(laws).enumerate() {
+        let given = given.and_then(|given| given.get(at));
+        all.push(compared(one, law, given, 0.0));
+        let early = early.map(|early| compared(one, early, given, part));
+        late.extend(early.into_iter().flatten());
     }
     let before = |one: &Compared| squares(&one.before);
     let after = |one: &Compared| squares(&one.after);
     let every = || all.iter().flatten();
-    let floor = rms(noise.iter(), after);
+    let rows = || every().map(|one| one.after.as_slice());
+    let accuracy_rad = ACCURACY * usual_way(every());
+    let scatter = Scatter::of(rows(), accuracy_rad);
+    let floor = scatter.map(|scatter| scatter.floor_rad());
     let held_out = HeldOut {
         rms_before_rad: rms(late.iter(), before),
         rms_after_rad: rms(late.iter(), after),
         floor_rad: floor,
         reducible_removed: None,
     };
+    let earlier = every().map(|one| one.before.as_slice());
     let fit = Fit {
         rms_before_rad: rms(every(), before),
         rms_after_rad: rms(every(), after),
         floor_rad: floor,
-        whiteness_p_before: as_noise(every().map(before), noise.iter().map(after)),
-        whiteness_p: as_noise(every().map(after), noise.iter().map(after)),
+        whiteness_p_before: scatter.and_then(|scatter| scatter.p(earlier)),
+        whiteness_p: scatter.and_then(|scatter| scatter.p(rows())),
         held_out: HeldOut {
             reducible_removed: removed(&held_out),
             ..held_out
@@ -92,7 +98,15 @@ pub fn agreement(rig: &[Recorded], twins: &[Twin], law: &Law, early: Option<&Law
             .map(|(after, before)| after / before)
             .filter(|ratio| ratio.is_finite()),
         fit,
+        edges: every().map(|one| one.after.len()).sum(),
     }
+}
+
+/// Way of the usual slip, rad.
+fn usual_way<'a>(slips: impl Iterator<Item = &'a Compared>) -> f64 {
+    let mut ways: Vec<f64> = slips.map(|one| one.way_rad).collect();
+    ways.sort_by(f64::total_cmp);
+    ways.get(ways.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// A slide that breaks away once: nothing is left to judge it on.
@@ -101,6 +115,7 @@ pub fn once(times_s: &[f64], before: &[f64], after: &[f64]) -> Agreement {
     let slide = Compared {
         times_s: times_s.to_vec(),
         from_s: times_s.first().copied().unwrap_or(0.0),
+        way_rad: 0.0,
         before: level(before),
         after: level(after),
     };
@@ -113,55 +128,49 @@ pub fn once(times_s: &[f64], before: &[f64], after: &[f64]) -> Agreement {
         recordings: vec![along(std::slice::from_ref(&slide))],
         plot: usual(vec![&slide]),
         held_out_ratio: None,
+        edges: slide.after.len(),
     }
 }
 
 /// Slips from a share of the recording on.
-fn compared(one: &Recorded, law: &Law, from: f64) -> Vec<Compared> {
+fn compared(one: &Recorded, law: &Law, given: Option<&Law>, from: f64) -> Vec<Compared> {
     let Some(slips) = slips(one) else {
         return Vec::new();
     };
     let cycles = cycles(one, &slips).unwrap_or_default();
     let from = (from * cycles.len() as f64).ceil() as usize;
     let later = cycles.iter().skip(from);
-    later.filter_map(|cycle| slip(cycle, law)).collect()
+    later.filter_map(|cycle| slip(cycle, law, given)).collect()
 }
 
-fn slip(cycle: &Cycle, law: &Law) -> Option<Compared> {
+/// What a law leaves of a slip, rad, and when it breaks away, s from the first edge.
+fn left(cycle: &Cycle, law: &Law) -> Option<(Vec<f64>, f64)> {
     let fitted = placed(cycle, law.logs, law.pull_rad_s, law.damping)?;
     let at: [f64; FREE] = fitted.at;
     let left = off(cycle, &at, law.pull_rad_s, law.damping)?;
-    let steady = cycle.ways.iter().zip(&cycle.times_s);
-    let steady: Vec<f64> = steady
-        .map(|(way, time)| way - law.pull_rad_s * time)
-        .collect();
+    Some((left.iter().map(|left| -left).collect(), at[3]))
+}
+
+fn slip(cycle: &Cycle, law: &Law, given: Option<&Law>) -> Option<Compared> {
+    let (after, from_s) = left(cycle, law)?;
+    let steady = || {
+        let each = cycle.ways.iter().zip(&cycle.times_s);
+        let each = each.map(|(way, time)| way - law.pull_rad_s * time);
+        level(&each.collect::<Vec<f64>>())
+    };
     Some(Compared {
         times_s: cycle
             .times_s
             .iter()
             .map(|time| cycle.start_s + time)
             .collect(),
-        from_s: cycle.start_s + at[3],
-        before: level(&steady),
-        after: left.iter().map(|left| -left).collect(),
-    })
-}
-
-/// A run of the mended twin with other noise, read as its recording was; none where it can't be run.
-fn again(one: &Recorded, twin: &Twin) -> Option<Recorded> {
-    let other = Twin {
-        seed: twin.seed.wrapping_add(1),
-        ..twin.clone()
-    };
-    let rows = Simulation::new(&other)
-        .ok()?
-        .map(|event| Ok::<_, PlanError>(event.row));
-    // Errors that the twin draws are those of its seed.
-    Some(Recorded {
-        file: one.file.clone(),
-        plan: one.plan,
-        track: Track::of(one.plan, twin.timer.clock_hz, rows).ok()?,
-        twin: other,
+        from_s: cycle.start_s + from_s,
+        way_rad: cycle.ways.last().copied().unwrap_or(0.0),
+        before: match given {
+            Some(given) => left(cycle, given)?.0,
+            None => steady(),
+        },
+        after,
     })
 }
 
@@ -192,32 +201,6 @@ fn removed(held: &HeldOut) -> Option<f64> {
     let floor = square(held.floor_rad)?;
     let share = (before - after.max(floor)) / (before - floor);
     (before > floor).then(|| share.clamp(0.0, 1.0))
-}
-
-/// Probability that slips of noise alone leave as much as these; none where there are too few.
-fn as_noise(
-    slips: impl Iterator<Item = (f64, f64)>,
-    noise: impl Iterator<Item = (f64, f64)>,
-) -> Option<f64> {
-    let (mean, error2) = logs(slips)?;
-    let (usual, its_error2) = logs(noise)?;
-    let deviations = (mean - usual) / (error2 + its_error2).sqrt();
-    let p = 0.5 * libm::erfc(deviations / std::f64::consts::SQRT_2);
-    p.is_finite().then_some(p)
-}
-
-/// Mean of the logarithms of the mean squares, and its squared error.
-fn logs(slips: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
-    let all: Vec<f64> = slips.map(|(sum, count)| (sum / count).ln()).collect();
-    let count = all.len() as f64;
-    if all.len() < 3 {
-        return None;
-    }
-    let mean = all.iter().sum::<f64>() / count;
-    let scatter = all.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    // Few slips know their own scatter badly.
-    let widened = (1.0 + 1.5 / (count - 1.0)).powi(2);
-    Some((mean, widened * scatter / count))
 }
 
 /// The slip of usual length, from its breaking away on.

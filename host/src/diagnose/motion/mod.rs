@@ -10,6 +10,7 @@ pub mod gains;
 pub mod rests;
 pub mod sampled;
 pub mod scan;
+pub mod scatter;
 pub mod sharp;
 pub mod slide;
 pub mod slide_fit;
@@ -19,6 +20,7 @@ pub mod slip_law;
 pub mod solve;
 pub mod spans;
 pub mod stick_slip;
+pub mod sticking;
 #[cfg(test)]
 mod tests;
 

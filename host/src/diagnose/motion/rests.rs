@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::diagnose::run::Recorded;
+use crate::diagnose::track::Mark;
 
 /// An interval so many mean ones long is a standstill.
 const STANDS: f64 = 15.0;
@@ -25,9 +26,14 @@ pub struct Slips {
     pub pull_rad_s: f64,
 }
 
-/// The slips of a recording; none where it does not stand and slip again and again.
-#[must_use]
-pub fn slips(one: &Recorded) -> Option<Slips> {
+/// Marks along the motion of a recording and its standstills: the edges before and after each.
+struct Standing<'a> {
+    marks: Vec<&'a Mark>,
+    way: i64,
+    rests: Vec<(usize, usize)>,
+}
+
+fn standing(one: &Recorded) -> Option<Standing<'_>> {
     let longest = one.track.longest()?;
     let way = longest.direction;
     let along = one
@@ -35,11 +41,11 @@ pub fn slips(one: &Recorded) -> Option<Slips> {
         .stretches
         .iter()
         .filter(|stretch| stretch.direction == way);
-    let marks: Vec<_> = along.flat_map(|stretch| stretch.marks.iter()).collect();
+    let marks: Vec<&Mark> = along.flat_map(|stretch| stretch.marks.iter()).collect();
     let (first, last) = (marks.first()?, marks.last()?);
     let edges = (last.place - first.place) * way;
     let mean_s = (last.time_s - first.time_s) / edges as f64;
-    // Edges before and after each standstill; a shaft may creep over an edge before it breaks away.
+    // A shaft may creep over an edge before it breaks away.
     let mut rests: Vec<(usize, usize)> = Vec::new();
     for after in
         (1..marks.len()).filter(|i| marks[*i].time_s - marks[i - 1].time_s > STANDS * mean_s)
@@ -49,6 +55,20 @@ pub fn slips(one: &Recorded) -> Option<Slips> {
             _ => rests.push((after - 1, after)),
         }
     }
+    Some(Standing { marks, way, rests })
+}
+
+/// Whole slips of a recording, whatever they are like: from standstill to standstill.
+#[must_use]
+pub fn whole_slips(one: &Recorded) -> usize {
+    standing(one).map_or(0, |standing| standing.rests.len().saturating_sub(1))
+}
+
+/// The slips of a recording; none where it does not stand and slip again and again.
+#[must_use]
+pub fn slips(one: &Recorded) -> Option<Slips> {
+    let Standing { marks, way, rests } = standing(one)?;
+    let (first, last) = (marks.first()?, marks.last()?);
     if rests.len() <= SLIPS_LEAST {
         return None;
     }

@@ -63,7 +63,7 @@ pub fn fitted(
     let lost = way / usual.ways.len() as f64;
     let mut tries = Vec::new();
     for (faster, more) in FIRST {
-        for over in [0.15, 0.4, 1.0] {
+        for over in [0.15, 0.4, 1.0, 2.5] {
             let spring = (std::f64::consts::PI / time * faster).powi(2);
             let drop = 0.5 * more * spring * (way - pull_rad_s * time).max(0.1 * way);
             let start = [

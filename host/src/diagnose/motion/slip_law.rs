@@ -11,6 +11,9 @@ use super::slip_fit::{Cycle, FREE, Fitted, off, placed};
 /// Steps of the fit, and tries of each.
 const ROUNDS: usize = 30;
 const TRIES: usize = 10;
+/// Speeds over which friction drops to begin with, against the mean of the slips' own, and against that of the spring's far end.
+const STARTS: [f64; 3] = [1.0, 1.8, 0.5];
+const PULLED: [f64; 3] = [0.4, 1.0, 2.5];
 
 /// What slips have in common; torques over the inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,8 +64,24 @@ impl Law {
 
     /// All slips at once; none where some slip can't be followed.
     fn joint(slips: &[(&Cycle, &Fitted)], pull_rad_s: f64, damping: f64) -> Option<Self> {
-        let count = slips.len() as f64;
         let begin = Self::mean(slips, pull_rad_s, damping);
+        // The speed over which friction drops is hardly known from one slip, and there are valleys beside the deepest.
+        let own = STARTS.map(|factor: f64| begin.logs[2] + factor.ln());
+        let pulled = PULLED.map(|factor: f64| (factor * pull_rad_s).ln());
+        let tries = own.into_iter().chain(pulled).map(|over| {
+            let mut begin = begin;
+            begin.logs[2] = over;
+            Self::descended(slips, begin)
+        });
+        let best = tries.flatten();
+        let best = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(best.1)
+    }
+
+    /// The same from a law to begin with; and the sum of squares that it leaves.
+    fn descended(slips: &[(&Cycle, &Fitted)], begin: Self) -> Option<(f64, Self)> {
+        let count = slips.len() as f64;
+        let (pull_rad_s, damping) = (begin.pull_rad_s, begin.damping);
         let left = |cycle: &Cycle, at: &[f64; FREE]| off(cycle, at, pull_rad_s, damping);
         let cycles: Vec<&Cycle> = slips.iter().map(|(cycle, _)| *cycle).collect();
         let square = |all: &[[f64; FREE]]| -> Option<f64> {
@@ -111,12 +130,13 @@ impl Law {
         let few = (count / (count - 1.0)).sqrt() * widened(count);
         let errors = std::array::from_fn(|i| few * covariance[(i, i)].max(0.0).sqrt());
         let first = all.first()?;
-        Some(Self {
+        let law = Self {
             logs: [first[0], first[1], first[2]],
             errors,
             pull_rad_s,
             damping,
-        })
+        };
+        Some((squares, law))
     }
 }
 

@@ -17,29 +17,36 @@ use super::slip_fit::{Cycle, Fitted, fitted, refitted};
 use super::slip_law::Law;
 use crate::diagnose::board::{FITTED, PARTS};
 use crate::diagnose::run::Recorded;
+use crate::diagnose::track::Track;
 use crate::mechanism::Mechanism;
+use crate::sensor::PlanError;
+use crate::sim::Simulation;
 use crate::twin::{Drive, Noise, StickSlip, Twin};
 
 /// Stick-slip in one recording; torques over the inertia.
 #[derive(Clone, Debug)]
-struct Seen {
-    spring: f64,
-    drop: f64,
-    over_rad_s: f64,
+pub(super) struct Seen {
+    pub(super) spring: f64,
+    pub(super) drop: f64,
+    pub(super) over_rad_s: f64,
     /// Standard errors of the logarithms of spring, drop and speed.
-    errors: [f64; 3],
+    pub(super) errors: [f64; 3],
     /// Coulomb friction that explains it.
-    coulomb: f64,
-    delta_bic: f64,
+    pub(super) coulomb: f64,
+    pub(super) delta_bic: f64,
     /// Whether the drive pulls towards the speed beside the spring.
-    beside: bool,
-    text: String,
-    left: Left,
+    pub(super) beside: bool,
+    /// Slips that show it.
+    pub(super) slips: usize,
+    /// From slip to slip, s.
+    pub(super) period_s: f64,
+    pub(super) text: String,
+    pub(super) left: Left,
 }
 
 /// What says how well it agrees.
 #[derive(Clone, Debug)]
-enum Left {
+pub(super) enum Left {
     /// The law of all slips, and of the earlier ones.
     Cycles { law: Law, early: Option<Law> },
     /// Of a shaft that broke away once.
@@ -54,12 +61,32 @@ pub fn recognised(rig: &[Recorded]) -> Option<(MotionFinding, Agreement)> {
         .enumerate()
         .filter_map(|(at, one)| Some((at, looked_at(one)?)))
         .collect();
-    // What says most, where there are several.
+    let (finding, found) = of_all(rig, &seen)?;
+    let agreement = match &found.left {
+        Left::Cycles { law, early } => agreement(rig, &vec![*law; rig.len()], early.as_ref(), None),
+        Left::Once(agreement) => agreement.as_ref().clone(),
+    };
+    Some((finding, agreement))
+}
+
+/// A finding from what recordings of a rig show, by their numbers, and the one of them that says most; none where no rig has its
+/// numbers.
+pub(super) fn of_all<'a>(
+    rig: &[Recorded],
+    seen: &'a [(usize, Seen)],
+) -> Option<(MotionFinding, &'a Seen)> {
     let (best, found) = seen
         .iter()
         .max_by(|a, b| a.1.delta_bic.total_cmp(&b.1.delta_bic))?;
     let inertia = rig[*best].twin.shaft.inertia_kg_m2;
-    let twins: Vec<Twin> = rig.iter().map(|one| with(&one.twin, found)).collect();
+    let mended = rig.par_iter().map(|one| {
+        let twin = with(&one.twin, found);
+        match &found.left {
+            Left::Cycles { .. } => sticks_from_its_start(one, twin),
+            Left::Once(_) => twin,
+        }
+    });
+    let twins: Vec<Twin> = mended.collect();
     let [spring, drop, over] = found.errors;
     let (stiffness, stribeck) = (found.spring * inertia, found.drop * inertia);
     let finding = MotionFinding {
@@ -74,14 +101,7 @@ pub fn recognised(rig: &[Recorded]) -> Option<(MotionFinding, Agreement)> {
         text: found.text.clone(),
         twins,
     };
-    if !finding.plausible() {
-        return None;
-    }
-    let agreement = match &found.left {
-        Left::Cycles { law, early } => agreement(rig, &finding.twins, law, early.as_ref()),
-        Left::Once(agreement) => agreement.as_ref().clone(),
-    };
-    Some((finding, agreement))
+    finding.plausible().then_some((finding, found))
 }
 
 /// A twin with stick-slip in.
@@ -100,13 +120,44 @@ fn with(twin: &Twin, found: &Seen) -> Twin {
     twin
 }
 
+/// The same with more Coulomb friction, if it takes more to stop the shaft once: a simulated run starts at speed, and where friction
+/// has fallen by then a shaft may turn on evenly as well as stick. How much more does not show in the slips.
+fn sticks_from_its_start(one: &Recorded, twin: Twin) -> Twin {
+    let more = |factor: f64| {
+        let mut more = twin.clone();
+        more.shaft.coulomb_n_m *= factor;
+        more
+    };
+    let sticks = |twin: &Twin| again(one, twin, 1).is_some_and(|run| slips(&run).is_some());
+    let all = [1.0, 2.0, 4.0, 8.0, 16.0].map(more);
+    all.into_iter().find(sticks).unwrap_or(twin)
+}
+
+/// A run of a twin with other noise, read as its recording was; none where it can't be run.
+pub(super) fn again(one: &Recorded, twin: &Twin, seed: u64) -> Option<Recorded> {
+    // Errors that the twin draws are those of its seed.
+    let other = Twin {
+        seed: twin.seed.wrapping_add(seed),
+        ..twin.clone()
+    };
+    let rows = Simulation::new(&other)
+        .ok()?
+        .map(|event| Ok::<_, PlanError>(event.row));
+    Some(Recorded {
+        file: one.file.clone(),
+        plan: one.plan,
+        track: Track::of(one.plan, twin.timer.clock_hz, rows).ok()?,
+        twin: other,
+    })
+}
+
 fn looked_at(one: &Recorded) -> Option<Seen> {
     let twin = &one.twin;
     let wanders = matches!(twin.noise, Some(Noise::SpeedWander { .. }));
     if !matches!(twin.drive, Drive::Constant { .. }) || twin.stick_slip.is_some() || wanders {
         return None;
     }
-    cycle_after_cycle(one).or_else(|| once(one))
+    cycle_after_cycle(one, dampings(twin)).or_else(|| once(one))
 }
 
 /// A shaft that broke away once.
@@ -121,6 +172,8 @@ fn once(one: &Recorded) -> Option<Seen> {
         coulomb: found.coulomb,
         delta_bic: found.delta_bic,
         beside: found.beside,
+        slips: 1,
+        period_s: f64::INFINITY,
         text: format!(
             "The shaft stands until {:.3} s, breaks away and swings behind a spring; friction that falls with speed does not stop it \
              again. Coulomb friction only winds the spring up and can't be told from this recording.",
@@ -147,19 +200,19 @@ fn slid(law: &SlideLaw, slide: &Slide, at_s: f64) -> Agreement {
     once_agrees(&times_s, &before, &after.unwrap_or_default())
 }
 
-/// A shaft that sticks and slips on and on.
-fn cycle_after_cycle(one: &Recorded) -> Option<Seen> {
-    let twin = &one.twin;
-    let slips = slips(one)?;
-    let cycles = cycles(one, &slips)?;
+/// Damping of a twin's shaft, 1/s: without what pulls it towards the drive's speed, and with it.
+pub(super) fn dampings(twin: &Twin) -> [(bool, f64); 2] {
     let shaft = &twin.shaft;
     let viscous = shaft.viscous_n_m_s / shaft.inertia_kg_m2;
     let stiff = shaft.stiffness_n_m_s / shaft.inertia_kg_m2;
-    let (beside, damping, first) = fitted(
-        &cycles,
-        slips.pull_rad_s,
-        [(false, viscous), (true, viscous + stiff)],
-    )?;
+    [(false, viscous), (true, viscous + stiff)]
+}
+
+/// A shaft that sticks and slips on and on, with one of two dampings.
+pub(super) fn cycle_after_cycle(one: &Recorded, dampings: [(bool, f64); 2]) -> Option<Seen> {
+    let slips = slips(one)?;
+    let cycles = cycles(one, &slips)?;
+    let (beside, damping, first) = fitted(&cycles, slips.pull_rad_s, dampings)?;
     let (pull_rad_s, pull_error) = pull(&first)?;
     let all = refitted(&first, pull_rad_s, damping);
     let mut squares: Vec<f64> = all
@@ -216,6 +269,8 @@ fn cycle_after_cycle(one: &Recorded) -> Option<Seen> {
         coulomb: (0.5 * overshoot).max(0.0) + 0.5 * law.drop,
         delta_bic,
         beside,
+        slips: good.len(),
+        period_s: whole / pull_rad_s,
         text: format!(
             "The shaft stands and slips: {} slips of {:.2} degrees, one every {:.3} s. Coulomb friction only winds the spring up \
              and can't be told from this recording.",

@@ -137,3 +137,87 @@ fn what_leaves_the_same_edges_in_every_recording_is_said_not_to_be_simulated() {
         next.text
     );
 }
+
+#[test]
+fn a_delay_of_one_channel_is_told_from_a_width_by_the_recommended_recording_of_both_speeds() {
+    for (number, lacks) in [
+        "[edge_delay]\na = { rise_s = 3e-6, fall_s = 1e-6 }\n",
+        "[edge_delay]\nb = { rise_s = 3e-6, fall_s = 1e-6 }\n",
+        "[edge_delay]\na = { rise_s = 3e-6, fall_s = 0 }\nb = { rise_s = 0, fall_s = 2e-6 }\n",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let seed = number as u64 + 1;
+        let truth = truth(lacks);
+        let first = recorded(&truth, &truth.drive, truth.duration, seed);
+        let alone = said(std::slice::from_ref(&first));
+        assert_eq!(alone.verdict, Verdict::Ambiguous, "{lacks}");
+        // The channels lie off each other as well: whatever is recorded next has to tell both.
+        for finding in &alone.findings {
+            let next = finding.next_recording.as_ref().unwrap();
+            assert!(next.expected_delta_bic.unwrap() > DECIDES, "{}", next.text);
+        }
+        let next = alone.next_recording.unwrap();
+        let to_make = recommended(&first, &next.text);
+        let second = recorded(&truth, &to_make.drive, to_make.duration, 100 + seed);
+        let both = said(&[first, second]);
+        let delay = both
+            .findings
+            .iter()
+            .find(|f| f.mechanism == Mechanism::EdgeDelay);
+        let delay = delay.unwrap_or_else(|| panic!("{lacks}: {both:?}"));
+        let runner_up = delay.evidence.runner_up.as_ref();
+        assert!(runner_up.is_none_or(|next| next.delta_bic > DECIDES));
+        let truth = truth.edge_delay.unwrap();
+        for (name, one) in [
+            ("a.rise_less_fall_s", truth.a),
+            ("b.rise_less_fall_s", truth.b),
+        ] {
+            let [low, high] = delay.parameters[name].ci95.unwrap();
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            let off = middle - (one.rise_s - one.fall_s);
+            assert!(off.abs() < 3.0 * half, "{lacks}: {name} {off} of {half}");
+        }
+    }
+}
+
+#[test]
+fn what_only_the_rig_tells_from_a_gear_mesh_is_listed_with_what_tells_it() {
+    for (order, mechanism, alike, verdict) in [
+        (
+            17.0,
+            Mechanism::TorqueRipple,
+            Mechanism::GearMesh,
+            Verdict::Explained,
+        ),
+        (
+            17.3,
+            Mechanism::GearMesh,
+            Mechanism::Bearing,
+            Verdict::Explained,
+        ),
+    ] {
+        let lacks = format!("[[gear_mesh]]\norder = {order}\ntorque_n_m = 2e-3\nphase_rad = 0.4\n");
+        let truth = truth(&lacks);
+        let first = recorded(&truth, &truth.drive, truth.duration, 3);
+        let fast = Drive::Constant { r_min: 480.0 };
+        let second = recorded(&truth, &fast, truth.duration, 4);
+        let said = said(&[first, second]);
+        let found = &said.findings[0];
+        assert_eq!(
+            (said.verdict, found.mechanism),
+            (verdict, mechanism),
+            "{order}"
+        );
+        assert_eq!(found.look_alikes, [alike]);
+        let next = found.next_recording.as_ref().unwrap();
+        assert!(
+            next.text.contains("with the gear disconnected"),
+            "{}",
+            next.text
+        );
+        assert_eq!(next.expected_delta_bic, None);
+        assert_eq!(said.next_recording.as_ref(), Some(next));
+    }
+}
