@@ -82,3 +82,41 @@ fn what_is_no_twin_is_said_to_be_none() {
         }
     }
 }
+
+#[test]
+fn a_twin_of_another_rig_is_refused() {
+    let folder = bench();
+    let at = folder.path();
+    let twin = fs::read_to_string(at.join("rig.toml")).unwrap();
+    let other = |from: &str, to: &str| twin.replace(from, to);
+    let more = |section: &str| format!("{twin}{section}");
+    for (twin, expected) in [
+        (
+            other("r_min = 600", "r_min = 1200"),
+            "its drive goes at 1200",
+        ),
+        (
+            other("r_min = 600", "r_min = -600"),
+            "its drive goes at -600",
+        ),
+        (
+            more("[[gear_mesh]]\norder = 17\ntorque_n_m = 2000\n"),
+            "a gear_mesh of 2000 N m swings 1e-4 kg m^2 by",
+        ),
+        (
+            more("[[torque_tone]]\nf_hz = 50\ntorque_n_m = 60\n"),
+            "a torque_tone of 60 N m swings",
+        ),
+        (
+            more("[edge_delay.a]\nrise_s = 5e-2\n"),
+            "with its edge_delay and channel_skew 25 % of the edges",
+        ),
+    ] {
+        fs::write(at.join("other.toml"), &twin).unwrap();
+        let message = refused(&folder, "diagnose rig.csv --twin other.toml", 2);
+        fs::remove_file(at.join("other.toml")).unwrap();
+        let expected =
+            format!("quadcal: rig.csv: the twin other.toml can't have made this: {expected}");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+}

@@ -53,7 +53,10 @@ fn other_speed(marks: &[(Mark, i64)], track: &Track, twin: &Twin) -> Option<Stri
     };
     let alike = (1.0 / APART..=APART).contains(&ratio);
     (!alike && there.is_finite()).then(|| {
-        format!("its drive goes at {r_min:.4} r/min, the recording's shaft at {there:.4} r/min")
+        format!(
+            "its drive goes at {r_min:.4} r/min, the recording's shaft at {there:.4} r/min; correct the drive's speed, or exchange \
+             the encoder's channels if it turned the same way"
+        )
     })
 }
 

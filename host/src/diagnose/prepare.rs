@@ -85,7 +85,7 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         });
     }
     if let Some(why) = goes::other(&one.track, &one.twin) {
-        return Err(DiagnoseError::OtherMotion {
+        return Err(DiagnoseError::OtherRig {
             file: one.file.clone(),
             twin: one.twin.name.clone(),
             why,

@@ -145,18 +145,10 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
             _ => {}
         }
     }
-    let turns = track.turns();
-    still.duration = match still.duration {
-        // Ripple may hold a shaft for a while where it turns round, and without ripple the turns are over before.
-        Duration::Turns(_) if still.drive.reverses() => {
-            Duration::Seconds(1.05 * track.end_s().unwrap_or_default())
-        }
-        // Before the index nothing has a place.
-        Duration::Turns(declared) => Duration::Turns(declared.max(turns) * 1.02 + 3.0),
-        Duration::Seconds(declared) => {
-            Duration::Seconds(track.end_s().unwrap_or(declared).max(declared) * 1.05)
-        }
-    };
+    // As long as the recording: a twin that is declared to run for days runs no longer.
+    if let Some(end_s) = track.end_s() {
+        still.duration = Duration::Seconds(1.05 * end_s);
+    }
     still
 }
 
