@@ -1,0 +1,43 @@
+//! A twin that declares everything its rig has explains a recording of that rig, whatever acts together in it.
+#![allow(missing_docs)]
+
+use std::path::Path;
+use std::process::Command;
+
+use quadcal_host::diagnose::diagnosis::Verdict;
+use quadcal_host_tests::real::command::Bench;
+
+/// Seeds of the noise, none of which the twin knows.
+const SEEDS: [u64; 2] = [71, 72];
+
+#[test]
+fn a_twin_is_complete_against_its_own_recording() {
+    let twins = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/own_recording");
+    let folder = tempfile::tempdir().unwrap();
+    let bench = Bench {
+        program: env!("CARGO_BIN_EXE_quadcal-under-test").into(),
+        folder: folder.path().to_owned(),
+    };
+    let recording = folder.path().join("rec.csv");
+    let mut tried = 0;
+    for twin in std::fs::read_dir(twins).unwrap() {
+        let twin = twin.unwrap().path();
+        for seed in SEEDS {
+            let simulated = Command::new(&bench.program)
+                .args(["simulate", "--quiet", "--seed", &seed.to_string(), "-o"])
+                .args([&recording, &twin])
+                .output()
+                .unwrap();
+            assert!(simulated.status.success(), "{simulated:?}");
+            let said = bench.diagnose(&recording, &twin, "own").unwrap();
+            let names = said.names();
+            assert_eq!(
+                said.diagnosis.verdict,
+                Verdict::Complete,
+                "{twin:?} {seed}: {names}"
+            );
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 12);
+}
