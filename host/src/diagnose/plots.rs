@@ -34,8 +34,8 @@ pub fn shown(settled: &Settled, findings: &[(Finding, Option<usize>)]) -> Shown 
     }
 }
 
-/// Puts what the twins as given leave, without a speed loop that they lack, into what is drawn and said of it.
-pub fn without_loop(diagnosed: &mut Diagnosed, open: &Open) {
+/// Puts what the twins as given leave, without a speed loop or a task that they lack, into what is drawn and said of it.
+pub fn without(diagnosed: &mut Diagnosed, open: &Open) {
     let (board, model) = (&open.board, &open.model);
     for (number, plot) in diagnosed.shown.recordings.iter_mut().enumerate() {
         let Some(bench) = board.benches.get(number) else {
@@ -51,10 +51,22 @@ pub fn without_loop(diagnosed: &mut Diagnosed, open: &Open) {
         .map(|plot| plot.before.clone());
     let findings = diagnosed.diagnosis.findings.iter_mut();
     for (finding, plot) in findings.zip(&mut diagnosed.shown.findings) {
-        if finding.mechanism == Mechanism::ClosedLoop {
+        if finding.mechanism == open.mechanism {
             finding.evidence.held_out_rms_ratio = open.held_out_ratio;
             plot.before = first.clone().unwrap_or_default();
         }
+    }
+}
+
+/// Draws a task along its period.
+pub fn with_task(diagnosed: &mut Diagnosed, plot: FindingPlot) {
+    let task = |finding: &&Finding| {
+        finding.mechanism == plot.mechanism && finding.parameters.contains_key("task_hz")
+    };
+    let findings = &diagnosed.diagnosis.findings;
+    let number = findings.iter().position(|finding| task(&finding));
+    if let Some(drawn) = number.and_then(|number| diagnosed.shown.findings.get_mut(number)) {
+        *drawn = plot;
     }
 }
 

@@ -6,16 +6,22 @@
 //! A stamp far off for any other reason is as likely at one time of the task's period as at another.
 
 use super::super::super::board::Bench;
+use super::super::super::ends::Ends;
 use super::super::odds::normal_above;
 
 /// Share of stamps that may be off for some other reason.
 const STRAY: f64 = 1e-3;
+/// RMS errors of a stamp within which it may have been held up, and the largest share of the time that this may be.
+const WITHIN: f64 = 5.0;
+const MOST_LEFT_OUT: f64 = 0.4;
 /// Deviations from the busy time beyond which an edge says nothing.
 const FAR: f64 = 5.0;
+/// Deviations from either end of the busy time from which on an edge is surely within.
+const INSIDE: f64 = 4.0;
 
-/// A task.
+/// A task's busy times.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Task {
+pub struct Busy {
     /// Its rate, Hz.
     pub f_hz: f64,
     /// How long it blocks, s.
@@ -24,7 +30,7 @@ pub struct Task {
     pub ends_s: Vec<f64>,
 }
 
-impl Task {
+impl Busy {
     /// The same with ends in the middle of the recordings, where they hang least on the rate.
     #[must_use]
     pub fn centred(mut self, rows: &[Stamps<'_>]) -> Self {
@@ -32,6 +38,21 @@ impl Task {
             *end += ((row.middle_s() - *end) * self.f_hz).round() / self.f_hz;
         }
         self
+    }
+
+    /// Where each recording's stamps are that may have been held up; none where that is most of them.
+    #[must_use]
+    pub fn ends(&self, rows: &[Stamps<'_>]) -> Vec<Option<Ends>> {
+        let each = self.ends_s.iter().zip(rows).enumerate();
+        let ends = each.map(|(number, (end_s, row))| {
+            let ends = Ends {
+                f_hz: self.f_hz,
+                end_s: *end_s,
+                within_s: WITHIN * row.scatter_s(self, number),
+            };
+            (ends.share() < MOST_LEFT_OUT).then_some(ends)
+        });
+        ends.collect()
     }
 }
 
@@ -146,12 +167,12 @@ impl<'a> Stamps<'a> {
     }
 
     /// End of the busy time nearest to a time.
-    fn end_s(task: &Task, end_s: f64, time_s: f64) -> f64 {
+    fn end_s(task: &Busy, end_s: f64, time_s: f64) -> f64 {
         end_s + ((time_s - end_s) * task.f_hz).round() / task.f_hz
     }
 
     /// Gain in the logarithm of the likelihood of an edge by a task, and the probability that it was held up.
-    fn edge(&self, at: usize, task: &Task, end_s: f64) -> (f64, f64) {
+    fn edge(&self, at: usize, task: &Busy, end_s: f64) -> (f64, f64) {
         let (time, late) = (self.bench.seen.times_s[at], self.late_s[at]);
         let (all2, own2) = (self.variances[at], self.jitter_s * self.jitter_s);
         if !all2.is_finite() {
@@ -191,9 +212,38 @@ impl<'a> Stamps<'a> {
         (((own + held) / (free + stray)).ln(), held / (own + held))
     }
 
+    /// RMS by which stamps that were held up are off the ends of the busy times, s, but no less than other stamps are off.
+    fn scatter_s(&self, task: &Busy, number: usize) -> f64 {
+        let end_s = task.ends_s[number];
+        let held = self.held(task, number).into_iter();
+        let (sum, count) = held.fold((0.0, 0.0), |(sum, count), (at, held, period)| {
+            let off = self.bench.seen.times_s[at] - end_s - period / task.f_hz;
+            (sum + held * off * off, count + held)
+        });
+        self.jitter_s.max((sum / f64::max(count, 1.0)).sqrt())
+    }
+
+    /// Edges that surely crossed within the busy time and were not held up.
+    #[must_use]
+    pub fn passed(&self, task: &Busy, number: usize) -> f64 {
+        let mut held = vec![0.0; self.len()];
+        for (at, share, _) in self.held(task, number) {
+            held[at] = share;
+        }
+        let passed = (0..self.len()).filter(|&at| {
+            let sure = INSIDE * self.variances[at].sqrt();
+            let crossed = self.crossed_s(at);
+            let end = task.ends_s[number];
+            let end = end + ((crossed - end) * task.f_hz).ceil() / task.f_hz;
+            let inside = end - task.busy_s + sure < crossed && crossed < end - sure;
+            self.variances[at].is_finite() && inside && held[at] < 0.5
+        });
+        passed.count() as f64
+    }
+
     /// Gain in the logarithm of the likelihood by a task.
     #[must_use]
-    pub fn gain(&self, task: &Task, number: usize) -> f64 {
+    pub fn gain(&self, task: &Busy, number: usize) -> f64 {
         let edges = 0..self.len();
         edges
             .map(|at| self.edge(at, task, task.ends_s[number]).0)
@@ -202,7 +252,7 @@ impl<'a> Stamps<'a> {
 
     /// Edges that were held up: which, with what probability, and which of the task's periods it was.
     #[must_use]
-    pub fn held(&self, task: &Task, number: usize) -> Vec<(usize, f64, f64)> {
+    pub fn held(&self, task: &Busy, number: usize) -> Vec<(usize, f64, f64)> {
         let end_s = task.ends_s[number];
         let edges = (0..self.len()).map(|at| (at, self.edge(at, task, end_s).1));
         let held = edges.filter(|(_, held)| *held > 1e-3);
@@ -214,7 +264,7 @@ impl<'a> Stamps<'a> {
     }
 
     /// Takes what a task makes of the stamps off, so that edges beside those that it held up are expected where they are.
-    pub fn clear(&mut self, task: &Task, number: usize) {
+    pub fn clear(&mut self, task: &Busy, number: usize) {
         let held = self.held(task, number);
         let mut removed = vec![0.0; self.len()];
         for (at, held, period) in held {

@@ -1,0 +1,74 @@
+//! Captures that a task holds up: their stamps say nothing of the shaft. A task that the twin declares is off before anything is looked
+//! for; one that was found is taken off, and everything is looked for anew, in the noise that is left without its delays.
+
+use super::board::Board;
+use super::explore::Explored;
+use super::motion::foretold::Foretold;
+use super::noise::{NoiseFinding, Refit, account, agrees, refit};
+use super::prepare;
+use super::run::{DiagnoseError, Recorded};
+
+/// What recordings come to without what a task does to them.
+#[derive(Debug)]
+pub struct Held {
+    /// Everything else.
+    pub explored: Explored,
+    /// The task that the twins lack, and the recordings with its delays.
+    pub task: Option<(Refit, Foretold)>,
+}
+
+/// Explores recordings; each is told where a task held captures up.
+///
+/// # Errors
+/// [`DiagnoseError`] where there is nothing to say.
+pub fn explored(
+    rig: &mut [Recorded],
+    open: Board,
+    progress: &mut dyn FnMut(f64, &'static str),
+) -> Result<Held, DiagnoseError> {
+    let alone = |explored| Held {
+        explored,
+        task: None,
+    };
+    let declared = account(rig, &open);
+    let board = if declared {
+        prepare::board(rig)?
+    } else {
+        open.clone()
+    };
+    let mut explored = Explored::of(rig, board, progress)?;
+    if declared && task(&explored).is_some() {
+        // The twin's task is not the whole of it.
+        rig.iter_mut().for_each(|one| one.track.ends = None);
+        explored = Explored::of(rig, open.clone(), progress)?;
+    }
+    let Some(found) = task(&explored) else {
+        return Ok(alone(explored));
+    };
+    let again = |explored: &Explored| {
+        let (board, left) = explored.rest(&open)?;
+        refit(&board, &left, &found)
+    };
+    let Some(first) = again(&explored).filter(|first| first.ends.iter().any(Option::is_some))
+    else {
+        return Ok(alone(explored));
+    };
+    let foretold = Foretold::of_task(rig, open.clone(), &found);
+    for (one, ends) in rig.iter_mut().zip(&first.ends) {
+        one.track.ends = *ends;
+    }
+    let mut explored = Explored::of(rig, prepare::board(rig)?, progress)?;
+    explored.noise.retain(|one| one.busy.is_none());
+    let refit = again(&explored).unwrap_or(first);
+    // The twin has it, only that something hid it at first.
+    let known = rig.iter().all(|one| agrees(&refit.finding, &one.twin));
+    Ok(Held {
+        explored,
+        task: (!known).then_some((refit, foretold)),
+    })
+}
+
+/// The task among what the noise lacks.
+fn task(explored: &Explored) -> Option<NoiseFinding> {
+    explored.noise.iter().find(|one| one.busy.is_some()).cloned()
+}
