@@ -2,6 +2,7 @@
 
 use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
+use super::ends::Ends;
 use super::noise::{
     NoiseFinding, find_task, is_own, noise_findings, own_columns, rhythmic_findings,
 };
@@ -57,10 +58,20 @@ impl Explored {
     }
 
     /// Other recordings of the same edges and more in the noise that was found, less the disc's pattern, and what everything with a name
-    /// leaves of them, white.
+    /// leaves of them, white. What a task may have held up is in doubt by so much, s.
     #[must_use]
-    pub fn rest(&self, other: &Board) -> Option<(Board, Vec<Vec<f64>>)> {
+    pub fn rest(
+        &self,
+        other: &Board,
+        held: &[Option<Ends>],
+        doubt_s: f64,
+    ) -> Option<(Board, Vec<Vec<f64>>)> {
         let mut other = other.clone();
+        for (bench, ends) in other.benches.iter_mut().zip(held) {
+            let readings = bench.seen.readings.iter_mut();
+            let held = readings.filter(|one| ends.is_some_and(|ends| ends.has(one.at_s)));
+            held.for_each(|one| one.doubt_s = doubt_s);
+        }
         for (bench, found) in other.benches.iter_mut().zip(&self.board.benches) {
             bench.set_noise(found.noise);
         }

@@ -2,11 +2,16 @@
 //! for; one that was found is taken off, and everything is looked for anew, in the noise that is left without its delays.
 
 use super::board::Board;
+use super::ends::Ends;
 use super::explore::Explored;
 use super::motion::foretold::Foretold;
 use super::noise::{NoiseFinding, Refit, account, agrees, refit};
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
+use crate::report::si;
+
+/// Busy times by which stamps that a task held up are in doubt, where the others are to say alone when these edges crossed.
+const DOUBT: f64 = 30.0;
 
 /// What recordings come to without what a task does to them.
 #[derive(Debug)]
@@ -45,12 +50,13 @@ pub fn explored(
     let Some(found) = task(&explored) else {
         return Ok(alone(explored));
     };
-    let again = |explored: &Explored| {
-        let (board, left) = explored.rest(&open)?;
-        refit(&board, &left, &found)
+    let again = |explored: &Explored, found: &NoiseFinding, held: &[Option<Ends>]| {
+        let busy_s = found.busy.as_ref()?.busy_s;
+        let (board, left) = explored.rest(&open, held, DOUBT * busy_s)?;
+        refit(&board, &left, found)
     };
-    let Some(first) = again(&explored).filter(|first| first.ends.iter().any(Option::is_some))
-    else {
+    let first = again(&explored, &found, &[]);
+    let Some(first) = first.filter(|first| first.ends.iter().any(Option::is_some)) else {
         return Ok(alone(explored));
     };
     let foretold = Foretold::of_task(rig, open.clone(), &found);
@@ -59,9 +65,14 @@ pub fn explored(
     }
     let mut explored = Explored::of(rig, prepare::board(rig)?, progress)?;
     explored.noise.retain(|one| one.busy.is_none());
-    let refit = again(&explored).unwrap_or(first);
+    let mut refit = again(&explored, &first.finding, &first.ends).unwrap_or(first);
     // The twin has it, only that something hid it at first.
     let known = rig.iter().all(|one| agrees(&refit.finding, &one.twin));
+    let other = rig.first().and_then(|one| one.twin.capture_latency);
+    if let Some((f_hz, busy_s)) = other.and_then(|other| other.task_hz.zip(other.busy_s)) {
+        let text = &mut refit.finding.text;
+        *text += &format!("; the twin's does {f_hz:.3} times for {}", si(busy_s, "s"));
+    }
     Ok(Held {
         explored,
         task: (!known).then_some((refit, foretold)),

@@ -133,6 +133,7 @@ impl Seen {
                 fresh,
                 anew: std::mem::take(&mut anew),
                 jolt: jolt + rubbed,
+                doubt_s: 0.0,
             });
         }
         // The counts of recording and twin may be whole turns apart.

@@ -70,9 +70,6 @@ impl<'a> Rehearsal<'a> {
             twin.errors.seed = twin.errors.seed.or(Some(twin.seed));
         }
         twin.faults = Faults::default();
-        // A task that holds captures up is off the recordings already.
-        let task = twin.capture_latency.is_some_and(|one| one.task_hz.is_some());
-        twin.capture_latency = twin.capture_latency.filter(|_| !task);
         twin.timer.bits = 64;
         twin.timer.raw_captures = false;
         let mut rehearsal = Self {

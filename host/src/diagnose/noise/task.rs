@@ -4,9 +4,11 @@
 //! single stamps show it ([`period`]), where it is a good part of the period, their sum does ([`folded`]); then f, b and each recording's
 //! phase are fitted by the likelihood of each stamp ([`stamps`], [`fit`]).
 
+mod busy;
 mod declared;
 mod fit;
 mod folded;
+mod pace;
 mod period;
 mod refit;
 mod stamps;
@@ -22,7 +24,7 @@ use stamps::Stamps;
 
 pub use declared::{account, agrees};
 pub use refit::{Refit, refit};
-pub use stamps::Busy;
+pub use busy::Busy;
 
 /// Slowest and fastest rate looked for, Hz.
 const SLOWEST_HZ: f64 = TASK_HZ[0];

@@ -1,7 +1,8 @@
 //! The fit of a task, by turns (A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39, 1977): which edges it held up, the line
 //! through their stamps, how long it blocks, and where edges beside them are expected.
 
-use super::stamps::{Stamps, Busy};
+use super::busy::Busy;
+use super::stamps::Stamps;
 
 /// Turns.
 const TURNS: usize = 6;

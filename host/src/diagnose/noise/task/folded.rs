@@ -3,7 +3,8 @@
 
 use super::super::super::board::Bench;
 use super::super::super::spectrum::Spectrum;
-use super::stamps::{Stamps, Busy};
+use super::busy::Busy;
+use super::stamps::Stamps;
 use super::{FASTEST_HZ, SLOWEST_HZ};
 
 /// The most cells of a periodogram.

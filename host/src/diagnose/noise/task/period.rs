@@ -6,7 +6,8 @@
 
 use super::super::super::spectrum::Spectrum;
 use super::folded::cell_s;
-use super::stamps::{Stamps, Busy};
+use super::busy::Busy;
+use super::stamps::Stamps;
 use super::{FASTEST_HZ, SLOWEST_HZ};
 
 /// Deviations from which on an edge is far too late, how many are looked at, and how many it takes.

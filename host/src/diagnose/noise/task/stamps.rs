@@ -6,55 +6,16 @@
 //! A stamp far off for any other reason is as likely at one time of the task's period as at another.
 
 use super::super::super::board::Bench;
-use super::super::super::ends::Ends;
 use super::super::odds::normal_above;
+use super::busy::Busy;
+use super::pace::pace;
 
 /// Share of stamps that may be off for some other reason.
 const STRAY: f64 = 1e-3;
-/// RMS errors of a stamp within which it may have been held up, and the largest share of the time that this may be.
-const WITHIN: f64 = 5.0;
-const MOST_LEFT_OUT: f64 = 0.4;
 /// Deviations from the busy time beyond which an edge says nothing.
 const FAR: f64 = 5.0;
 /// Deviations from either end of the busy time from which on an edge is surely within.
 const INSIDE: f64 = 4.0;
-
-/// A task's busy times.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Busy {
-    /// Its rate, Hz.
-    pub f_hz: f64,
-    /// How long it blocks, s.
-    pub busy_s: f64,
-    /// An end of its busy time, about the middle of each recording, s from the clock's zero.
-    pub ends_s: Vec<f64>,
-}
-
-impl Busy {
-    /// The same with ends in the middle of the recordings, where they hang least on the rate.
-    #[must_use]
-    pub fn centred(mut self, rows: &[Stamps<'_>]) -> Self {
-        for (end, row) in self.ends_s.iter_mut().zip(rows) {
-            *end += ((row.middle_s() - *end) * self.f_hz).round() / self.f_hz;
-        }
-        self
-    }
-
-    /// Where each recording's stamps are that may have been held up; none where that is most of them.
-    #[must_use]
-    pub fn ends(&self, rows: &[Stamps<'_>]) -> Vec<Option<Ends>> {
-        let each = self.ends_s.iter().zip(rows).enumerate();
-        let ends = each.map(|(number, (end_s, row))| {
-            let ends = Ends {
-                f_hz: self.f_hz,
-                end_s: *end_s,
-                within_s: WITHIN * row.scatter_s(self, number),
-            };
-            (ends.share() < MOST_LEFT_OUT).then_some(ends)
-        });
-        ends.collect()
-    }
-}
 
 /// One recording.
 #[derive(Clone, Debug)]
@@ -70,6 +31,8 @@ pub struct Stamps<'a> {
     pub jitter_s: f64,
     /// What was taken off each stamp, s.
     removed_s: Vec<f64>,
+    /// Speed at each edge as the edges beside it have it, rad/s, negative in reverse: over a long delay the shaft's wander counts.
+    pace: Vec<f64>,
 }
 
 impl<'a> Stamps<'a> {
@@ -79,10 +42,13 @@ impl<'a> Stamps<'a> {
         let precisions = bench.whitener().precisions();
         let speeds = &bench.seen.speeds;
         let weights = precisions.iter().zip(speeds).map(|(d, w)| d * w * w);
+        // What is in doubt is held against what the others let expect as if it were not.
+        let doubts = bench.seen.readings.iter().map(|reading| reading.doubt_s);
         let variances: Vec<f64> = weights
-            .map(|weight| {
+            .zip(doubts)
+            .map(|(weight, doubt)| {
                 if weight > 0.0 {
-                    1.0 / weight
+                    (1.0 / weight - doubt * doubt).max(bench.least_stamp_s.powi(2))
                 } else {
                     f64::INFINITY
                 }
@@ -95,7 +61,9 @@ impl<'a> Stamps<'a> {
             variances,
             jitter_s: bench.noise.stamp_s,
             removed_s: vec![0.0; left.len()],
+            pace: Vec::new(),
         };
+        row.pace = pace(&bench.seen, &row.removed_s);
         row.late_s = row.later(left);
         // Stamps that a task holds up make all of them look worse than they are.
         let quiet = row.usual_deviation().min(1.0);
@@ -152,13 +120,12 @@ impl<'a> Stamps<'a> {
     fn later(&self, white: &[f64]) -> Vec<f64> {
         let mut rows = white.to_vec();
         self.bench.transposed(&mut rows);
-        let each = rows
-            .iter()
-            .zip(&self.variances)
-            .zip(&self.bench.seen.speeds);
-        each.map(|((u, variance), w)| {
+        let seen = &self.bench.seen;
+        let each = rows.iter().zip(&self.variances).enumerate();
+        each.map(|(at, (u, variance))| {
             if variance.is_finite() {
-                -u * w * variance
+                let all2 = variance + seen.readings[at].doubt_s.powi(2);
+                -u * all2 * seen.speeds[at].powi(2) / self.pace[at]
             } else {
                 0.0
             }
@@ -213,7 +180,7 @@ impl<'a> Stamps<'a> {
     }
 
     /// RMS by which stamps that were held up are off the ends of the busy times, s, but no less than other stamps are off.
-    fn scatter_s(&self, task: &Busy, number: usize) -> f64 {
+    pub fn scatter_s(&self, task: &Busy, number: usize) -> f64 {
         let end_s = task.ends_s[number];
         let held = self.held(task, number).into_iter();
         let (sum, count) = held.fold((0.0, 0.0), |(sum, count), (at, held, period)| {
@@ -271,6 +238,7 @@ impl<'a> Stamps<'a> {
             let end = task.ends_s[number] + period / task.f_hz;
             removed[at] = held * (end - self.crossed_s(at)).clamp(0.0, task.busy_s);
         }
+        self.pace = pace(&self.bench.seen, &removed);
         self.removed_s = removed;
         let pairs = self.left.iter().zip(self.pattern());
         let rest: Vec<f64> = pairs.map(|(left, pattern)| left - pattern).collect();
@@ -286,7 +254,7 @@ impl<'a> Stamps<'a> {
     /// What was taken off, white.
     #[must_use]
     pub fn pattern(&self) -> Vec<f64> {
-        let each = self.removed_s.iter().zip(&self.bench.seen.speeds);
+        let each = self.removed_s.iter().zip(&self.pace);
         self.bench
             .whitened(each.map(|(late, w)| -w * late).collect())
     }
