@@ -66,15 +66,7 @@ impl Explored {
         held: &[Option<Ends>],
         doubt_s: f64,
     ) -> Option<(Board, Vec<Vec<f64>>)> {
-        let mut other = other.clone();
-        for (bench, ends) in other.benches.iter_mut().zip(held) {
-            let readings = bench.seen.readings.iter_mut();
-            let held = readings.filter(|one| ends.is_some_and(|ends| ends.has(one.at_s)));
-            held.for_each(|one| one.doubt_s = doubt_s);
-        }
-        for (bench, found) in other.benches.iter_mut().zip(&self.board.benches) {
-            bench.set_noise(found.noise);
-        }
+        let mut other = other.in_doubt(held, doubt_s, &self.board);
         if let Some(pattern) = self.searched.pattern.as_ref() {
             other.take_off(&pattern.errors_rad);
         }

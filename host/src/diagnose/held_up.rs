@@ -5,13 +5,10 @@ use super::board::Board;
 use super::ends::Ends;
 use super::explore::Explored;
 use super::motion::foretold::Foretold;
-use super::noise::{NoiseFinding, Refit, account, agrees, refit};
+use super::noise::{DOUBT, NoiseFinding, Refit, account, agrees, confirm, refit};
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
 use crate::report::si;
-
-/// Busy times by which stamps that a task held up are in doubt, where the others are to say alone when these edges crossed.
-const DOUBT: f64 = 30.0;
 
 /// What recordings come to without what a task does to them.
 #[derive(Debug)]
@@ -35,12 +32,14 @@ pub fn explored(
         explored,
         task: None,
     };
-    let declared = account(rig, &open);
-    let board = if declared {
-        prepare::board(rig)?
-    } else {
-        open.clone()
-    };
+    let mut board = open.clone();
+    if account(rig, &open) {
+        board = prepare::board(rig)?;
+        if !confirm(rig, &open, &board) {
+            board = prepare::board(rig)?;
+        }
+    }
+    let declared = rig.iter().any(|one| one.track.ends.is_some());
     let mut explored = Explored::of(rig, board, progress)?;
     if declared && task(&explored).is_some() {
         // The twin's task is not the whole of it.
@@ -81,5 +80,9 @@ pub fn explored(
 
 /// The task among what the noise lacks.
 fn task(explored: &Explored) -> Option<NoiseFinding> {
-    explored.noise.iter().find(|one| one.busy.is_some()).cloned()
+    explored
+        .noise
+        .iter()
+        .find(|one| one.busy.is_some())
+        .cloned()
 }

@@ -113,7 +113,10 @@ pub fn diagnose(
     let Held { explored, task } = held_up::explored(&mut rig, board, progress)?;
     let (task, without_task) = task.unzip();
     let foretold = foretold.or(without_task);
-    let noise = explored.noise.iter().chain(task.iter().map(|task| &task.finding));
+    let noise = explored
+        .noise
+        .iter()
+        .chain(task.iter().map(|task| &task.finding));
     found.extend(noise.map(|one| of_noise(one, &rig[0].twin)));
     progress(0.8, "Simulating what was found");
     let mut settled = settle(

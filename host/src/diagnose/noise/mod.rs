@@ -25,7 +25,7 @@ use crate::mechanism::Mechanism;
 
 pub use own::{is_own, own_columns};
 pub use resonance::Mode;
-pub use task::{Busy, Refit, Task, account, agrees, find as find_task, refit};
+pub use task::{Busy, DOUBT, Refit, Task, account, agrees, confirm, find as find_task, refit};
 
 /// Something that the noise lacks.
 #[derive(Clone, Debug, PartialEq)]

@@ -22,9 +22,9 @@ use crate::report::si;
 use fit::{Fitted, fitted};
 use stamps::Stamps;
 
-pub use declared::{account, agrees};
-pub use refit::{Refit, refit};
 pub use busy::Busy;
+pub use declared::{account, agrees, confirm};
+pub use refit::{Refit, refit};
 
 /// Slowest and fastest rate looked for, Hz.
 const SLOWEST_HZ: f64 = TASK_HZ[0];
@@ -37,6 +37,9 @@ const LEAST_OVER_TONE: f64 = 15.0;
 const LEAST_HELD: f64 = 6.0;
 /// Mean square that is left, at the most; 1 is noise.
 const NOISE: f64 = 2.0;
+
+/// Busy times by which stamps that a task held up are in doubt, where the others are to say alone when these edges crossed.
+pub const DOUBT: f64 = 30.0;
 
 /// A task that was found.
 #[derive(Clone, Debug)]

@@ -114,19 +114,25 @@ fn parameters(body: &mut Body, finding: &Finding) {
 fn figure(body: &mut Body, plot: &FindingPlot) {
     let (x, y) = (axis_of(&plot.x_label), axis_of(&plot.y_label));
     let scale = [unit_factor(&plot.x_label), unit_factor(&plot.y_label)];
-    let mut drawn = Xy::new(x, y)
-        .series(series("without it", &plot.before, scale).colour(Colour::BEFORE))
-        .series(series("with it", &plot.after, scale).colour(Colour::AFTER));
+    let mut drawn =
+        Xy::new(x, y).series(series("without it", &plot.before, scale).colour(Colour::BEFORE));
+    // What moves no edge leaves the residual as it is.
+    let differs = plot.after != plot.before;
+    if differs {
+        drawn = drawn.series(series("with it", &plot.after, scale).colour(Colour::AFTER));
+    }
     if !plot.model.is_empty() {
         let [x, y] = columns(&plot.model, scale);
         let model = Series::dashed("what it makes", &x, &y);
         drawn = drawn.series(model.colour(Colour::Green));
     }
-    body.figure(
-        drawn,
+    let caption = if differs {
         "How far edges come from where the twin has them, in the coordinate where this shows: with everything else found in the twin \
-         (orange), and with this too (blue).",
-    );
+         (orange), and with this too (blue)."
+    } else {
+        "How far edges come from where the twin has them. This moves them no more to one side than to the other."
+    };
+    body.figure(drawn, caption);
 }
 
 fn look_alikes(body: &mut Body, finding: &Finding, diagnosis: &Diagnosis) {

@@ -4,12 +4,13 @@
 use super::super::super::board::Board;
 use super::super::super::run::Recorded;
 use super::super::NoiseFinding;
+use super::busy::Busy;
 use super::fit::{Fitted, fitted};
 use super::folded::{near, rough, spectrum};
 use super::period::{by_pulses, late, pulses};
-use super::busy::Busy;
 use super::stamps::Stamps;
-use super::stands;
+use super::{DOUBT, stands};
+use crate::diagnose::ends::Ends;
 use crate::diagnose::spectrum::Spectrum;
 use crate::twin::Twin;
 
@@ -24,7 +25,7 @@ const THERE: f64 = 10.0;
 const PASS: f64 = 0.1;
 const PASS_AT_ALL: f64 = 3.0;
 
-/// Notes in each recording where the task that its twin declares held captures up, if it did; whether any did.
+/// Notes in each recording where a task of about the rate that its twin declares held captures up, if one did; whether any did.
 pub fn account(rig: &mut [Recorded], board: &Board) -> bool {
     if !rig.iter().any(|one| declared(&one.twin).is_some()) {
         return false;
@@ -35,21 +36,52 @@ pub fn account(rig: &mut [Recorded], board: &Board) -> bool {
     };
     let mut any = false;
     for ((one, bench), left) in rig.iter_mut().zip(&board.benches).zip(&left) {
-        let Some((f_hz, busy_s)) = declared(&one.twin).filter(|_| !stands(bench)) else {
+        let Some((f_hz, _)) = declared(&one.twin).filter(|_| !stands(bench)) else {
             continue;
         };
         let row = Stamps::of(bench, left);
-        let found = seen(&row, &spectrum(bench, left), f_hz).filter(|(found, row)| {
-            let own = [found.task.f_hz, found.task.busy_s];
-            found.gain > THERE
-                && same(own, found.errors[1], [f_hz, busy_s])
-                && row.passed(&found.task, 0) < PASS * found.held + PASS_AT_ALL
-        });
+        let found = seen(&row, &spectrum(bench, left), f_hz)
+            .filter(|(found, _)| found.gain > THERE && same_rate(found.task.f_hz, f_hz));
         one.track.ends =
             found.and_then(|(found, row)| found.task.ends(&[row]).into_iter().flatten().next());
         any |= one.track.ends.is_some();
     }
     any
+}
+
+/// Whether the tasks that were noted block as long as the twins' do; `open` has their delays in it, `board` has not. Where one does not, it
+/// is taken back.
+pub fn confirm(rig: &mut [Recorded], open: &Board, board: &Board) -> bool {
+    let held: Vec<Option<Ends>> = rig.iter().map(|one| one.track.ends).collect();
+    let longest = rig.iter().filter_map(|one| declared(&one.twin));
+    let longest_s = longest.fold(0.0, |longest: f64, (_, busy_s)| longest.max(busy_s));
+    let other = open.in_doubt(&held, DOUBT * longest_s, board);
+    let left = other.fit(other.nuisances()).map(|model| model.left);
+    let mut all = true;
+    for (number, one) in rig.iter_mut().enumerate() {
+        let (Some(ends), Some((f_hz, busy_s))) = (one.track.ends, declared(&one.twin)) else {
+            continue;
+        };
+        let task = Busy {
+            f_hz: ends.f_hz,
+            busy_s,
+            ends_s: vec![ends.end_s],
+        };
+        let same = left.as_ref().is_some_and(|left| {
+            let mut rows = [Stamps::of(&other.benches[number], &left[number])];
+            fitted(&mut rows, task).is_some_and(|found| {
+                let own = [found.task.f_hz, found.task.busy_s];
+                let passed = rows[0].passed(&found.task, 0);
+                same(own, found.errors[1], [f_hz, busy_s])
+                    && passed < PASS * found.held + PASS_AT_ALL
+            })
+        });
+        if !same {
+            one.track.ends = None;
+            all = false;
+        }
+    }
+    all
 }
 
 /// Whether a task that was found is the one that a twin declares.
@@ -60,7 +92,11 @@ pub fn agrees(finding: &NoiseFinding, twin: &Twin) -> bool {
         return false;
     };
     declared(twin).is_some_and(|(f_hz, busy_s)| {
-        same([rate.value, busy.value], busy.standard_error, [f_hz, busy_s])
+        same(
+            [rate.value, busy.value],
+            busy.standard_error,
+            [f_hz, busy_s],
+        )
     })
 }
 
@@ -71,8 +107,12 @@ fn declared(twin: &Twin) -> Option<(f64, f64)> {
 }
 
 fn same(found: [f64; 2], error_s: f64, twin: [f64; 2]) -> bool {
-    (found[0] / twin[0] - 1.0).abs() < CLOCKS
+    same_rate(found[0], twin[0])
         && (found[1] - twin[1]).abs() < (DEVIATIONS * error_s).max(PART * twin[1])
+}
+
+fn same_rate(found_hz: f64, twin_hz: f64) -> bool {
+    (found_hz / twin_hz - 1.0).abs() < CLOCKS
 }
 
 /// The likeliest task of about a rate in a recording, and the recording without it.

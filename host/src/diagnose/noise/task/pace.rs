@@ -26,7 +26,9 @@ pub fn pace(seen: &Seen, removed_s: &[f64]) -> Vec<f64> {
         let angle = seen.angles[at] - first + seen.speeds[at] * removed_s[at];
         let time_s = seen.times_s[at] - begin_s - removed_s[at];
         let more = [sure, sure * time_s, sure * angle, broken];
-        sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        sum.iter_mut()
+            .zip(more)
+            .for_each(|(sum, more)| *sum += more);
         sums.push(sum);
     }
     let mean = |range: std::ops::Range<usize>| {

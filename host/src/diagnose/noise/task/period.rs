@@ -5,8 +5,8 @@
 //! chance would put there (the divergence of S. Kullback and R. A. Leibler, Ann. Math. Stat. 22, 1951) comes first.
 
 use super::super::super::spectrum::Spectrum;
-use super::folded::cell_s;
 use super::busy::Busy;
+use super::folded::cell_s;
 use super::stamps::Stamps;
 use super::{FASTEST_HZ, SLOWEST_HZ};
 

@@ -3,9 +3,9 @@
 
 use super::super::super::board::Board;
 use super::super::NoiseFinding;
+use super::busy::Busy;
 use super::fit::fitted;
 use super::number;
-use super::busy::Busy;
 use super::stamps::Stamps;
 use crate::diagnose::ends::Ends;
 use crate::diagnose::shown::{FindingPlot, Line};
@@ -64,7 +64,9 @@ fn plot(rows: &[Stamps<'_>], task: &Busy) -> FindingPlot {
                 0.0
             };
             let more = [x, row.late_s[at], makes, 1.0];
-            cell.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            cell.iter_mut()
+                .zip(more)
+                .for_each(|(sum, more)| *sum += more);
         }
     }
     let line = |y: &dyn Fn(&[f64; 4]) -> f64| -> Line {
