@@ -123,7 +123,28 @@ fn noise(
     if noise.is_empty() && concluded.nameless.is_none() {
         noise = heard.beside;
     }
+    noise.retain(|one| !is_known(one, rig));
     noise
+}
+
+/// Whether a mode that was found is the one that all twins have.
+fn is_known(found: &NoiseFinding, rig: &[Recorded]) -> bool {
+    /// Standard errors by which it may be another, and part of its frequency.
+    const DEVIATIONS: f64 = 4.0;
+    const PART: f64 = 0.01;
+    found.mechanism == Mechanism::TorsionalResonance
+        && rig.iter().all(|one| {
+            one.twin.torsional_resonance.is_some_and(|mode| {
+                found.parameters.iter().all(|own| {
+                    let (known, part) = match own.name {
+                        "f_hz" => (mode.f_hz, PART),
+                        "damping_ratio" => (mode.damping_ratio, 0.0),
+                        _ => (mode.inertia_share, 0.0),
+                    };
+                    (own.value - known).abs() < (DEVIATIONS * own.standard_error).max(part * known)
+                })
+            })
+        })
 }
 
 /// Noise that is one thing where the rhythms that were found are many, or a task beside what else was found.

@@ -53,10 +53,12 @@ pub fn fitted(rows: &mut [Stamps<'_>], first: Busy) -> Option<Fitted> {
     })
 }
 
-fn gain(rows: &[Stamps<'_>], task: &Busy) -> f64 {
+/// Gain of the edges of each recording that hang on it.
+fn gain(rows: &[Stamps<'_>], near: &[Vec<usize>], task: &Busy) -> f64 {
     rows.iter()
+        .zip(near)
         .enumerate()
-        .map(|(number, row)| row.gain(task, number))
+        .map(|(number, (row, near))| row.gain_of(near.iter().copied(), task, number))
         .sum()
 }
 
@@ -68,6 +70,14 @@ fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
     let mut known = None;
     for _ in 0..NARROWED {
         let step = (high - low) / (TRIED - 1) as f64;
+        let longest = Busy {
+            busy_s: high,
+            ..task.clone()
+        };
+        let rows_near = rows.iter().enumerate();
+        let near: Vec<Vec<usize>> = rows_near
+            .map(|(number, row)| row.all_near(&longest, number))
+            .collect();
         let tried = (0..TRIED).map(|i| low + i as f64 * step);
         let gains: Vec<(f64, f64)> = tried
             .map(|busy_s| {
@@ -75,7 +85,7 @@ fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
                     busy_s,
                     ..task.clone()
                 };
-                (busy_s, gain(rows, &with))
+                (busy_s, gain(rows, &near, &with))
             })
             .collect();
         let top = gains

@@ -138,6 +138,27 @@ impl<'a> Stamps<'a> {
         end_s + ((time_s - end_s) * task.f_hz).round() / task.f_hz
     }
 
+    /// Whether a task may have held up an edge, or missed one that it should have.
+    fn near(&self, at: usize, task: &Busy, end_s: f64) -> bool {
+        let (time, late) = (self.bench.seen.times_s[at], self.late_s[at]);
+        let crossed = time - late;
+        let reach = FAR * self.variances[at].sqrt();
+        let end = Self::end_s(task, end_s, time);
+        let near = |end: f64| {
+            let (low, high) = (end - task.busy_s - reach, end + reach);
+            (low..high).contains(&time) || (low..high).contains(&crossed)
+        };
+        near(end) || near(end + 1.0 / task.f_hz)
+    }
+
+    /// Edges of which a task's likelihood hangs.
+    #[must_use]
+    pub fn all_near(&self, task: &Busy, number: usize) -> Vec<usize> {
+        let sure = (0..self.len()).filter(|at| self.variances[*at].is_finite());
+        sure.filter(|at| self.near(*at, task, task.ends_s[number]))
+            .collect()
+    }
+
     /// Gain in the logarithm of the likelihood of an edge by a task, and the probability that it was held up.
     fn edge(&self, at: usize, task: &Busy, end_s: f64) -> (f64, f64) {
         let (time, late) = (self.bench.seen.times_s[at], self.late_s[at]);
@@ -145,17 +166,12 @@ impl<'a> Stamps<'a> {
         if !all2.is_finite() {
             return (0.0, 0.0);
         }
-        let crossed = time - late;
-        let reach = FAR * all2.sqrt();
-        let end = Self::end_s(task, end_s, time);
-        let next = end + 1.0 / task.f_hz;
-        let near = |end: f64| {
-            let (low, high) = (end - task.busy_s - reach, end + reach);
-            (low..high).contains(&time) || (low..high).contains(&crossed)
-        };
-        if !near(end) && !near(next) {
+        if !self.near(at, task, end_s) {
             return (0.0, 0.0);
         }
+        let crossed = time - late;
+        let end = Self::end_s(task, end_s, time);
+        let next = end + 1.0 / task.f_hz;
         let expected2 = (all2 - own2).max(0.01 * all2);
         // Where it crossed if its stamp is its own.
         let (mean, spread) = (
@@ -211,7 +227,11 @@ impl<'a> Stamps<'a> {
     /// Gain in the logarithm of the likelihood by a task.
     #[must_use]
     pub fn gain(&self, task: &Busy, number: usize) -> f64 {
-        let edges = 0..self.len();
+        self.gain_of(0..self.len(), task, number)
+    }
+
+    /// The same of some edges.
+    pub fn gain_of(&self, edges: impl Iterator<Item = usize>, task: &Busy, number: usize) -> f64 {
         edges
             .map(|at| self.edge(at, task, task.ends_s[number]).0)
             .sum()
