@@ -169,14 +169,21 @@ pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
     found
 }
 
-/// What the noise lacks as a finding. A jitter is told as the twin has it: all of it, what was declared included.
+/// What the noise lacks as a finding. A jitter is told as the twin has it: all of it, what was declared included, and so is the mean of
+/// a latency.
 #[must_use]
 pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
     let mut finding = plain(noise.mechanism, noise.text.clone(), noise.delta_bic);
     for one in &noise.parameters {
         let (mut value, mut error) = (one.value, one.standard_error);
-        if one.name == "jitter_s" {
-            value = one.value.hypot(twin.timer.jitter_s);
+        let late_s = twin.capture_latency.and_then(|latency| latency.mean_s);
+        let declared = match one.name {
+            "jitter_s" => twin.timer.jitter_s,
+            "mean_s" => late_s.unwrap_or(0.0),
+            _ => 0.0,
+        };
+        if declared > 0.0 {
+            value = one.value.hypot(declared);
             error *= one.value / value;
         }
         let unit = noise.mechanism.card().unit(one.name);

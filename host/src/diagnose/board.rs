@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::basis::Basis;
+use super::ends::Ends;
 
 pub use super::bench::{Bench, FITTED, PARTS};
 pub use super::column::{Column, Part, Products, product, with_rows};
@@ -146,6 +147,22 @@ impl Board {
             bench.seen.swing();
             bench.set_noise(bench.noise);
         }
+    }
+
+    /// The same in the noise of another, with what a task may have held up in doubt by so much, s.
+    #[must_use]
+    pub fn in_doubt(&self, held: &[Option<Ends>], doubt_s: f64, noise: &Self) -> Self {
+        let mut other = self.clone();
+        for (bench, ends) in other.benches.iter_mut().zip(held) {
+            let readings = bench.seen.readings.iter_mut();
+            let held = readings.filter(|one| ends.is_some_and(|ends| ends.has(one.at_s)));
+            held.for_each(|one| one.doubt_s = doubt_s);
+        }
+        for (bench, found) in other.benches.iter_mut().zip(&noise.benches) {
+            bench.set_noise(found.noise);
+        }
+        other.clear = OnceLock::new();
+        other
     }
 
     /// Fits the noise to what is not explained; whether it is another than before. What a twin declares is kept unless it is wrong.

@@ -38,6 +38,8 @@ pub struct Reading {
     pub anew: bool,
     /// Variance of a jolt of the speed that nobody knows, (rad/s)^2.
     pub jolt: f64,
+    /// RMS error of the stamp on top of the noise, s, where it is known to say little.
+    pub doubt_s: f64,
 }
 
 /// The filter's gains along a row of edges, which depend on times only: so one run serves every pattern.
@@ -102,7 +104,8 @@ impl Whitener {
                     p[0] += reading.jolt * way.reach * way.reach;
                 }
                 let stamp = noise.stamp_s * reading.speed;
-                let own = stamp * stamp + 1e-30;
+                let doubt = reading.doubt_s * reading.speed;
+                let own = stamp * stamp + doubt * doubt + 1e-30;
                 let variance = p[0] + own;
                 let inverse = 1.0 / variance;
                 let gain = [p[0] * inverse, p[1] * inverse, p[2] * inverse];

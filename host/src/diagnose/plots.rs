@@ -2,6 +2,7 @@
 
 use super::board::{Bench, Model};
 use super::diagnosis::Finding;
+use super::kalman::{ShaftNoise, Whitener};
 use super::locate::{Along, Among, spectrum};
 use super::mark_plot::{self, lines_each};
 use super::motion::foretold::Open;
@@ -10,8 +11,9 @@ use super::settle::Settled;
 use super::shown::{FindingPlot, Line, RecordingPlot, Shown};
 use crate::mechanism::Mechanism;
 
-/// Points of a curve.
+/// Points of a curve, and of one of spreads.
 const POINTS: usize = 360;
+const SPREADS: usize = 60;
 
 /// Curves.
 #[must_use]
@@ -34,8 +36,8 @@ pub fn shown(settled: &Settled, findings: &[(Finding, Option<usize>)]) -> Shown 
     }
 }
 
-/// Puts what the twins as given leave, without a speed loop that they lack, into what is drawn and said of it.
-pub fn without_loop(diagnosed: &mut Diagnosed, open: &Open) {
+/// Puts what the twins as given leave, without a speed loop or a task that they lack, into what is drawn and said of it.
+pub fn without(diagnosed: &mut Diagnosed, open: &Open) {
     let (board, model) = (&open.board, &open.model);
     for (number, plot) in diagnosed.shown.recordings.iter_mut().enumerate() {
         let Some(bench) = board.benches.get(number) else {
@@ -51,24 +53,36 @@ pub fn without_loop(diagnosed: &mut Diagnosed, open: &Open) {
         .map(|plot| plot.before.clone());
     let findings = diagnosed.diagnosis.findings.iter_mut();
     for (finding, plot) in findings.zip(&mut diagnosed.shown.findings) {
-        if finding.mechanism == Mechanism::ClosedLoop {
+        if finding.mechanism == open.mechanism {
             finding.evidence.held_out_rms_ratio = open.held_out_ratio;
             plot.before = first.clone().unwrap_or_default();
         }
     }
 }
 
+/// Draws a task along its period.
+pub fn with_task(diagnosed: &mut Diagnosed, plot: FindingPlot) {
+    let task = |finding: &&Finding| {
+        finding.mechanism == plot.mechanism && finding.parameters.contains_key("task_hz")
+    };
+    let findings = &diagnosed.diagnosis.findings;
+    let number = findings.iter().position(|finding| task(&finding));
+    if let Some(drawn) = number.and_then(|number| diagnosed.shown.findings.get_mut(number)) {
+        *drawn = plot;
+    }
+}
+
 /// Mean of so many cells of x, in rows of x and y.
-fn cells(points: impl Iterator<Item = (f64, f64)> + Clone) -> Line {
+fn cells(points: impl Iterator<Item = (f64, f64)> + Clone, count: usize) -> Line {
     let range = points
         .clone()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (x, _)| {
             (low.min(x), high.max(x))
         });
-    let width = ((range.1 - range.0) / POINTS as f64).max(f64::MIN_POSITIVE);
-    let mut sums = vec![(0.0, 0.0, 0.0); POINTS];
+    let width = ((range.1 - range.0) / count as f64).max(f64::MIN_POSITIVE);
+    let mut sums = vec![(0.0, 0.0, 0.0); count];
     for (x, y) in points {
-        let cell = (((x - range.0) / width) as usize).min(POINTS - 1);
+        let cell = (((x - range.0) / width) as usize).min(count - 1);
         let sum = &mut sums[cell];
         *sum = (sum.0 + x, sum.1 + y, sum.2 + 1.0);
     }
@@ -133,12 +147,22 @@ fn residual_plot(settled: &Settled, finding: &Finding) -> FindingPlot {
             mechanism: finding.mechanism,
             x_label: "angle of the disc, degrees".to_owned(),
             y_label: "error of each edge, urad".to_owned(),
-            before: cells(each.map(|(k, error)| (k as f64 * step, 1e6 * error))),
+            before: cells(
+                each.map(|(k, error)| (k as f64 * step, 1e6 * error)),
+                POINTS,
+            ),
             after: Vec::new(),
             model: Vec::new(),
         };
     }
     let bench = &settled.given.benches[0];
+    let stamps = [Mechanism::TimestampJitter, Mechanism::CaptureLatency];
+    if let Some(declared) = bench
+        .declared
+        .filter(|_| stamps.contains(&finding.mechanism))
+    {
+        return spread_plot(settled, finding, declared);
+    }
     let line = |model: &Model| in_time(bench, model, 0);
     // What has no name is in no twin: it is all that is left beside what has one.
     let (before, after) = match finding.mechanism {
@@ -151,6 +175,35 @@ fn residual_plot(settled: &Settled, finding: &Finding) -> FindingPlot {
         y_label: "edges off their expected place, urad".to_owned(),
         before,
         after,
+        model: Vec::new(),
+    }
+}
+
+/// Of noise of the stamps, which moves no edge to one side: how far edges spread, over what the twin's noise makes and over what that which
+/// was found makes.
+fn spread_plot(settled: &Settled, finding: &Finding, declared: ShaftNoise) -> FindingPlot {
+    let bench = &settled.given.benches[0];
+    let spread = |white: &[f64]| -> Line {
+        let squares = white.iter().map(|white| white * white);
+        let each = bench.seen.times_s.iter().copied().zip(squares);
+        let means = cells(each, SPREADS);
+        means.into_iter().map(|(x, y)| (x, y.sqrt())).collect()
+    };
+    let after = &settled.after.left[0];
+    let mut before = settled.before.left[0].clone();
+    bench.whitener().restore(&mut before);
+    Whitener::new(&bench.seen.readings, declared).whiten(&mut before);
+    FindingPlot {
+        mechanism: finding.mechanism,
+        x_label: "time, s".to_owned(),
+        y_label: "spread of edges about their expected place, 1 is what the noise makes".to_owned(),
+        before: spread(&before),
+        // The mended twin's edges may be fewer.
+        after: if after.len() == before.len() {
+            spread(after)
+        } else {
+            Vec::new()
+        },
         model: Vec::new(),
     }
 }

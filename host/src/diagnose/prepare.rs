@@ -163,11 +163,18 @@ fn declared(twin: &Twin, law: &ShaftLaw, least_stamp_s: f64) -> Option<ShaftNois
     };
     Some(ShaftNoise {
         acceleration,
-        stamp_s: least_stamp_s.hypot(twin.timer.jitter_s),
+        stamp_s: least_stamp_s.hypot(stamps_s(twin)),
         drift: 0.0,
         forgets_per_s: 0.0,
         hold_s: hold_s(twin, law),
     })
+}
+
+/// RMS error of a stamp that a twin declares, s: its jitter, and the scatter of a latency, which is as large as its mean.
+#[must_use]
+pub fn stamps_s(twin: &Twin) -> f64 {
+    let late_s = twin.capture_latency.and_then(|latency| latency.mean_s);
+    twin.timer.jitter_s.hypot(late_s.unwrap_or(0.0))
 }
 
 /// Time for which a twin holds each value of its torque noise, s, as the simulator does: one interval at the nominal speed, where it

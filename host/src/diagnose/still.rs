@@ -114,12 +114,7 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
         _ => None,
     });
     still.faults = Faults::default();
-    if let Some(latency) = &mut still.capture_latency {
-        latency.mean_s = None;
-        if latency.task_hz.is_none() {
-            still.capture_latency = None;
-        }
-    }
+    still.capture_latency = None;
     if let Some(resonance) = &mut still.torsional_resonance {
         resonance.load_psd_n2_m2_s = None;
         resonance.load_hold_s = None;

@@ -65,5 +65,7 @@ pub fn in_noise(twin: &Twin, law: &ShaftLaw, noise: ShaftNoise, tick_s: f64) -> 
     });
     let own2 = noise.stamp_s * noise.stamp_s - tick_s * tick_s / 12.0;
     noisy.timer.jitter_s = own2.max(0.0).sqrt();
+    // Its scatter is among the errors of the stamps; what a task held up is left out.
+    noisy.capture_latency = None;
     noisy
 }

@@ -3,6 +3,7 @@
 use quadcal::estimate::Anchor;
 
 use super::code::Code;
+use super::ends::Ends;
 use super::index::Moved;
 use super::mend::{Fault, Mended, mend};
 use super::walk::Walker;
@@ -51,6 +52,8 @@ pub struct Track {
     pub origin: i64,
     /// Whether that was found already.
     pub placed: bool,
+    /// Where a task that is known holds captures up.
+    pub ends: Option<Ends>,
     /// Edges before the first index, which say where they were once it has come; most of what is looked at begins with the index.
     pub early: Vec<Mark>,
     /// All stretches, by time.
@@ -92,6 +95,7 @@ impl Track {
             anchored: plan.anchor() == Anchor::Index,
             origin: 0,
             placed: false,
+            ends: None,
             early: Vec::new(),
             stretches: Vec::new(),
             slips: Vec::new(),

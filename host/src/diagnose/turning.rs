@@ -51,6 +51,8 @@ impl Seen {
             (None, None) => undisturbed(&marks, still, step),
         };
         let mut before: Option<(Mark, i64)> = None;
+        // The last edge that was left out as a task held it up, and the jolts until then: the count goes on past it.
+        let mut held: Option<(Mark, f64)> = None;
         let slow = too_slow(twin, &course);
         // A shaft that comes to rest is held by friction too; one that is driven round goes on, and its edges say which way it went.
         let rests = matches!(twin.drive, Drive::RunDown { .. });
@@ -69,6 +71,13 @@ impl Seen {
             let Some((angle, speed, jolt)) = there else {
                 continue;
             };
+            if track
+                .ends
+                .is_some_and(|ends| ends.has(captured[at].0.time_s))
+            {
+                held = Some((*mark, held.map_or(0.0, |last| last.1) + jolt));
+                continue;
+            }
             let own = measured.get(at).copied().flatten();
             // What goes to and fro about one edge has no speed that shows.
             let own = if self.slow > 0.0 {
@@ -96,7 +105,10 @@ impl Seen {
             self.rubbed.push(rubbed);
             let speed = own.filter(|_| unheld).unwrap_or(speed);
             // A reversal goes on from the last edge; where the count was lost, nothing does.
+            let held = held.take();
+            let jolt = jolt + held.map_or(0.0, |last| last.1);
             let near = |last: &(Mark, i64)| {
+                let last = (held.map_or(last.0, |held| held.0), last.1);
                 let apart = (mark.place - last.0.place) * direction;
                 last.1 != *direction || (1..=track.classes).contains(&apart)
             };
@@ -127,6 +139,7 @@ impl Seen {
                 fresh,
                 anew: std::mem::take(&mut anew),
                 jolt: jolt + rubbed,
+                doubt_s: 0.0,
             });
         }
         // The counts of recording and twin may be whole turns apart.

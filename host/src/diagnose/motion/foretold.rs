@@ -1,5 +1,5 @@
-//! How well recordings agree with a speed loop that their twins lack: against the twins as they were given, and on the last turns of each,
-//! with the loop as the turns before show it.
+//! How well recordings agree with a speed loop that their twins lack, or a task that holds captures up: against the twins as they were
+//! given, and on the last turns of each, with loop or task as the turns before show it.
 
 use super::closed_loop;
 use crate::diagnose::board::{Board, FITTED, Model, PARTS};
@@ -7,17 +7,20 @@ use crate::diagnose::diagnosis::Band;
 use crate::diagnose::judge::squares;
 use crate::diagnose::leftover::leftovers;
 use crate::diagnose::mended::with_twins;
+use crate::diagnose::noise::{NoiseFinding, refit};
 use crate::diagnose::prepare;
 use crate::diagnose::run::Recorded;
 use crate::diagnose::settle::Settled;
 use crate::diagnose::spread::{floor, spread};
+use crate::mechanism::Mechanism;
 
 /// Sum of squares that the loop must explain on the last turns to be judged there.
 const SHOWS: f64 = 30.0;
 
-/// Recordings without the loop, and with the one that their earlier turns show.
+/// Recordings without the loop or the task, and with the one that their earlier turns show.
 #[derive(Debug)]
 pub struct Foretold {
+    mechanism: Mechanism,
     open: Board,
     early: Option<Board>,
 }
@@ -25,11 +28,13 @@ pub struct Foretold {
 /// The twins as given, compared with what the recordings show, in the noise that was found.
 #[derive(Debug)]
 pub struct Open {
-    /// The recordings against the twins without the loop.
+    /// What the twins lack.
+    pub mechanism: Mechanism,
+    /// The recordings against the twins without it.
     pub board: Board,
     /// What they leave.
     pub model: Model,
-    /// RMS on held-out turns with the loop over that without it.
+    /// RMS on held-out turns with it over that without it.
     pub held_out_ratio: Option<f64>,
 }
 
@@ -38,15 +43,30 @@ impl Foretold {
     #[must_use]
     pub fn of(rig: &[Recorded], open: Board) -> Self {
         Self {
+            mechanism: Mechanism::ClosedLoop,
             early: early(rig),
             open,
         }
     }
 
-    /// Puts the loop's part into the fit of what was settled with the loop in the twins.
+    /// From recordings with a task's delays in them, these compared with their twins, and the task.
+    #[must_use]
+    pub fn of_task(rig: &[Recorded], open: Board, task: &NoiseFinding) -> Self {
+        Self {
+            mechanism: Mechanism::CaptureLatency,
+            early: early_task(rig, task),
+            open,
+        }
+    }
+
+    /// Puts its part into the fit of what was settled with loop or task accounted for.
     #[must_use]
     pub fn put_in(self, settled: &mut Settled) -> Option<Open> {
-        let Self { mut open, early } = self;
+        let Self {
+            mechanism,
+            mut open,
+            early,
+        } = self;
         let count = settled.given.benches.len();
         for (bench, found) in open.benches.iter_mut().zip(&settled.given.benches) {
             bench.set_noise(found.noise);
@@ -94,6 +114,7 @@ impl Foretold {
             }
         }
         Some(Open {
+            mechanism,
             board: open,
             model,
             held_out_ratio,
@@ -107,6 +128,19 @@ fn early(rig: &[Recorded]) -> Option<Board> {
     let board = prepare::board(&cut).ok()?;
     let motion = closed_loop::recognised(&cut, &board)?;
     prepare::board(&with_twins(rig, &motion.twins)).ok()
+}
+
+/// All turns less what the task held up as the earlier ones show it; none where they do not.
+fn early_task(rig: &[Recorded], task: &NoiseFinding) -> Option<Board> {
+    let cut: Vec<Recorded> = rig.iter().map(first_turns).collect();
+    let board = prepare::board(&cut).ok()?;
+    let left = board.fit(board.nuisances())?.left;
+    let seen = refit(&board, &left, task)?;
+    let mut rig = rig.to_vec();
+    for (one, ends) in rig.iter_mut().zip(seen.ends) {
+        one.track.ends = ends;
+    }
+    prepare::board(&rig).ok()
 }
 
 /// A recording up to the turns that judge.

@@ -107,6 +107,7 @@ impl Sampled {
                 fresh,
                 anew: false,
                 jolt: 0.0,
+                doubt_s: 0.0,
             };
             before = edge;
             reading

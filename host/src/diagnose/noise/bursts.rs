@@ -96,6 +96,7 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         frequencies_hz: Vec::new(),
         times_s: times,
         runner_up: None,
+        busy: None,
     })
 }
 

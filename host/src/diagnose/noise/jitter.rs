@@ -71,6 +71,7 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         frequencies_hz: Vec::new(),
         times_s: Vec::new(),
         runner_up: Some((other, apart.abs())),
+        busy: None,
     })
 }
 

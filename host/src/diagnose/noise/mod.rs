@@ -25,7 +25,7 @@ use crate::mechanism::Mechanism;
 
 pub use own::{is_own, own_columns};
 pub use resonance::Mode;
-pub use task::{Task, find as find_task};
+pub use task::{Busy, DOUBT, Refit, Task, account, agrees, confirm, find as find_task, refit};
 
 /// Something that the noise lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +46,8 @@ pub struct NoiseFinding {
     pub times_s: Vec<f64>,
     /// The next best mechanism, and by how much it is worse by Schwarz's criterion.
     pub runner_up: Option<(Mechanism, f64)>,
+    /// Busy times of a task.
+    pub busy: Option<Busy>,
 }
 
 /// A parameter of a mechanism of noise.

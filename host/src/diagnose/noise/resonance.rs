@@ -70,6 +70,7 @@ impl Mode {
             frequencies_hz: vec![masses.f_hz],
             times_s: Vec::new(),
             runner_up: None,
+            busy: None,
         }
     }
 }

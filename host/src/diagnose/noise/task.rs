@@ -4,9 +4,13 @@
 //! single stamps show it ([`period`]), where it is a good part of the period, their sum does ([`folded`]); then f, b and each recording's
 //! phase are fitted by the likelihood of each stamp ([`stamps`], [`fit`]).
 
+mod busy;
+mod declared;
 mod fit;
 mod folded;
+mod pace;
 mod period;
+mod refit;
 mod stamps;
 
 use super::super::board::{Bench, Board, Column};
@@ -14,8 +18,13 @@ use super::super::spectrum::Spectrum;
 use super::odds::anywhere;
 use super::{NoiseFinding, NoiseParameter};
 use crate::mechanism::{Mechanism, TASK_HZ};
+use crate::report::si;
 use fit::{Fitted, fitted};
 use stamps::Stamps;
+
+pub use busy::Busy;
+pub use declared::{account, agrees, confirm};
+pub use refit::{Refit, refit};
 
 /// Slowest and fastest rate looked for, Hz.
 const SLOWEST_HZ: f64 = TASK_HZ[0];
@@ -28,6 +37,9 @@ const LEAST_OVER_TONE: f64 = 15.0;
 const LEAST_HELD: f64 = 6.0;
 /// Mean square that is left, at the most; 1 is noise.
 const NOISE: f64 = 2.0;
+
+/// Busy times by which stamps that a task held up are in doubt, where the others are to say alone when these edges crossed.
+pub const DOUBT: f64 = 30.0;
 
 /// A task that was found.
 #[derive(Clone, Debug)]
@@ -102,34 +114,48 @@ fn told(board: &Board, found: &Fitted, rows: &[Stamps<'_>], tone: f64) -> Option
     if !noise || !likely || !large || !real {
         return None;
     }
-    let [rate_error, busy_error, end_error] = found.errors;
-    let phase_s = (task.ends_s.first()? - task.busy_s).rem_euclid(1.0 / task.f_hz);
-    let parameter = |name, value, standard_error| NoiseParameter {
-        name,
-        value,
-        standard_error,
-    };
-    let finding = NoiseFinding {
+    let mut finding = NoiseFinding {
         mechanism: Mechanism::CaptureLatency,
-        parameters: vec![
-            parameter("task_hz", task.f_hz, rate_error),
-            parameter("busy_s", task.busy_s, busy_error),
-            parameter("phase_s", phase_s, end_error.hypot(busy_error)),
-        ],
+        parameters: Vec::new(),
         delta_bic: squares - cost,
         p_value,
-        text: format!(
-            "a task holds up captures {:.3} times a second for {:.3e} s each: {:.0} edges within came at its end",
-            task.f_hz, task.busy_s, found.held
-        ),
+        text: String::new(),
         frequencies_hz: vec![task.f_hz],
         times_s: Vec::new(),
         runner_up: Some((Mechanism::TorqueTone, squares - tone)),
+        busy: Some(task.clone()),
     };
+    number(&mut finding, found);
     let column = rows.iter().map(|row| Some(row.pattern()));
     Some(Task {
         finding,
         column: Column::of(column),
         squares,
     })
+}
+
+/// Puts the numbers of a task into a finding.
+fn number(finding: &mut NoiseFinding, found: &Fitted) {
+    let task = &found.task;
+    let [rate_error, busy_error, end_error] = found.errors;
+    let end_s = task.ends_s.first().copied().unwrap_or(0.0);
+    let phase_s = (end_s - task.busy_s).rem_euclid(1.0 / task.f_hz);
+    let parameter = |name, value, standard_error| NoiseParameter {
+        name,
+        value,
+        standard_error,
+    };
+    finding.parameters = vec![
+        parameter("task_hz", task.f_hz, rate_error),
+        parameter("busy_s", task.busy_s, busy_error),
+        parameter("phase_s", phase_s, end_error.hypot(busy_error)),
+    ];
+    finding.text = format!(
+        "a task holds up captures {:.3} times a second for {} each: {:.0} edges within came at its end",
+        task.f_hz,
+        si(task.busy_s, "s"),
+        found.held
+    );
+    finding.frequencies_hz = vec![task.f_hz];
+    finding.busy = Some(task.clone());
 }

@@ -118,7 +118,9 @@ fn figure(body: &mut Body, plot: &FindingPlot) {
     let scale = [unit_factor(&plot.x_label), unit_factor(&plot.y_label)];
     let mut drawn =
         Xy::new(x, y).series(series("without it", &plot.before, scale).colour(Colour::BEFORE));
-    if !plot.after.is_empty() {
+    // What moves no edge leaves the residual as it is.
+    let differs = plot.after != plot.before;
+    if differs && !plot.after.is_empty() {
         drawn = drawn.series(series("with it", &plot.after, scale).colour(Colour::AFTER));
     }
     if !plot.model.is_empty() {
@@ -126,14 +128,13 @@ fn figure(body: &mut Body, plot: &FindingPlot) {
         let model = Series::dashed("what it makes", &x, &y);
         drawn = drawn.series(model.colour(Colour::Green));
     }
-    let caption = match plot.after.is_empty() {
-        true => {
-            "How far edges come from where the twin has them, with everything else found in the twin."
-        }
-        false => {
-            "How far edges come from where the twin has them, in the coordinate where this shows: with everything else found in the \
-             twin (orange), and with this too (blue)."
-        }
+    let caption = if plot.after.is_empty() {
+        "How far edges come from where the twin has them, with everything else found in the twin."
+    } else if differs {
+        "How far edges come from where the twin has them, in the coordinate where this shows: with everything else found in the twin \
+         (orange), and with this too (blue)."
+    } else {
+        "How far edges come from where the twin has them. This moves them no more to one side than to the other."
     };
     body.figure(drawn, caption);
 }

@@ -19,7 +19,8 @@ pub(super) fn sections(body: &mut Body, diagnosis: &Diagnosis, plots: &[Recordin
             "What is left".to_owned()
         };
         body.section(title, &[words::what_is_left(&diagnosis.fit)]);
-        let found = words::mended(diagnosis);
+        // Noise that was found leaves the residual as it is.
+        let found = words::mended(diagnosis) && plot.after != plot.before;
         residual(body, diagnosis, plot, found);
         spectrum(body, diagnosis, plot, found);
     }

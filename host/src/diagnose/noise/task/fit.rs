@@ -1,7 +1,8 @@
 //! The fit of a task, by turns (A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39, 1977): which edges it held up, the line
 //! through their stamps, how long it blocks, and where edges beside them are expected.
 
-use super::stamps::{Stamps, Task};
+use super::busy::Busy;
+use super::stamps::Stamps;
 
 /// Turns.
 const TURNS: usize = 6;
@@ -15,7 +16,7 @@ const OUT: f64 = 9.0;
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// It.
-    pub task: Task,
+    pub task: Busy,
     /// Standard errors of rate, busy time and the first recording's end at the clock's zero.
     pub errors: [f64; 3],
     /// Edges that it held up.
@@ -26,7 +27,7 @@ pub struct Fitted {
 
 /// Fits a task; the rows are left without it.
 #[must_use]
-pub fn fitted(rows: &mut [Stamps<'_>], first: Task) -> Option<Fitted> {
+pub fn fitted(rows: &mut [Stamps<'_>], first: Busy) -> Option<Fitted> {
     let mut task = first;
     let mut busy_error = 0.0;
     let mut errors = None;
@@ -52,29 +53,39 @@ pub fn fitted(rows: &mut [Stamps<'_>], first: Task) -> Option<Fitted> {
     })
 }
 
-fn gain(rows: &[Stamps<'_>], task: &Task) -> f64 {
+/// Gain of the edges of each recording that hang on it.
+fn gain(rows: &[Stamps<'_>], near: &[Vec<usize>], task: &Busy) -> f64 {
     rows.iter()
+        .zip(near)
         .enumerate()
-        .map(|(number, row)| row.gain(task, number))
+        .map(|(number, (row, near))| row.gain_of(near.iter().copied(), task, number))
         .sum()
 }
 
 /// How long it blocks, and the standard error of that: mean and deviation of the likelihood, which does not bend evenly, as single edges
 /// at the beginning of the busy time decide it.
-fn busy(rows: &[Stamps<'_>], task: &Task) -> Option<(f64, f64)> {
+fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
     let most = 0.9 / task.f_hz;
     let (mut low, mut high) = (0.3 * task.busy_s, (1.5 * task.busy_s).min(most));
     let mut known = None;
     for _ in 0..NARROWED {
         let step = (high - low) / (TRIED - 1) as f64;
+        let longest = Busy {
+            busy_s: high,
+            ..task.clone()
+        };
+        let rows_near = rows.iter().enumerate();
+        let near: Vec<Vec<usize>> = rows_near
+            .map(|(number, row)| row.all_near(&longest, number))
+            .collect();
         let tried = (0..TRIED).map(|i| low + i as f64 * step);
         let gains: Vec<(f64, f64)> = tried
             .map(|busy_s| {
-                let with = Task {
+                let with = Busy {
                     busy_s,
                     ..task.clone()
                 };
-                (busy_s, gain(rows, &with))
+                (busy_s, gain(rows, &near, &with))
             })
             .collect();
         let top = gains
@@ -108,7 +119,7 @@ fn busy(rows: &[Stamps<'_>], task: &Task) -> Option<(f64, f64)> {
 
 /// Puts the line through the stamps of the edges that were held up into a task; standard errors of the rate and of the first recording's end
 /// at the clock's zero, and how many edges there are.
-fn lined(rows: &[Stamps<'_>], task: &mut Task) -> Option<(f64, f64, f64)> {
+fn lined(rows: &[Stamps<'_>], task: &mut Busy) -> Option<(f64, f64, f64)> {
     // About each recording's own middle the lines share nothing but their slope.
     let (mut wide, mut along) = (0.0, 0.0);
     let mut lines = Vec::with_capacity(rows.len());

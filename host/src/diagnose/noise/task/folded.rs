@@ -3,7 +3,8 @@
 
 use super::super::super::board::Bench;
 use super::super::super::spectrum::Spectrum;
-use super::stamps::{Stamps, Task};
+use super::busy::Busy;
+use super::stamps::Stamps;
 use super::{FASTEST_HZ, SLOWEST_HZ};
 
 /// The most cells of a periodogram.
@@ -17,7 +18,7 @@ const PHASES: usize = 64;
 
 /// A task by the rate that stands out most, if one does.
 #[must_use]
-pub fn by_rhythm(rows: &[Stamps<'_>], spectra: &[Spectrum]) -> Option<Task> {
+pub fn by_rhythm(rows: &[Stamps<'_>], spectra: &[Spectrum]) -> Option<Busy> {
     rough(rows, candidate(spectra)?)
 }
 
@@ -53,7 +54,7 @@ pub fn spectrum(bench: &Bench, left: &[f64]) -> Spectrum {
 }
 
 /// The greatest power of the entries about a frequency.
-fn near(spectrum: &Spectrum, f_hz: f64) -> f64 {
+pub(super) fn near(spectrum: &Spectrum, f_hz: f64) -> f64 {
     let at = (f_hz / spectrum.step + 0.5) as usize;
     let around = spectrum
         .powers
@@ -116,10 +117,10 @@ fn folded(row: &Stamps<'_>, f_hz: f64) -> Vec<[f64; 2]> {
 }
 
 /// Rate, busy time and each recording's phase, from the edges folded over the period.
-fn rough(rows: &[Stamps<'_>], f_hz: f64) -> Option<Task> {
+pub(super) fn rough(rows: &[Stamps<'_>], f_hz: f64) -> Option<Busy> {
     let folded: Vec<Vec<[f64; 2]>> = rows.iter().map(|row| folded(row, f_hz)).collect();
     let cell_s = 1.0 / (f_hz * PHASES as f64);
-    let mut best: Option<(f64, Task)> = None;
+    let mut best: Option<(f64, Busy)> = None;
     for busy in 1..=PHASES / 2 {
         let busy_s = (busy as f64 + 0.5) * cell_s;
         let mut ends_s = Vec::with_capacity(rows.len());
@@ -148,7 +149,7 @@ fn rough(rows: &[Stamps<'_>], f_hz: f64) -> Option<Task> {
         if best.as_ref().is_none_or(|(other, _)| sum > *other) {
             best = Some((
                 sum,
-                Task {
+                Busy {
                     f_hz,
                     busy_s,
                     ends_s,

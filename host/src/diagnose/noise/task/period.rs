@@ -5,8 +5,9 @@
 //! chance would put there (the divergence of S. Kullback and R. A. Leibler, Ann. Math. Stat. 22, 1951) comes first.
 
 use super::super::super::spectrum::Spectrum;
+use super::busy::Busy;
 use super::folded::cell_s;
-use super::stamps::{Stamps, Task};
+use super::stamps::Stamps;
 use super::{FASTEST_HZ, SLOWEST_HZ};
 
 /// Deviations from which on an edge is far too late, how many are looked at, and how many it takes.
@@ -34,7 +35,7 @@ struct Line {
 
 /// Tasks by the stamps that are too late, best first.
 #[must_use]
-pub fn by_stamps(rows: &[Stamps<'_>]) -> Vec<Task> {
+pub fn by_stamps(rows: &[Stamps<'_>]) -> Vec<Busy> {
     let late: Vec<Vec<f64>> = rows.iter().map(late).collect();
     let Some(most) = (0..rows.len()).max_by_key(|row| late[*row].len()) else {
         return Vec::new();
@@ -58,12 +59,10 @@ pub fn by_stamps(rows: &[Stamps<'_>]) -> Vec<Task> {
                 false => fullest(late, line.f_hz, ON_LINE * stamps.jitter_s),
             })
             .collect();
-        let on =
-            |time: &&f64| off(**time, line.f_hz, line.end_s).abs() < ON_LINE * rows[most].jitter_s;
-        let times: Vec<f64> = times_s.iter().filter(on).copied().collect();
-        Task {
+        let busy_s = longest(&rows[most], &on_line(times_s, &line, &rows[most]));
+        Busy {
             f_hz: line.f_hz,
-            busy_s: longest(&rows[most], &times),
+            busy_s,
             ends_s,
         }
         .centred(rows)
@@ -72,7 +71,7 @@ pub fn by_stamps(rows: &[Stamps<'_>]) -> Vec<Task> {
 }
 
 /// Stamps of the edges that are far too late, by time.
-fn late(row: &Stamps<'_>) -> Vec<f64> {
+pub(super) fn late(row: &Stamps<'_>) -> Vec<f64> {
     let deviations = (0..row.len()).map(|at| (at, row.deviation(at)));
     let mut late: Vec<(usize, f64)> = deviations.filter(|one| one.1 > LATE).collect();
     late.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -83,13 +82,39 @@ fn late(row: &Stamps<'_>) -> Vec<f64> {
         .collect()
 }
 
-/// Rates that stand out, Hz.
-fn rates(row: &Stamps<'_>, times_s: &[f64]) -> Vec<f64> {
+/// The task of about a rate by the stamps of a recording that are too late.
+pub(super) fn by_pulses(row: &Stamps<'_>, times_s: &[f64], f_hz: f64) -> Option<Busy> {
+    if times_s.len() < LEAST {
+        return None;
+    }
+    let line = line(times_s, f_hz, row)?;
+    let busy_s = longest(row, &on_line(times_s, &line, row));
+    let task = Busy {
+        f_hz: line.f_hz,
+        busy_s,
+        ends_s: vec![line.end_s],
+    };
+    Some(task.centred(std::slice::from_ref(row)))
+}
+
+/// Stamps that are on a line.
+fn on_line(times_s: &[f64], line: &Line, row: &Stamps<'_>) -> Vec<f64> {
+    let on = |time: &&f64| off(**time, line.f_hz, line.end_s).abs() < ON_LINE * row.jitter_s;
+    times_s.iter().filter(on).copied().collect()
+}
+
+/// Spectrum of stamps, each a pulse.
+pub(super) fn pulses(row: &Stamps<'_>, times_s: &[f64]) -> Spectrum {
     let first = times_s.first().copied().unwrap_or(0.0);
     let length = row.bench.seen.seconds().max(f64::MIN_POSITIVE);
     let cell = cell_s(length);
     let pulses = times_s.iter().map(|time| (time - first, 1.0));
-    let spectrum = Spectrum::of(pulses, length, cell, FASTEST_HZ.min(1.0 / (3.0 * cell)));
+    Spectrum::of(pulses, length, cell, FASTEST_HZ.min(1.0 / (3.0 * cell)))
+}
+
+/// Rates that stand out, Hz.
+fn rates(row: &Stamps<'_>, times_s: &[f64]) -> Vec<f64> {
+    let spectrum = pulses(row, times_s);
     let from = (SLOWEST_HZ / spectrum.step) as usize;
     let top = spectrum
         .powers

@@ -7,33 +7,15 @@
 
 use super::super::super::board::Bench;
 use super::super::odds::normal_above;
+use super::busy::Busy;
+use super::pace::pace;
 
 /// Share of stamps that may be off for some other reason.
 const STRAY: f64 = 1e-3;
 /// Deviations from the busy time beyond which an edge says nothing.
 const FAR: f64 = 5.0;
-
-/// A task.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Task {
-    /// Its rate, Hz.
-    pub f_hz: f64,
-    /// How long it blocks, s.
-    pub busy_s: f64,
-    /// An end of its busy time, about the middle of each recording, s from the clock's zero.
-    pub ends_s: Vec<f64>,
-}
-
-impl Task {
-    /// The same with ends in the middle of the recordings, where they hang least on the rate.
-    #[must_use]
-    pub fn centred(mut self, rows: &[Stamps<'_>]) -> Self {
-        for (end, row) in self.ends_s.iter_mut().zip(rows) {
-            *end += ((row.middle_s() - *end) * self.f_hz).round() / self.f_hz;
-        }
-        self
-    }
-}
+/// Deviations from either end of the busy time from which on an edge is surely within.
+const INSIDE: f64 = 4.0;
 
 /// One recording.
 #[derive(Clone, Debug)]
@@ -49,6 +31,8 @@ pub struct Stamps<'a> {
     pub jitter_s: f64,
     /// What was taken off each stamp, s.
     removed_s: Vec<f64>,
+    /// Speed at each edge as the edges beside it have it, rad/s, negative in reverse: over a long delay the shaft's wander counts.
+    pace: Vec<f64>,
 }
 
 impl<'a> Stamps<'a> {
@@ -58,10 +42,13 @@ impl<'a> Stamps<'a> {
         let precisions = bench.whitener().precisions();
         let speeds = &bench.seen.speeds;
         let weights = precisions.iter().zip(speeds).map(|(d, w)| d * w * w);
+        // What is in doubt is held against what the others let expect as if it were not.
+        let doubts = bench.seen.readings.iter().map(|reading| reading.doubt_s);
         let variances: Vec<f64> = weights
-            .map(|weight| {
+            .zip(doubts)
+            .map(|(weight, doubt)| {
                 if weight > 0.0 {
-                    1.0 / weight
+                    (1.0 / weight - doubt * doubt).max(bench.least_stamp_s.powi(2))
                 } else {
                     f64::INFINITY
                 }
@@ -74,7 +61,9 @@ impl<'a> Stamps<'a> {
             variances,
             jitter_s: bench.noise.stamp_s,
             removed_s: vec![0.0; left.len()],
+            pace: Vec::new(),
         };
+        row.pace = pace(&bench.seen, &row.removed_s);
         row.late_s = row.later(left);
         // Stamps that a task holds up make all of them look worse than they are.
         let quiet = row.usual_deviation().min(1.0);
@@ -131,13 +120,12 @@ impl<'a> Stamps<'a> {
     fn later(&self, white: &[f64]) -> Vec<f64> {
         let mut rows = white.to_vec();
         self.bench.transposed(&mut rows);
-        let each = rows
-            .iter()
-            .zip(&self.variances)
-            .zip(&self.bench.seen.speeds);
-        each.map(|((u, variance), w)| {
+        let seen = &self.bench.seen;
+        let each = rows.iter().zip(&self.variances).enumerate();
+        each.map(|(at, (u, variance))| {
             if variance.is_finite() {
-                -u * w * variance
+                let all2 = variance + seen.readings[at].doubt_s.powi(2);
+                -u * all2 * seen.speeds[at].powi(2) / self.pace[at]
             } else {
                 0.0
             }
@@ -146,28 +134,44 @@ impl<'a> Stamps<'a> {
     }
 
     /// End of the busy time nearest to a time.
-    fn end_s(task: &Task, end_s: f64, time_s: f64) -> f64 {
+    fn end_s(task: &Busy, end_s: f64, time_s: f64) -> f64 {
         end_s + ((time_s - end_s) * task.f_hz).round() / task.f_hz
     }
 
+    /// Whether a task may have held up an edge, or missed one that it should have.
+    fn near(&self, at: usize, task: &Busy, end_s: f64) -> bool {
+        let (time, late) = (self.bench.seen.times_s[at], self.late_s[at]);
+        let crossed = time - late;
+        let reach = FAR * self.variances[at].sqrt();
+        let end = Self::end_s(task, end_s, time);
+        let near = |end: f64| {
+            let (low, high) = (end - task.busy_s - reach, end + reach);
+            (low..high).contains(&time) || (low..high).contains(&crossed)
+        };
+        near(end) || near(end + 1.0 / task.f_hz)
+    }
+
+    /// Edges of which a task's likelihood hangs.
+    #[must_use]
+    pub fn all_near(&self, task: &Busy, number: usize) -> Vec<usize> {
+        let sure = (0..self.len()).filter(|at| self.variances[*at].is_finite());
+        sure.filter(|at| self.near(*at, task, task.ends_s[number]))
+            .collect()
+    }
+
     /// Gain in the logarithm of the likelihood of an edge by a task, and the probability that it was held up.
-    fn edge(&self, at: usize, task: &Task, end_s: f64) -> (f64, f64) {
+    fn edge(&self, at: usize, task: &Busy, end_s: f64) -> (f64, f64) {
         let (time, late) = (self.bench.seen.times_s[at], self.late_s[at]);
         let (all2, own2) = (self.variances[at], self.jitter_s * self.jitter_s);
         if !all2.is_finite() {
             return (0.0, 0.0);
         }
-        let crossed = time - late;
-        let reach = FAR * all2.sqrt();
-        let end = Self::end_s(task, end_s, time);
-        let next = end + 1.0 / task.f_hz;
-        let near = |end: f64| {
-            let (low, high) = (end - task.busy_s - reach, end + reach);
-            (low..high).contains(&time) || (low..high).contains(&crossed)
-        };
-        if !near(end) && !near(next) {
+        if !self.near(at, task, end_s) {
             return (0.0, 0.0);
         }
+        let crossed = time - late;
+        let end = Self::end_s(task, end_s, time);
+        let next = end + 1.0 / task.f_hz;
         let expected2 = (all2 - own2).max(0.01 * all2);
         // Where it crossed if its stamp is its own.
         let (mean, spread) = (
@@ -191,10 +195,43 @@ impl<'a> Stamps<'a> {
         (((own + held) / (free + stray)).ln(), held / (own + held))
     }
 
+    /// RMS by which stamps that were held up are off the ends of the busy times, s, but no less than other stamps are off.
+    pub fn scatter_s(&self, task: &Busy, number: usize) -> f64 {
+        let end_s = task.ends_s[number];
+        let held = self.held(task, number).into_iter();
+        let (sum, count) = held.fold((0.0, 0.0), |(sum, count), (at, held, period)| {
+            let off = self.bench.seen.times_s[at] - end_s - period / task.f_hz;
+            (sum + held * off * off, count + held)
+        });
+        self.jitter_s.max((sum / f64::max(count, 1.0)).sqrt())
+    }
+
+    /// Edges that surely crossed within the busy time and were not held up.
+    #[must_use]
+    pub fn passed(&self, task: &Busy, number: usize) -> f64 {
+        let mut held = vec![0.0; self.len()];
+        for (at, share, _) in self.held(task, number) {
+            held[at] = share;
+        }
+        let passed = (0..self.len()).filter(|&at| {
+            let sure = INSIDE * self.variances[at].sqrt();
+            let crossed = self.crossed_s(at);
+            let end = task.ends_s[number];
+            let end = end + ((crossed - end) * task.f_hz).ceil() / task.f_hz;
+            let inside = end - task.busy_s + sure < crossed && crossed < end - sure;
+            self.variances[at].is_finite() && inside && held[at] < 0.5
+        });
+        passed.count() as f64
+    }
+
     /// Gain in the logarithm of the likelihood by a task.
     #[must_use]
-    pub fn gain(&self, task: &Task, number: usize) -> f64 {
-        let edges = 0..self.len();
+    pub fn gain(&self, task: &Busy, number: usize) -> f64 {
+        self.gain_of(0..self.len(), task, number)
+    }
+
+    /// The same of some edges.
+    pub fn gain_of(&self, edges: impl Iterator<Item = usize>, task: &Busy, number: usize) -> f64 {
         edges
             .map(|at| self.edge(at, task, task.ends_s[number]).0)
             .sum()
@@ -202,7 +239,7 @@ impl<'a> Stamps<'a> {
 
     /// Edges that were held up: which, with what probability, and which of the task's periods it was.
     #[must_use]
-    pub fn held(&self, task: &Task, number: usize) -> Vec<(usize, f64, f64)> {
+    pub fn held(&self, task: &Busy, number: usize) -> Vec<(usize, f64, f64)> {
         let end_s = task.ends_s[number];
         let edges = (0..self.len()).map(|at| (at, self.edge(at, task, end_s).1));
         let held = edges.filter(|(_, held)| *held > 1e-3);
@@ -214,13 +251,14 @@ impl<'a> Stamps<'a> {
     }
 
     /// Takes what a task makes of the stamps off, so that edges beside those that it held up are expected where they are.
-    pub fn clear(&mut self, task: &Task, number: usize) {
+    pub fn clear(&mut self, task: &Busy, number: usize) {
         let held = self.held(task, number);
         let mut removed = vec![0.0; self.len()];
         for (at, held, period) in held {
             let end = task.ends_s[number] + period / task.f_hz;
             removed[at] = held * (end - self.crossed_s(at)).clamp(0.0, task.busy_s);
         }
+        self.pace = pace(&self.bench.seen, &removed);
         self.removed_s = removed;
         let pairs = self.left.iter().zip(self.pattern());
         let rest: Vec<f64> = pairs.map(|(left, pattern)| left - pattern).collect();
@@ -236,7 +274,7 @@ impl<'a> Stamps<'a> {
     /// What was taken off, white.
     #[must_use]
     pub fn pattern(&self) -> Vec<f64> {
-        let each = self.removed_s.iter().zip(&self.bench.seen.speeds);
+        let each = self.removed_s.iter().zip(&self.pace);
         self.bench
             .whitened(each.map(|(late, w)| -w * late).collect())
     }

@@ -1,6 +1,8 @@
 //! Tasks that hold captures up, at many rates and of short busy times.
 
 use super::*;
+use crate::diagnose::diagnosis::Verdict;
+use crate::diagnose::run::Diagnosed;
 use crate::mechanism::Mechanism;
 
 /// Rate in Hz, busy time in s.
@@ -86,4 +88,126 @@ fn tones_stay_what_they_are() {
             assert_eq!(names, [mechanism], "{more} {seed}");
         }
     }
+}
+
+/// The same recordings with other twins.
+fn against(rig: &[Recorded], twins: &[Twin]) -> Diagnosed {
+    let each = rig.iter().zip(twins).map(|(one, twin)| Recorded {
+        twin: twin.clone(),
+        ..one.clone()
+    });
+    let rig: Vec<Recorded> = each.collect();
+    diagnose(&rig, &mut |_, _| ()).expect("a diagnosis")
+}
+
+/// Recordings of twins with another seed, clocks that differ by parts in a million and the task at another time, against them.
+fn again(twins: &[Twin], seed: u64) -> Diagnosed {
+    let each = twins.iter().map(|twin| {
+        let mut real = Twin {
+            seed,
+            ..twin.clone()
+        };
+        if let Some(latency) = &mut real.capture_latency {
+            latency.task_hz = latency.task_hz.map(|f_hz| f_hz * (1.0 + 4e-5));
+            latency.phase_s = latency.task_hz.map(|f_hz| 0.37 / f_hz);
+        }
+        let plan = SensorPlan {
+            kind: SensorKind::Quadrature { index_state: None },
+            lines: 100,
+        };
+        let rows = Simulation::new(&real).expect("it runs");
+        let rows = rows.map(|event| Ok::<_, PlanError>(event.row));
+        Recorded {
+            file: "again.csv".into(),
+            plan,
+            track: Track::of(plan, real.timer.clock_hz, rows).expect("it decodes"),
+            twin: twin.clone(),
+        }
+    });
+    let rig: Vec<Recorded> = each.collect();
+    diagnose(&rig, &mut |_, _| ()).expect("a diagnosis")
+}
+
+#[test]
+fn with_a_task_the_fit_is_noise_on_held_out_turns_too_and_its_twins_are_complete() {
+    for (seed, task) in (41..).zip(TASKS) {
+        let rig = rig(seed, "", &text(task, seed), 0.0);
+        let found = diagnose(&rig, &mut |_, _| ()).expect("a diagnosis");
+        let names: Vec<Mechanism> = (found.diagnosis.findings.iter())
+            .map(|f| f.mechanism)
+            .collect();
+        assert_eq!(names, [Mechanism::CaptureLatency], "{task:?}");
+        let fit = &found.diagnosis.fit;
+        let band = fit.edge_to_edge;
+        let [before, after, floor] =
+            [band.rms_before_rad, band.rms_after_rad, band.floor_rad].map(Option::unwrap);
+        assert!(before > 1.2 * after, "{task:?}: {band:?}");
+        assert!((after / floor - 1.0).abs() < 0.05, "{task:?}: {band:?}");
+        assert!(fit.rms_before_rad >= fit.rms_after_rad, "{task:?}: {fit:?}");
+        let whiteness = [fit.whiteness_p_before, fit.whiteness_p].map(Option::unwrap);
+        assert!(whiteness[1] > 0.01, "{task:?}: {whiteness:?}");
+        let finding = &found.diagnosis.findings[0];
+        let held_out = finding.evidence.held_out_rms_ratio.unwrap();
+        assert!(held_out < 0.9, "{task:?}: {held_out}");
+        assert!((finding.place.frequencies_hz[0] / task.0 - 1.0).abs() < 1e-5);
+        // What is drawn is late within the busy time without it, and nowhere with it.
+        let plot = &found.shown.findings[0];
+        let most = |line: &[(f64, f64)]| line.iter().map(|p| p.1).fold(0.0, f64::max);
+        let busy_us = 1e6 * task.1;
+        assert!(most(&plot.before) > 0.6 * busy_us, "{task:?}: {plot:?}");
+        let square = |line: &[(f64, f64)]| line.iter().map(|p| p.1 * p.1).sum::<f64>();
+        assert!(square(&plot.after) < 0.1 * square(&plot.before), "{task:?}");
+        for (what, known) in [
+            ("same", against(&rig, &found.twins)),
+            ("fresh", again(&found.twins, seed + 100)),
+        ] {
+            let diagnosis = &known.diagnosis;
+            assert_eq!(
+                diagnosis.verdict,
+                Verdict::Complete,
+                "{task:?} {what}: {diagnosis:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_task_that_is_another_than_the_twins_is_told_as_it_is() {
+    for (seed, wrong) in (51..).zip([(213.7, 2e-5), (213.7, 4e-6), (427.4, 1e-5), (150.0, 1e-5)]) {
+        let task = (213.7, 1e-5);
+        let rig = rig(seed, "", &text(task, seed), 0.0);
+        let twins: Vec<Twin> = rig
+            .iter()
+            .map(|one| {
+                let mut twin = one.twin.clone();
+                twin.capture_latency = Some(crate::twin::CaptureLatency {
+                    task_hz: Some(wrong.0),
+                    busy_s: Some(wrong.1),
+                    ..Default::default()
+                });
+                twin
+            })
+            .collect();
+        let found = against(&rig, &twins).diagnosis.findings;
+        assert_eq!(found.len(), 1, "{wrong:?}: {found:?}");
+        assert_eq!(found[0].mechanism, Mechanism::CaptureLatency);
+        let value = |name: &str| found[0].parameters[name].value;
+        assert!((value("task_hz") / task.0 - 1.0).abs() < 1e-5, "{wrong:?}");
+        assert!((value("busy_s") / task.1 - 1.0).abs() < 0.1, "{wrong:?}");
+        assert!(found[0].text.contains("the twin's"), "{}", found[0].text);
+    }
+}
+
+#[test]
+fn a_latency_that_the_twin_declares_is_no_finding() {
+    for seed in SEEDS {
+        let late = "[capture_latency]\nmean_s = 3e-7";
+        assert_eq!(found_beside(seed, late), Vec::new(), "seed {seed}");
+    }
+}
+
+/// What the noise lacks in recordings of twins that declare it.
+fn found_beside(seed: u64, known: &str) -> Vec<NoiseFinding> {
+    let board = prepare::board(&rig(seed, known, "", 0.0)).expect("a board");
+    noise_findings(&board, &Model::none(&board))
 }

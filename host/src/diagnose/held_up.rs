@@ -1,0 +1,88 @@
+//! Captures that a task holds up: their stamps say nothing of the shaft. A task that the twin declares is off before anything is looked
+//! for; one that was found is taken off, and everything is looked for anew, in the noise that is left without its delays.
+
+use super::board::Board;
+use super::ends::Ends;
+use super::explore::Explored;
+use super::motion::foretold::Foretold;
+use super::noise::{DOUBT, NoiseFinding, Refit, account, agrees, confirm, refit};
+use super::prepare;
+use super::run::{DiagnoseError, Recorded};
+use crate::report::si;
+
+/// What recordings come to without what a task does to them.
+#[derive(Debug)]
+pub struct Held {
+    /// Everything else.
+    pub explored: Explored,
+    /// The task that the twins lack, and the recordings with its delays.
+    pub task: Option<(Refit, Foretold)>,
+}
+
+/// Explores recordings; each is told where a task held captures up.
+///
+/// # Errors
+/// [`DiagnoseError`] where there is nothing to say.
+pub fn explored(
+    rig: &mut [Recorded],
+    open: Board,
+    progress: &mut dyn FnMut(f64, &'static str),
+) -> Result<Held, DiagnoseError> {
+    let alone = |explored| Held {
+        explored,
+        task: None,
+    };
+    let mut board = open.clone();
+    if account(rig, &open) {
+        board = prepare::board(rig)?;
+        if !confirm(rig, &open, &board) {
+            board = prepare::board(rig)?;
+        }
+    }
+    let declared = rig.iter().any(|one| one.track.ends.is_some());
+    let mut explored = Explored::of(rig, board, progress)?;
+    if declared && task(&explored).is_some() {
+        // The twin's task is not the whole of it.
+        rig.iter_mut().for_each(|one| one.track.ends = None);
+        explored = Explored::of(rig, open.clone(), progress)?;
+    }
+    let Some(found) = task(&explored) else {
+        return Ok(alone(explored));
+    };
+    let again = |explored: &Explored, found: &NoiseFinding, held: &[Option<Ends>]| {
+        let busy_s = found.busy.as_ref()?.busy_s;
+        let (board, left) = explored.rest(&open, held, DOUBT * busy_s)?;
+        refit(&board, &left, found)
+    };
+    let first = again(&explored, &found, &[]);
+    let Some(first) = first.filter(|first| first.ends.iter().any(Option::is_some)) else {
+        return Ok(alone(explored));
+    };
+    let foretold = Foretold::of_task(rig, open.clone(), &found);
+    for (one, ends) in rig.iter_mut().zip(&first.ends) {
+        one.track.ends = *ends;
+    }
+    let mut explored = Explored::of(rig, prepare::board(rig)?, progress)?;
+    explored.noise.retain(|one| one.busy.is_none());
+    let mut refit = again(&explored, &first.finding, &first.ends).unwrap_or(first);
+    // The twin has it, only that something hid it at first.
+    let known = rig.iter().all(|one| agrees(&refit.finding, &one.twin));
+    let other = rig.first().and_then(|one| one.twin.capture_latency);
+    if let Some((f_hz, busy_s)) = other.and_then(|other| other.task_hz.zip(other.busy_s)) {
+        let text = &mut refit.finding.text;
+        *text += &format!("; the twin's does {f_hz:.3} times for {}", si(busy_s, "s"));
+    }
+    Ok(Held {
+        explored,
+        task: (!known).then_some((refit, foretold)),
+    })
+}
+
+/// The task among what the noise lacks.
+fn task(explored: &Explored) -> Option<NoiseFinding> {
+    explored
+        .noise
+        .iter()
+        .find(|one| one.busy.is_some())
+        .cloned()
+}
