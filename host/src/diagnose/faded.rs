@@ -26,6 +26,25 @@ pub fn squares_of(estimate: &Estimate) -> f64 {
         .map_or(f64::INFINITY, |factor| sizes.dot(&factor.solve(&sizes)))
 }
 
+/// Squares of an estimate's sizes where it was found: a place, a time or a rate that is hardly known makes a size no less sure.
+fn squares_there(estimate: &Estimate) -> f64 {
+    let covariance = &estimate.covariance;
+    let count = covariance.nrows();
+    let scale: Vec<f64> = (0..count).map(|i| covariance[(i, i)].sqrt()).collect();
+    let scaled = DMatrix::from_fn(count, count, |i, j| {
+        covariance[(i, j)] / (scale[i] * scale[j])
+    });
+    let Some(factor) = scaled.cholesky() else {
+        return f64::INFINITY;
+    };
+    let precision = factor.inverse();
+    let sizes = estimate.sizes.len();
+    let size = |i: usize| estimate.sizes[i] / scale[i];
+    let each = (0..sizes).flat_map(|i| (0..sizes).map(move |j| (i, j)));
+    each.map(|(i, j)| size(i) * precision[(i, j)] * size(j))
+        .sum()
+}
+
 /// Estimates of which the mended twin leaves less than their numbers cost, and a small part of what they were; where there are none,
 /// the weakest of those that may as well be nothing, as one of two findings at one place is.
 #[must_use]
@@ -40,7 +59,7 @@ pub fn faded(numbers: &[Estimate], before: &[f64], edges: usize) -> Vec<usize> {
     if !faded.is_empty() {
         return faded;
     }
-    let share = |at: usize| squares[at] / numbers[at].sizes.len() as f64;
+    let share = |at: usize| squares_there(&numbers[at]) / numbers[at].sizes.len() as f64;
     let nothing = (0..numbers.len()).filter(|at| share(*at) < NOTHING);
     let weakest = nothing.min_by(|a, b| share(*a).total_cmp(&share(*b)));
     weakest.into_iter().collect()

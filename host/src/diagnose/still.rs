@@ -9,6 +9,9 @@ use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::{Class, Simulation};
 use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
 
+/// How far before the angle that its twin starts at a shaft may be found to have started, rad: it wandered on the way to the index.
+const START_RAD: f64 = 0.25;
+
 /// The twin's shaft as nothing disturbs it.
 #[derive(Clone, Debug)]
 pub struct Still {
@@ -179,8 +182,9 @@ fn started(track: &Track, mut still: Twin) -> Result<(Twin, i64), TwinError> {
     let travelled = last.truth.angle_rad - still.shaft.initial_angle_rad;
     let place = first.place as f64 * TAU / track.edges as f64;
     let start = place - travelled;
-    // Torques of no whole order tell turns apart: it starts less than half a turn from where the twin does.
-    let turns = ((still.shaft.initial_angle_rad - start) / TAU).round();
+    // Torques of no whole order tell turns apart: it starts in the turn that begins where the twin does.
+    let ahead = start - still.shaft.initial_angle_rad + START_RAD;
+    let turns = -ahead.div_euclid(TAU);
     still.shaft.initial_angle_rad = start + turns * TAU;
     Ok((still, turns as i64))
 }

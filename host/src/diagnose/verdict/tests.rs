@@ -100,6 +100,7 @@ fn each_name_is_said_once() {
     assert!(said.contains("(3 of them)"), "{said}");
     assert!(said.contains("this recording allows other names"), "{said}");
     let mut next = findings.to_vec();
+    next[0].look_alikes = vec![TorqueTone];
     next[0].next_recording = Some(NextRecording {
         text: String::new(),
         expected_delta_bic: None,

@@ -114,11 +114,12 @@ fn a_twin_of_another_friction_is_found_out_and_the_mended_one_is_complete() {
 fn the_twin_of_a_diagnosis_sticks_and_is_complete() {
     for seed in 1..=2 {
         let (mut truth, told) = sticking(noisy(1e-12));
-        // Friction has fallen to nothing by the drive's speed, where a shaft may turn on evenly as well.
-        truth.shaft.stribeck_rad_s *= 0.5;
+        // Friction falls faster, so that a shaft may nearly turn on evenly.
+        truth.shaft.stribeck_rad_s *= 0.8;
         let recording = recorded(&truth, &told, seed);
         let found = diagnose(std::slice::from_ref(&recording), &mut |_, _| ()).unwrap();
-        assert_eq!(found.diagnosis.verdict, Verdict::Explained);
+        let said = &found.diagnosis;
+        assert_eq!(said.verdict, Verdict::Explained, "{seed}: {said:?}");
         let mended = found.twins[0].clone();
         let same = Recorded {
             twin: mended.clone(),

@@ -143,7 +143,9 @@ fn with_a_task_the_fit_is_noise_on_held_out_turns_too_and_its_twins_are_complete
             [band.rms_before_rad, band.rms_after_rad, band.floor_rad].map(Option::unwrap);
         assert!(before > 1.2 * after, "{task:?}: {band:?}");
         assert!((after / floor - 1.0).abs() < 0.05, "{task:?}: {band:?}");
-        assert!(fit.rms_before_rad >= fit.rms_after_rad, "{task:?}: {fit:?}");
+        // Nearly all of it is the shaft's wander, which differs a little by which edges are left out.
+        let whole = [fit.rms_before_rad, fit.rms_after_rad].map(Option::unwrap);
+        assert!(whole[1] < 1.01 * whole[0], "{task:?}: {fit:?}");
         let whiteness = [fit.whiteness_p_before, fit.whiteness_p].map(Option::unwrap);
         assert!(whiteness[1] > 0.01, "{task:?}: {whiteness:?}");
         let finding = &found.diagnosis.findings[0];
