@@ -134,6 +134,7 @@ impl Bench {
         seen.times_s.truncate(edges);
         seen.speeds.truncate(edges);
         seen.swung.truncate(edges);
+        seen.pace.truncate(edges);
         seen.run_off.truncate(edges);
         seen.level_off.truncate(edges);
         seen.angles.truncate(edges);

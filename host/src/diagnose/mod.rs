@@ -51,6 +51,7 @@ pub mod next;
 pub mod noise;
 pub mod noise_fit;
 pub mod one_channel;
+mod pace;
 mod pairs;
 pub mod place;
 pub mod play;

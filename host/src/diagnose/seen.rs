@@ -60,6 +60,8 @@ pub struct Seen {
     pub(super) swings: Vec<f64>,
     /// Speeds that they give, rad/s; empty where `speeds` was measured.
     pub(super) swung: Vec<f64>,
+    /// The speed that the shaft really has at each edge, rad/s (see [`super::pace`]).
+    pub(super) pace: Vec<f64>,
     /// Whether `speeds` is the recording's own in place of the twin's.
     pub(super) measured: bool,
     /// The play that leaves the smoothest motion, rad, once it was asked for; worked out by one thread alone.
@@ -189,10 +191,10 @@ impl Seen {
         0.5_f64.copysign(self.speeds[at])
     }
 
-    /// Speed of the twin at an edge with its swing, rad/s: what a delay makes of the angle.
+    /// Speed of the shaft at an edge, rad/s: what a delay makes of the angle.
     #[must_use]
     pub fn true_speed(&self, at: usize) -> f64 {
-        self.speeds[at] + self.swung.get(at).copied().unwrap_or(0.0)
+        self.pace.get(at).copied().unwrap_or(self.speeds[at])
     }
 
     /// Whether it goes both ways.

@@ -12,6 +12,7 @@ use super::delays::Delays;
 use super::kalman::Reading;
 use super::known::{known, play_rad};
 use super::looped::looped;
+use super::pace::pace;
 use super::pushed;
 use super::run_out::RunOuts;
 use super::seen::Seen;
@@ -24,6 +25,9 @@ use crate::twin::{Drive, Twin};
 
 /// What is taken for the error of a swing, over its change from the last pass but one to the last.
 const DOUBT: f64 = 2.0;
+
+/// Intervals by which the cubic goes on beyond the twin's first edge and last.
+const BEYOND: f64 = 2.0;
 
 /// The shaft's course at the time of each mark: angle, speed, and the variance of a jolt that nobody knows, rad, rad/s and its square;
 /// none where it is not known.
@@ -161,6 +165,7 @@ impl Seen {
             self.swung = swing.speeds;
         }
         self.smoothest = std::sync::OnceLock::new();
+        self.pace = pace(self, &[]);
         for (at, way) in swing.ways.into_iter().enumerate() {
             if self.speeds[at].abs() >= self.slow {
                 continue;
@@ -213,12 +218,14 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
     if course.len() < 4 {
         return vec![None; marks.len()];
     }
+    // A delay puts the first edge before the first that the twin has, and a faster twin ends before the last.
+    let beyond_s = BEYOND * (course[1].time_s - first.time_s);
     let mut near = 0;
     let each = marks.iter().map(|(mark, _)| {
         while near + 4 < course.len() && course[near + 2].time_s < mark.time_s {
             near += 1;
         }
-        (first.time_s..=last.time_s)
+        (first.time_s - beyond_s..=last.time_s + beyond_s)
             .contains(&mark.time_s)
             .then(|| {
                 let (place, rate) = through(&course[near..near + 4], mark.time_s);

@@ -8,7 +8,6 @@ mod busy;
 mod declared;
 mod fit;
 mod folded;
-mod pace;
 mod period;
 mod refit;
 mod stamps;

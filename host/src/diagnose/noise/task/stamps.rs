@@ -6,9 +6,9 @@
 //! A stamp far off for any other reason is as likely at one time of the task's period as at another.
 
 use super::super::super::board::Bench;
+use super::super::super::pace::pace;
 use super::super::odds::normal_above;
 use super::busy::Busy;
-use super::pace::pace;
 
 /// Share of stamps that may be off for some other reason.
 const STRAY: f64 = 1e-3;
