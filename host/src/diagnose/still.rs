@@ -9,9 +9,9 @@ use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::{Class, Simulation};
 use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
 
-/// How far before the angle that its twin starts at a shaft may be found to have started, rad: it wandered on the way to the index. A
-/// twin that has orders which are not whole says by their phases in which turn it starts, others may start anywhere in one.
-const START_RAD: [f64; 2] = [0.05, 0.25];
+/// How far before the angle that its twin starts at a shaft may be found to have started, rad: it wandered on the way to the index. The
+/// same for a twin and for the mended one, so that neither counts turns otherwise.
+const START_RAD: f64 = 0.1;
 
 /// The twin's shaft as nothing disturbs it.
 #[derive(Clone, Debug)]
@@ -184,18 +184,10 @@ fn started(track: &Track, mut still: Twin) -> Result<(Twin, i64), TwinError> {
     let place = first.place as f64 * TAU / track.edges as f64;
     let start = place - travelled;
     // Torques of no whole order tell turns apart: it starts in the turn that begins where the twin does.
-    let ahead = start - still.shaft.initial_angle_rad + START_RAD[usize::from(tells_turns(&still))];
+    let ahead = start - still.shaft.initial_angle_rad + START_RAD;
     let turns = -ahead.div_euclid(TAU);
     still.shaft.initial_angle_rad = start + turns * TAU;
     Ok((still, turns as i64))
-}
-
-/// Whether a twin has a torque or run-out of an order that is not whole.
-fn tells_turns(twin: &Twin) -> bool {
-    let ripples = twin.ripple.iter().chain(&twin.gear_mesh);
-    let bearings = twin.bearing.iter().map(|bearing| bearing.order);
-    let mut orders = ripples.map(|ripple| ripple.order).chain(bearings);
-    orders.any(|order| order.fract() != 0.0)
 }
 
 /// The same shaft with a disc and a capture that do nothing, and none of the torques that keep step with turn or time: a shaft that
