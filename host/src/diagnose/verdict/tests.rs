@@ -1,25 +1,13 @@
 //! One threshold decides what is called noise, and the surest finding comes first.
 
-use std::collections::BTreeMap;
-
 use super::*;
-use crate::diagnose::diagnosis::{Evidence, NextRecording, Place};
+use crate::diagnose::beside::plain;
+use crate::diagnose::diagnosis::NextRecording;
 
 fn finding(mechanism: Mechanism, confidence: f64, delta_bic: f64) -> Finding {
     Finding {
-        mechanism,
-        text: String::new(),
         confidence,
-        parameters: BTreeMap::new(),
-        place: Place::default(),
-        evidence: Evidence {
-            delta_bic,
-            p_value: 0.0,
-            held_out_rms_ratio: None,
-            runner_up: None,
-        },
-        look_alikes: Vec::new(),
-        next_recording: None,
+        ..plain(mechanism, String::new(), delta_bic)
     }
 }
 
