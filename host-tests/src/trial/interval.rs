@@ -1,4 +1,4 @@
-//! Whether an interval of a finding holds the true value.
+//! Where the true value lies in an interval of a finding.
 //!
 //! Generator and twin mean the same by a parameter's name, which `blind/tests/conventions` holds recording against recording. Angles
 //! count through all turns, from the turn in which the recording begins; friction is what comes on top of the twin's. What differs is
@@ -23,15 +23,17 @@ use super::truth::{Missing, Truth};
 /// Amplitudes of what has a phase.
 const AMPLITUDES: [&str; 4] = ["amplitude_rad", "torque_n_m", "runout_rad", "angle_rad"];
 
-/// Whether the interval of a parameter holds the true value; none where it has no interval, or the truth has no such number.
+/// How far the true value of a parameter is from the middle of its 95 % interval, in halves of the interval: 1 or less where the
+/// interval holds it. None where it has no interval, or the truth has no such number.
 #[must_use]
-pub fn holds(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -> Option<bool> {
+pub fn off(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -> Option<f64> {
     let [low, high] = finding.parameters.get(name)?.ci95?;
-    let value = true_value(truth, missing, finding, name)?;
-    Some(match period(missing, name) {
-        Some(period) => (value - low).rem_euclid(period) <= high - low,
-        None => (low..=high).contains(&value),
-    })
+    let apart = true_value(truth, missing, finding, name)? - f64::midpoint(low, high);
+    let apart = match period(missing, name) {
+        Some(period) => apart - period * (apart / period).round(),
+        None => apart,
+    };
+    Some(apart.abs() / (0.5 * (high - low)))
 }
 
 /// The true value of a finding's parameter, in the finding's terms.

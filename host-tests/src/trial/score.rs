@@ -4,7 +4,7 @@ use quadcal_host::diagnose::diagnosis::{Diagnosis, Finding, Verdict};
 use quadcal_host::mechanism::Mechanism;
 use serde::Serialize;
 
-use super::interval::holds;
+use super::interval::off;
 use super::truth::{Kind, Missing, SizeClass, Truth};
 
 /// What a disc's own pattern may be called where the twin does not give it; right there, but not what was asked for.
@@ -59,6 +59,8 @@ pub struct Compared {
     pub name: String,
     /// Whether the interval holds the true value; none where the truth has no such parameter.
     pub holds: Option<bool>,
+    /// How far the true value is from the interval's middle, in halves of the interval.
+    pub off: Option<f64>,
 }
 
 /// A case scored.
@@ -170,10 +172,14 @@ impl Score {
         };
         for (one, finding) in right {
             let intervals = finding.parameters.iter().filter(|(_, p)| p.ci95.is_some());
-            self.parameters.extend(intervals.map(|(name, _)| Compared {
-                mechanism: finding.mechanism,
-                name: name.clone(),
-                holds: holds(truth, one, finding, name),
+            self.parameters.extend(intervals.map(|(name, _)| {
+                let off = off(truth, one, finding, name);
+                Compared {
+                    mechanism: finding.mechanism,
+                    name: name.clone(),
+                    holds: off.map(|off| off <= 1.0),
+                    off,
+                }
             }));
         }
         if self.right && (truth.kind.has_one_name() || truth.kind == Kind::Several) {
