@@ -7,6 +7,8 @@
 //! - A delay of all edges alike is no more than an offset of the clock, so a finding has differences: `rise_less_fall_s`,
 //!   `b.rise_less_fall_s`, `b_less_a_s`.
 //! - `timestamp_jitter`: a twin's `jitter_s` is the whole of it; the generator's comes on top of what the twin has, square on square.
+//! - Where a torque is found as a run-out, or the other way round, or as one that goes with time and not with angle, its phase is
+//!   that of something else: it does not count.
 //! - A play found for a hysteresis, or the other way round, has another name for the same angle.
 //! - `stick_slip`: a twin's drive damps beside its spring and the generator's does not, so no number of theirs is the same: none counts.
 //! - `line_error`: the RMS of the pattern that was drawn counts, not that of the distribution.
@@ -39,6 +41,9 @@ pub fn off(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -> O
 /// The true value of a finding's parameter, in the finding's terms.
 fn true_value(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -> Option<f64> {
     let number = |name: &str| missing.number(name);
+    if name == "phase_rad" && phase_of(missing.id) != phase_of(finding.mechanism) {
+        return None;
+    }
     match missing.id {
         Mechanism::EdgeDelay => {
             let channel = match name.strip_suffix("rise_less_fall_s")? {
@@ -76,6 +81,25 @@ fn true_value(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -
                 _ => value,
             })
         }
+    }
+}
+
+/// What the phase of a mechanism is of.
+#[derive(PartialEq)]
+enum PhaseOf {
+    /// A torque, by the angle of the shaft.
+    Torque,
+    /// A torque, by time.
+    Tone,
+    /// An angle.
+    Mark,
+}
+
+fn phase_of(mechanism: Mechanism) -> PhaseOf {
+    match mechanism {
+        Mechanism::TorqueRipple | Mechanism::GearMesh => PhaseOf::Torque,
+        Mechanism::TorqueTone => PhaseOf::Tone,
+        _ => PhaseOf::Mark,
     }
 }
 

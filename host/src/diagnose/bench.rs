@@ -1,6 +1,7 @@
 //! One recording with the noise that makes its residual white.
 
 use super::column::Part;
+use super::every_turn;
 use super::kalman::{ShaftNoise, Whitener};
 use super::noise_fit::{self, Free};
 use super::seen::Seen;
@@ -69,11 +70,33 @@ impl Bench {
             white: Vec::new(),
         };
         if declared.is_none() {
-            let angles = bench.seen.angles.clone();
-            bench.noise = bench.noise_of(&angles);
+            bench.noise = bench.noise_at_first();
         }
         bench.set_noise(bench.noise);
         bench
+    }
+
+    /// The noise of a residual of which nothing is explained yet: without what comes again every turn, where that is worth its numbers
+    /// (G. Schwarz, Annals of Statistics 6, 1978), one for each edge of the disc.
+    fn noise_at_first(&self) -> ShaftNoise {
+        let whole = self.noise_of(&self.seen.angles);
+        let Some(bare) = every_turn::bare(&self.seen) else {
+            return whole;
+        };
+        let noise = self.noise_of(&bare.angles);
+        let cost = |angles: &[f64], noise| noise_fit::cost(&self.seen.readings, angles, noise);
+        let numbers = self.seen.edges as f64 * (self.seen.len() as f64).ln();
+        if cost(&self.seen.angles, whole) - cost(&bare.angles, noise) < numbers {
+            return whole;
+        }
+        // A mean takes its share of the noise with it.
+        let taken = bare.turns / (bare.turns - 1.0);
+        ShaftNoise {
+            acceleration: noise.acceleration * taken,
+            stamp_s: noise.stamp_s * taken.sqrt(),
+            drift: noise.drift * taken,
+            ..noise
+        }
     }
 
     /// The noise that a residual shows.

@@ -122,7 +122,7 @@ fn changes(board: &Board, searched: &Searched, pattern: &Pattern) -> bool {
     const PART: f64 = 0.35;
     const SURE: f64 = 4.0;
     let there = put_back(board, &searched.model, pattern);
-    let shares = comes_again(board, &there, pattern.rms_rad);
+    let shares = comes_again(board, &there, pattern.white_rad);
     shares
         .iter()
         .any(|(share, error)| (share - 1.0).abs() > PART + SURE * error)

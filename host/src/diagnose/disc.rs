@@ -14,10 +14,12 @@ use super::disc_shown::{Disc, FAR, Kept};
 /// A pattern and how likely it is.
 #[derive(Clone, Debug)]
 pub struct Pattern {
-    /// RMS error, rad.
+    /// RMS error of all its edges, rad.
     pub rms_rad: f64,
     /// Standard error of it, rad.
     pub standard_error_rad: f64,
+    /// RMS error of edges that err each by itself, rad: what orders that stand far out of the others do not add to.
+    pub white_rad: f64,
     /// Twice the logarithm of the likelihood ratio, less Schwarz's cost of its one number.
     pub score: f64,
     /// Error of each edge, rad.
@@ -47,22 +49,40 @@ pub fn score(board: &Board, model: &Model, learned: bool) -> Option<f64> {
 pub fn pattern(board: &Board, model: &Model, learned: bool) -> Option<Pattern> {
     let disc = Disc::of(board)?;
     let pulled = pulled(&disc, model);
-    let spectrum = disc.spectrum(pulled.clone());
-    let modes = modes(&disc, &spectrum);
+    let modes = modes(&disc, &disc.spectrum(pulled));
     if !learned && of_one_order(&modes) {
         return None;
     }
     let shares = modes.iter().map(|mode| 2.0 * mode.weight / mode.clear);
     let edge_variance = shares.sum::<f64>() / disc.edges as f64;
-    let (log_s2, most, bend) = likeliest(&modes)?;
+    let (log_s2, most) = likeliest(&modes)?;
     let s2 = log_s2.exp();
+    let (errors_rad, prior) = solved(&disc, &model.left, s2, &|_| true)?;
+    let (rms_rad, standard_error_rad) = size(&disc, &errors_rad, &prior);
     Some(Pattern {
-        rms_rad: s2.sqrt(),
-        standard_error_rad: standard_error(log_s2, bend),
+        rms_rad,
+        standard_error_rad,
+        white_rad: s2.sqrt(),
         score: score_of(board, most),
-        errors_rad: disc.solved(pulled, &disc.prior(&spectrum, s2), &|_| true),
+        errors_rad,
         edge_error_rad: edge_variance.sqrt(),
     })
+}
+
+/// Errors of the pattern's own orders that white rows have in some parts, and the variance of each order before.
+fn solved(
+    disc: &Disc<'_>,
+    there: &[Vec<f64>],
+    s2: f64,
+    kept: Kept<'_>,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let whole = Disc::of(disc.board)?.with_classes();
+    let pulled = |rows: Vec<Vec<f64>>| whole.own(&whole.folded(rows));
+    let prior = whole.prior(&whole.spectrum(pulled(there.to_vec())), s2);
+    let mut rows = there.to_vec();
+    whole.keep(&mut rows, kept);
+    let errors = whole.solved(pulled(rows), &prior, kept);
+    Some((disc.own(&errors), prior))
 }
 
 /// The same where orders that stand far out of the pattern are sizes of their own; 0 where there is nothing.
@@ -74,7 +94,7 @@ pub fn score_of_orders(board: &Board, model: &Model) -> Option<f64> {
     let cost = (board.edges() as f64).ln();
     let (mut best, mut apart) = (0.0_f64, 0.0);
     for _ in 0..TIMES {
-        let Some((log_s2, most, _)) = likeliest(&modes) else {
+        let Some((log_s2, most)) = likeliest(&modes) else {
             break;
         };
         best = best.max(apart + score_of(board, most).max(0.0));
@@ -110,12 +130,39 @@ fn score_of(board: &Board, likelihood: f64) -> f64 {
     likelihood - (board.edges() as f64).ln()
 }
 
-/// Size and its standard error of a pattern that white rows still have, rad: with the noise and the findings beside it as they are
-/// known in the end.
-pub fn sized(disc: &Disc<'_>, there: &[Vec<f64>]) -> Option<(f64, f64)> {
+/// RMS error, rad, of edges that err each by itself in a pattern that white rows still have: with the noise and the findings beside it
+/// as they are known in the end.
+pub fn white_of(disc: &Disc<'_>, there: &[Vec<f64>]) -> Option<f64> {
     let spectrum = disc.spectrum(disc.own(&disc.folded(there.to_vec())));
-    let (log_s2, _, bend) = likeliest(&modes(disc, &spectrum))?;
-    Some(((0.5 * log_s2).exp(), standard_error(log_s2, bend)))
+    let (log_s2, _) = likeliest(&modes(disc, &spectrum))?;
+    Some((0.5 * log_s2).exp())
+}
+
+/// RMS of a pattern and its standard error, rad. Its errors are means given the recording; what they may be off, order by order, adds to
+/// their squares.
+pub fn size(disc: &Disc<'_>, errors_rad: &[f64], prior: &[f64]) -> (f64, f64) {
+    let edges = disc.edges as f64;
+    let spectrum = disc.spectrum(errors_rad.to_vec());
+    let (mut squares, mut variance) = (0.0, 0.0);
+    for &m in &disc.orders {
+        let both = 2.0 * disc.weight(m) / edges;
+        let own = spectrum[m].norm_sqr() / edges;
+        let off = (disc.clear[m] + prior[m].recip()).recip();
+        squares += both * (own + off);
+        variance += both * both * off * (2.0 * own + off) / disc.weight(m);
+    }
+    let rms = squares.sqrt();
+    (rms, 0.5 * variance.sqrt() / rms)
+}
+
+/// Orders of a pattern that stand far out of the others.
+#[must_use]
+pub fn far_orders(board: &Board, pattern: &Pattern) -> Option<Vec<usize>> {
+    let disc = Disc::of(board)?;
+    let spectrum = disc.spectrum(pattern.errors_rad.clone());
+    let usual = FAR * pattern.white_rad.powi(2) * disc.edges as f64;
+    let far = |m: &usize| spectrum[*m].norm_sqr() > usual;
+    Some(disc.orders.iter().copied().filter(far).collect())
 }
 
 /// Two patterns, one found after the other was taken off.
@@ -130,16 +177,6 @@ pub fn merged(first: Option<Pattern>, second: Option<Pattern>) -> Option<Pattern
         }
         (first, second) => first.or(second),
     }
-}
-
-/// -bend is twice the information on ln s^2.
-fn standard_error(log_s2: f64, bend: f64) -> f64 {
-    let deviation = if bend < 0.0 {
-        (2.0 / -bend).sqrt()
-    } else {
-        f64::INFINITY
-    };
-    0.5 * deviation * (0.5 * log_s2).exp()
 }
 
 /// The orders' pulls.
@@ -170,21 +207,18 @@ pub fn put_back(board: &Board, model: &Model, pattern: &Pattern) -> Vec<Vec<f64>
 /// Share of the pattern learned in some of the parts of white rows that comes again in the others, once each way, and its standard
 /// error: 1 where it is a disc's.
 #[must_use]
-pub fn comes_again(board: &Board, there: &[Vec<f64>], rms_rad: f64) -> Vec<(f64, f64)> {
+pub fn comes_again(board: &Board, there: &[Vec<f64>], white_rad: f64) -> Vec<(f64, f64)> {
     let Some(disc) = Disc::of(board) else {
         return Vec::new();
     };
-    let spectrum = disc.spectrum(disc.own(&disc.folded(there.to_vec())));
-    let prior = disc.prior(&spectrum, rms_rad * rms_rad);
     let early = |part: usize| 2 * part < PARTS;
     let late = |part: usize| 2 * part >= PARTS;
     let ways: [(Kept<'_>, Kept<'_>); 2] = [(&early, &late), (&late, &early)];
     let mut shares = Vec::new();
     for (learned, judged) in ways {
-        let mut rows = there.to_vec();
-        disc.keep(&mut rows, learned);
-        let pulled = disc.own(&disc.folded(rows));
-        let errors = disc.solved(pulled, &prior, learned);
+        let Some((errors, _)) = solved(&disc, there, white_rad * white_rad, learned) else {
+            continue;
+        };
         let mut foretold = disc.rows(&errors);
         disc.keep(&mut foretold, judged);
         let product = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
@@ -211,9 +245,8 @@ struct Mode {
     weight: f64,
 }
 
-/// The variance, as a logarithm, that makes the orders' pulls most likely; twice the logarithm of their likelihood ratio there, and
-/// how it bends.
-fn likeliest(modes: &[Mode]) -> Option<(f64, f64, f64)> {
+/// The variance, as a logarithm, that makes the orders' pulls most likely; and twice the logarithm of their likelihood ratio there.
+fn likeliest(modes: &[Mode]) -> Option<(f64, f64)> {
     let likelihood = |log_s2: f64| {
         let s2 = log_s2.exp();
         let each = modes.iter().map(|mode| {
@@ -235,8 +268,5 @@ fn likeliest(modes: &[Mode]) -> Option<(f64, f64, f64)> {
             best = (at, there);
         }
     }
-    let side = 0.1;
-    let bend =
-        (likelihood(best.0 - side) - 2.0 * best.1 + likelihood(best.0 + side)) / (side * side);
-    Some((best.0, best.1, bend))
+    Some(best)
 }

@@ -6,7 +6,7 @@
 
 use super::basis::Basis;
 use super::board::{Board, Column, Model};
-use super::disc::{score, score_of_orders};
+use super::disc::{far_orders, pattern, score, score_of_orders};
 use super::hypothesis::Hypothesis;
 use super::least_squares::squares;
 use super::refine::{WIDEST_RAD, refined};
@@ -44,6 +44,9 @@ pub fn disc_parts(
         total = without;
     }
     let alone = matches!(parts.as_slice(), [one] if is_place(one));
+    if !parts.iter().any(is_place) && !only_waves(board, model) {
+        return None;
+    }
     if parts.is_empty() || alone || total < beats + BEYOND {
         return None;
     }
@@ -75,6 +78,13 @@ fn waves(board: &Board, model: &Model) -> Vec<Weighed> {
             weigh(board, model, hypothesis, columns).filter(|one| one.columns.len() == count)
         })
         .collect()
+}
+
+/// Whether of all orders of the disc's pattern those of an axis off the centre and of a tilt alone stand far out: a disc that errs by
+/// many an order has no need of a name for two of them. All are solved together, as edges far out of place mix what orders pull.
+fn only_waves(board: &Board, model: &Model) -> bool {
+    let far = pattern(board, model, true).and_then(|whole| far_orders(board, &whole));
+    far.is_some_and(|far| !far.is_empty() && far.iter().all(|order| *order <= 2))
 }
 
 /// The place that explains most of what parts leave, if orders of the disc one by one do not do as well.

@@ -1,7 +1,9 @@
 //! The disc as recordings show it: how edges and orders pull through the noise, and the errors that explain a pull.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
@@ -24,7 +26,7 @@ const NEAR: f64 = 0.3;
 
 /// The disc as the recordings show it.
 pub struct Disc<'a> {
-    board: &'a Board,
+    pub board: &'a Board,
     pub edges: usize,
     classes: usize,
     /// Orders that are the pattern's.
@@ -66,6 +68,15 @@ impl<'a> Disc<'a> {
             .filter(|order| own(*order) && disc.clear[*order] > 0.0)
             .collect();
         Some(disc)
+    }
+
+    /// The same with what all edges of a class have among the orders: it has names of its own, but the errors of the other orders carry
+    /// it along, and nothing can be solved for beside it as long as it is not known.
+    #[must_use]
+    pub fn with_classes(mut self) -> Self {
+        let shown = (1..self.clear.len()).filter(|order| self.clear[*order] > 0.0);
+        self.orders = shown.collect();
+        self
     }
 
     /// From edge to edge there and back is one number, not two.
@@ -234,7 +245,34 @@ impl<'a> Disc<'a> {
                 .iter_mut()
                 .for_each(|clear| *clear *= mean / tried_mean);
         }
+        self.slow_orders(&mut clear);
         clear
+    }
+
+    /// Low orders are slow enough to be lost in the shaft's own wander: they show by so little of what the highest do that edges tried
+    /// one by one do not say by how much, nor even its sign. Each is tried by itself until both ways agree.
+    fn slow_orders(&self, clear: &mut [f64]) {
+        const ALIKE: f64 = 0.1;
+        const IN_A_ROW: usize = 4;
+        let mut agreed = 0;
+        for (order, clear) in clear.iter_mut().enumerate().skip(1) {
+            let wave = |shift: f64| -> Vec<f64> {
+                let angle = |edge| TAU * (order * edge) as f64 / self.edges as f64;
+                (0..self.edges)
+                    .map(|edge| (angle(edge) + shift).cos())
+                    .collect()
+            };
+            let waves = [wave(0.0), wave(FRAC_PI_2)];
+            let squares =
+                |wave: &Vec<f64>| -> f64 { self.rows(wave).iter().flatten().map(|w| w * w).sum() };
+            let shown = waves.par_iter().map(squares).sum::<f64>() / self.edges as f64;
+            let alike = (*clear / shown - 1.0).abs() < ALIKE;
+            agreed = if alike { agreed + 1 } else { 0 };
+            *clear = shown;
+            if agreed == IN_A_ROW {
+                break;
+            }
+        }
     }
 }
 

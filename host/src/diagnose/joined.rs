@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::board::{Board, Column, product};
-use super::disc::{Pattern, put_back, sized};
+use super::disc::{Pattern, put_back, size, white_of};
 use super::disc_shown::Disc;
 use super::estimate::slopes_of;
 use super::refine::steps;
@@ -40,9 +40,8 @@ fn joined(board: &mut Board, searched: &mut Searched, pattern: &mut Pattern) -> 
     let (beside, prior) = {
         let disc = Disc::of(board)?;
         let there = put_back(board, &model, pattern);
-        if let Some((rms_rad, standard_error_rad)) = sized(&disc, &there) {
-            pattern.rms_rad = rms_rad;
-            pattern.standard_error_rad = standard_error_rad;
+        if let Some(white_rad) = white_of(&disc, &there) {
+            pattern.white_rad = white_rad;
         }
         let prior = prior(&disc, &there, pattern);
         (Beside::of(&disc, &columns, &prior)?, prior)
@@ -76,6 +75,8 @@ fn joined(board: &mut Board, searched: &mut Searched, pattern: &mut Pattern) -> 
             break;
         }
     }
+    (pattern.rms_rad, pattern.standard_error_rad) =
+        size(&Disc::of(board)?, &pattern.errors_rad, &prior);
     let mut at = first;
     let each = counts.into_iter().map(|count| {
         at += count;
@@ -124,7 +125,7 @@ pub fn covariance(
 /// Variance of each of the pattern's orders, from rows with the pattern in them.
 fn prior(disc: &Disc<'_>, there: &[Vec<f64>], pattern: &Pattern) -> Vec<f64> {
     let spectrum = disc.spectrum(disc.own(&disc.folded(there.to_vec())));
-    disc.prior(&spectrum, pattern.rms_rad * pattern.rms_rad)
+    disc.prior(&spectrum, pattern.white_rad * pattern.white_rad)
 }
 
 /// Columns beside a pattern.

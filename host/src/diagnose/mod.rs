@@ -24,6 +24,7 @@ mod disc_shown;
 pub mod ends;
 pub mod estimate;
 pub mod events;
+mod every_turn;
 pub mod explore;
 mod faded;
 mod goes;

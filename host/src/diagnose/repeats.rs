@@ -4,7 +4,7 @@
 //! of squares, over all that stands above noise, is the part that a table of the disc would take away; the rest goes by another clock.
 
 use super::board::Board;
-use super::disc::{comes_again, sized};
+use super::disc::{comes_again, white_of};
 use super::disc_shown::Disc;
 
 /// A share and its standard error.
@@ -29,11 +29,11 @@ pub fn repeats(board: &Board, left: &[Vec<f64>]) -> Option<Repeats> {
         share: 0.0,
         standard_error: (2.0 * count).sqrt() / above,
     };
-    let Some((rms_rad, _)) = Disc::of(board).and_then(|disc| sized(&disc, left)) else {
+    let Some(white_rad) = Disc::of(board).and_then(|disc| white_of(&disc, left)) else {
         return Some(none);
     };
     // A half foretells with a share s of its power p, give or take 1/sqrt(p): the squares fall by p (2 s - 1).
-    let halves = comes_again(board, left, rms_rad);
+    let halves = comes_again(board, left, white_rad);
     let (mut fall, mut variance) = (0.0, 0.0);
     for (share, error) in halves {
         let power = error.powi(-2);

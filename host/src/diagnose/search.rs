@@ -126,8 +126,11 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         }
         proposed.retain(|one| !refused.contains(one));
         proposed.extend(loads(board, &model));
-        proposed.extend(defects(board, &model));
         let known = learned != Learned::Never || pattern.is_some();
+        // A place is part of a pattern that was learned edge by edge.
+        if !known {
+            proposed.extend(defects(board, &model));
+        }
         let ((best, pair), whole) = rayon::join(
             || {
                 let best = best(board, &model, &mut shelf, proposed);
@@ -137,7 +140,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
                 let pair = (!alone).then(|| pair(board, &model, &mut shelf, score));
                 (best, pair.flatten())
             },
-            || (patterns < PATTERNS).then(|| disc::score(board, &model, known)),
+            || (patterns < PATTERNS).then(|| whole_score(board, &model, known)),
         );
         if let Some(pair) = pair {
             found.extend(pair);
@@ -146,7 +149,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         }
         let score = best.as_ref().map_or(0.0, |best| best.score);
         let whole = whole.flatten();
-        let over = if pattern.is_some() { MORE } else { over };
+        let over = if known { MORE } else { over };
         let whole = whole.filter(|whole| *whole > BEYOND.max(over * score));
         // Several named errors of the disc look like an error of every edge, and may look like one place.
         let place = best
@@ -222,6 +225,15 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         left,
         passing,
     })
+}
+
+/// Score of a whole pattern of the disc. Once one was learned the rest of it is no longer white: what is left of a few orders counts too.
+fn whole_score(board: &Board, model: &Model, known: bool) -> Option<f64> {
+    if known {
+        disc::score_of_orders(board, model)
+    } else {
+        disc::score(board, model, false)
+    }
 }
 
 /// What a finding must explain beyond its cost.

@@ -133,7 +133,7 @@ pub fn no_disc(found: &[Found], model: &Model, nuisances: usize) -> Option<usize
 #[must_use]
 pub fn passes(board: &Board, model: &Model, pattern: &Pattern) -> bool {
     const PART: f64 = 0.35;
-    let shares = comes_again(board, &model.left, pattern.rms_rad);
+    let shares = comes_again(board, &model.left, pattern.white_rad);
     !shares.is_empty()
         && shares
             .iter()

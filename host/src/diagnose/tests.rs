@@ -128,7 +128,7 @@ fn a_discs_own_pattern_comes_again_and_noise_that_is_more_than_declared_does_not
         let board = prepare::board(&[recorded(truth, &told)]).unwrap();
         let model = board.fit(board.nuisances()).unwrap();
         let pattern = disc::pattern(&board, &model, false).unwrap();
-        let shares = disc::comes_again(&board, &model.left, pattern.rms_rad);
+        let shares = disc::comes_again(&board, &model.left, pattern.white_rad);
         (pattern.score, shares)
     };
     let (score, own) = shares(&line);

@@ -47,16 +47,8 @@ pub fn disc(settled: &Settled) -> Option<Finding> {
             .is_finite()
             .then_some([value - 1.96 * standard_error, value + 1.96 * standard_error]),
     };
-    let mut rms = (pattern.rms_rad, pattern.standard_error_rad);
     let mut parameters = BTreeMap::new();
-    let count = pattern.errors_rad.len();
-    if count <= FEW {
-        let squares: f64 = pattern.errors_rad.iter().map(|e| e * e).sum();
-        let share = 1.0 / count as f64;
-        rms = (
-            (share * squares).sqrt(),
-            pattern.edge_error_rad * share.sqrt(),
-        );
+    if pattern.errors_rad.len() <= FEW {
         let each = pattern.errors_rad.iter().enumerate();
         parameters.extend(each.map(|(k, error)| {
             (
@@ -65,12 +57,15 @@ pub fn disc(settled: &Settled) -> Option<Finding> {
             )
         }));
     }
-    parameters.insert("rms_rad".to_owned(), parameter(rms.0, rms.1));
+    parameters.insert(
+        "rms_rad".to_owned(),
+        parameter(pattern.rms_rad, pattern.standard_error_rad),
+    );
     Some(Finding {
         mechanism: Mechanism::LineError,
         text: format!(
             "every edge has an error of its own, {:.3e} rad RMS, once a turn",
-            rms.0
+            pattern.rms_rad
         ),
         confidence: 1.0,
         parameters,

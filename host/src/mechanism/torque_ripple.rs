@@ -73,11 +73,12 @@ pub const CARD: Card = Card {
             }
             _ => Vec::new(),
         },
-        // The disc has an error of that order as well, as long as it is unknown.
+        // The disc has an error of that order as well, as long as it is unknown; what was learned as the disc's and is the torque's goes
+        // with the true angle.
         beside: |basis, _| {
             let order = torque_order(basis);
             order
-                .map(|order| Basis::Round { order })
+                .map(|order| Basis::Lagged { order })
                 .into_iter()
                 .collect()
         },

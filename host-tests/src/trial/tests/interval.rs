@@ -86,3 +86,15 @@ fn stick_slip_is_not_compared() {
     let found = [("stiffness_n_m_rad", 1.0, [0.9, 1.1])];
     assert_eq!(held(&slip, Mechanism::StickSlip, &found), [None]);
 }
+
+#[test]
+fn a_phase_counts_only_where_it_is_of_the_same() {
+    let mut mesh = missing("gear_mesh", json!({"order": 6.6, "phase_rad": 1.0}));
+    mesh["same_physics"] = json!(["bearing", "torque_ripple"]);
+    let mesh = truth("one", json!([mesh]));
+    let found = [("order", 6.6, [6.5, 6.7]), ("phase_rad", 4.1, [4.0, 4.2])];
+    let by = |mechanism| held(&mesh, mechanism, &found);
+    assert_eq!(by(Mechanism::Bearing), [Some(true), None]);
+    assert_eq!(by(Mechanism::GearMesh), [Some(true), Some(false)]);
+    assert_eq!(by(Mechanism::TorqueRipple), [Some(true), Some(false)]);
+}
