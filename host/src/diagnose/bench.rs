@@ -1,7 +1,7 @@
 //! One recording with the noise that makes its residual white.
 
 use super::column::Part;
-use super::every_turn;
+use super::every_turn::EveryTurn;
 use super::kalman::{ShaftNoise, Whitener};
 use super::noise_fit::{self, Free};
 use super::seen::Seen;
@@ -77,26 +77,33 @@ impl Bench {
     }
 
     /// The noise of a residual of which nothing is explained yet: without what comes again every turn, where that is worth its numbers
-    /// (G. Schwarz, Annals of Statistics 6, 1978), one for each edge of the disc.
+    /// (G. Schwarz, Annals of Statistics 6, 1978).
     fn noise_at_first(&self) -> ShaftNoise {
+        let cost = |angles: &[f64], noise, numbers: usize| {
+            let likely = noise_fit::cost(&self.seen.readings, angles, noise);
+            likely + numbers as f64 * (self.seen.len() as f64).ln()
+        };
         let whole = self.noise_of(&self.seen.angles);
-        let Some(bare) = every_turn::bare(&self.seen) else {
+        let mut best = (cost(&self.seen.angles, whole, 0), whole);
+        let Some(every) = EveryTurn::of(&self.seen) else {
             return whole;
         };
-        let noise = self.noise_of(&bare.angles);
-        let cost = |angles: &[f64], noise| noise_fit::cost(&self.seen.readings, angles, noise);
-        let numbers = self.seen.edges as f64 * (self.seen.len() as f64).ln();
-        if cost(&self.seen.angles, whole) - cost(&bare.angles, noise) < numbers {
-            return whole;
+        // A mean takes its share of the noise with it: of stamps what it has numbers for, of torque noise, which is slow, all.
+        let taken = every.turns / (every.turns - 1.0);
+        for (angles, numbers) in every.off(&self.seen) {
+            let noise = self.noise_of(&angles);
+            let there = cost(&angles, noise, numbers);
+            if there < best.0 {
+                let more = ShaftNoise {
+                    acceleration: noise.acceleration * taken,
+                    stamp_s: noise.stamp_s / (1.0 - numbers as f64 / self.seen.len() as f64).sqrt(),
+                    drift: noise.drift * taken,
+                    ..noise
+                };
+                best = (there, more);
+            }
         }
-        // A mean takes its share of the noise with it.
-        let taken = bare.turns / (bare.turns - 1.0);
-        ShaftNoise {
-            acceleration: noise.acceleration * taken,
-            stamp_s: noise.stamp_s * taken.sqrt(),
-            drift: noise.drift * taken,
-            ..noise
-        }
+        best.1
     }
 
     /// The noise that a residual shows.

@@ -21,7 +21,7 @@ pub struct Estimate {
     pub searched: Vec<f64>,
     /// Covariance of sizes and searched numbers.
     pub covariance: DMatrix<f64>,
-    /// Times of a push, which have no such covariance.
+    /// Numbers that have no such covariance.
     pub between: Between,
 }
 

@@ -10,16 +10,17 @@ use super::board::{Board, Column, Model};
 use super::estimate::spread;
 use super::hypothesis::Hypothesis;
 use super::search::{Found, Searched};
+use super::settling;
 
-/// Beginning and end of a push, each with the times between which it lies with 95 %; none where it was not searched for.
-pub type Between = [Option<[f64; 2]>; 2];
+/// Numbers by their names, each with what it lies between with 95 %, where slopes do not say that.
+pub type Between = Vec<(&'static str, [f64; 2])>;
 
 /// Points that the likelihood is taken at.
 const POINTS: usize = 32;
 /// Logarithm of a likelihood, from its top, that nothing comes of.
-const NOTHING: f64 = 6.5;
+pub(super) const NOTHING: f64 = 6.5;
 /// Part of the likelihood to either side of an interval.
-const TAIL: f64 = 0.025;
+pub(super) const TAIL: f64 = 0.025;
 
 /// What was found with the times of its pushes where they explain most, and between which times these lie.
 #[must_use]
@@ -29,6 +30,9 @@ pub fn sharpened(board: &Board, mut searched: Searched) -> (Searched, Vec<Betwee
         let between = match searched.found[number].hypothesis.bases[..] {
             [Basis::Load { from_s, until_s }] => {
                 push(board, &mut searched, number, [from_s, until_s])
+            }
+            [Basis::LevelDrift { from_s, tau_s }] => {
+                settling::settles(board, &mut searched, number, [from_s, tau_s])
             }
             _ => None,
         };
@@ -49,7 +53,7 @@ fn push(
     let seconds = board.benches.iter().map(|bench| bench.seen.seconds());
     let edges = board.edges() as f64 / board.benches.len() as f64;
     let first_s = 4.0 * seconds.fold(0.0, f64::max) / edges;
-    let mut between = Between::default();
+    let mut between = [None; 2];
     // Each where the other is: they hang together by the torque alone.
     for _ in 0..2 {
         for which in 0..2 {
@@ -69,7 +73,22 @@ fn push(
             between[which] = Some(top.between);
         }
     }
-    let hypothesis = with(times);
+    take(board, searched, number, with(times))?;
+    let names = ["from_s", "until_s"].into_iter().zip(between);
+    Some(
+        names
+            .filter_map(|(name, between)| Some((name, between?)))
+            .collect(),
+    )
+}
+
+/// Takes a hypothesis in place of a finding's, and fits all sizes; none, and nothing taken, where it does not show as that does.
+pub(super) fn take(
+    board: &Board,
+    searched: &mut Searched,
+    number: usize,
+    hypothesis: Hypothesis,
+) -> Option<()> {
     let columns = hypothesis.columns(board);
     if columns.len() != searched.found[number].columns.len() {
         return None;
@@ -80,16 +99,12 @@ fn push(
         ..searched.found[number].clone()
     };
     let old = std::mem::replace(&mut searched.found[number], sharp);
-    match board.fit(all(searched)) {
-        Some(model) => {
-            searched.model = model;
-            Some(between)
-        }
-        None => {
-            searched.found[number] = old;
-            None
-        }
-    }
+    let Some(model) = board.fit(all(searched)) else {
+        searched.found[number] = old;
+        return None;
+    };
+    searched.model = model;
+    Some(())
 }
 
 fn with([from_s, until_s]: [f64; 2]) -> Hypothesis {
@@ -110,7 +125,7 @@ fn all(searched: &Searched) -> Vec<Column> {
 }
 
 /// Every column but those of one finding.
-fn others(searched: &Searched, number: usize) -> Vec<Column> {
+pub(super) fn others(searched: &Searched, number: usize) -> Vec<Column> {
     let nuisances = searched.model.columns[..searched.nuisances].iter();
     let others = searched.found.iter().enumerate();
     let own = others
@@ -185,7 +200,7 @@ impl Top {
 }
 
 /// Numbers between which 95 % of a likelihood is, of points in order with its logarithm.
-fn held(points: &[(f64, f64)], most: f64) -> [f64; 2] {
+pub(super) fn held(points: &[(f64, f64)], most: f64) -> [f64; 2] {
     let mut sums = vec![0.0];
     for pair in points.windows(2) {
         let dense = 0.5 * ((pair[0].1 - most).exp() + (pair[1].1 - most).exp());

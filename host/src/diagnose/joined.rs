@@ -11,15 +11,13 @@ use super::board::{Board, Column, product};
 use super::disc::{Pattern, put_back, size, white_of};
 use super::disc_shown::Disc;
 use super::estimate::slopes_of;
-use super::refine::steps;
+use super::follow::follow;
 use super::search::Searched;
 
 /// Newton's steps at the most.
 const STEPS: usize = 5;
 /// Standard errors that are no step any more.
 const NEAR: f64 = 0.1;
-/// First steps of a search that a number may still move by.
-const FAR: f64 = 2.0;
 
 /// Fits what was found and the pattern that was taken off together; what was searched for goes along.
 pub fn join(board: &mut Board, searched: &mut Searched) {
@@ -82,31 +80,7 @@ fn joined(board: &mut Board, searched: &mut Searched, pattern: &mut Pattern) -> 
         at += count;
         model.sizes.as_slice()[at - count..at].to_vec()
     });
-    follow(board, searched, each.collect())
-}
-
-/// Moves what was searched for, and fits the sizes there.
-fn follow(board: &Board, searched: &mut Searched, moved: Vec<Vec<f64>>) -> Option<()> {
-    for (found, moved) in searched.found.iter_mut().zip(moved) {
-        let mut hypothesis = found.hypothesis.clone();
-        let steps = steps(board, &hypothesis);
-        for ((change, step), by) in steps.iter().zip(moved) {
-            let by = by.clamp(-FAR * step, FAR * step);
-            hypothesis
-                .bases
-                .iter_mut()
-                .for_each(|basis| change(basis, by));
-        }
-        let columns = hypothesis.columns(board);
-        if columns.len() == found.columns.len() {
-            found.hypothesis = hypothesis;
-            found.columns = columns;
-        }
-    }
-    let nuisances = searched.model.columns[..searched.nuisances].iter();
-    let own = searched.found.iter().flat_map(|found| &found.columns);
-    searched.model = board.fit(nuisances.chain(own).cloned().collect())?;
-    Some(())
+    follow(board, searched, &each.collect::<Vec<_>>())
 }
 
 /// Covariance of sizes of columns beside a pattern that is not known either; none where the pattern could be all of one of them.

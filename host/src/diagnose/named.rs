@@ -38,11 +38,8 @@ pub fn parameters(estimate: &Estimate) -> BTreeMap<String, Parameter> {
         .into_iter()
         .map(|(name, value)| {
             let mut parameter = parameter(estimate, &row, card.unit(&name), &*value);
-            let [from, until] = estimate.between;
-            match name.as_str() {
-                "from_s" if from.is_some() => parameter.ci95 = from,
-                "until_s" if until.is_some() => parameter.ci95 = until,
-                _ => {}
+            if let Some((_, between)) = estimate.between.iter().find(|(of, _)| *of == name) {
+                parameter.ci95 = Some(*between);
             }
             (name, parameter)
         })

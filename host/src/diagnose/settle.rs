@@ -6,6 +6,7 @@ use super::conclude::Conclusion;
 use super::diagnosis::Fit;
 use super::estimate::{Estimate, estimates};
 use super::faded::{faded, squares_of};
+use super::follow::together;
 use super::instants::sharpened;
 use super::joined::join;
 use super::judge::{self, HeldRatios, Judged};
@@ -104,6 +105,7 @@ fn once(
         .unwrap_or_else(|| Model::none(&given));
     let mut joint = chosen(&board, &searched, &concluded);
     join(&mut board, &mut joint);
+    together(&board, &mut joint);
     let (chosen, between) = sharpened(&board, joint);
     let mut numbers = estimates(&board, &chosen);
     for (number, between) in numbers.iter_mut().zip(between) {
