@@ -138,19 +138,26 @@ pub fn white_of(disc: &Disc<'_>, there: &[Vec<f64>]) -> Option<f64> {
     Some((0.5 * log_s2).exp())
 }
 
-/// RMS of a pattern and its standard error, rad. Its errors are means given the recording; what they may be off, order by order, adds to
-/// their squares.
+/// RMS of a pattern and its standard error, rad. Its errors are means given the recording and the variances that each order has before;
+/// what they may be off, order by order, adds to their squares. That variance is itself only as sure as the orders are many that show
+/// it, and where few show clearly the means hang on it.
 pub fn size(disc: &Disc<'_>, errors_rad: &[f64], prior: &[f64]) -> (f64, f64) {
     let edges = disc.edges as f64;
     let spectrum = disc.spectrum(errors_rad.to_vec());
     let (mut squares, mut variance) = (0.0, 0.0);
+    // The information on the logarithm of the variance before, and how the squares go with that.
+    let (mut told, mut goes) = (0.0, 0.0);
     for &m in &disc.orders {
         let both = 2.0 * disc.weight(m) / edges;
         let own = spectrum[m].norm_sqr() / edges;
         let off = (disc.clear[m] + prior[m].recip()).recip();
         squares += both * (own + off);
         variance += both * both * off * (2.0 * own + off) / disc.weight(m);
+        let kept = (1.0 + prior[m] * disc.clear[m]).recip();
+        told += disc.weight(m) * (1.0 - kept).powi(2);
+        goes += both * kept * (2.0 * own + off);
     }
+    variance += goes * goes / told;
     let rms = squares.sqrt();
     (rms, 0.5 * variance.sqrt() / rms)
 }
@@ -261,11 +268,14 @@ fn likeliest(modes: &[Mode]) -> Option<(f64, f64)> {
         -ls.get(ls.len() / 2)?.ln()
     };
     let mut best = (middle, f64::NEG_INFINITY);
-    for step in -60..=60 {
-        let at = middle + 0.25 * f64::from(step);
-        let there = likelihood(at);
-        if there > best.1 {
-            best = (at, there);
+    for (steps, step) in [(60, 0.25_f64), (5, 0.05), (5, 0.01)] {
+        let around = best.0;
+        for number in -steps..=steps {
+            let at = step.mul_add(f64::from(number), around);
+            let there = likelihood(at);
+            if there > best.1 {
+                best = (at, there);
+            }
         }
     }
     Some(best)
