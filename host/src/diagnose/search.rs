@@ -27,7 +27,7 @@ const FINE: f64 = 40.0;
 /// Part of the score of anything else that more of a pattern that was learned must have.
 const MORE: f64 = 0.9;
 /// How much larger noise is that makes a pattern of its own.
-const GROWN: f64 = 1.2;
+const GROWN: f64 = 1.03;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
