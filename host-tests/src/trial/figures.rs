@@ -195,6 +195,11 @@ pub fn figures(scores: &[Score]) -> Vec<Figure> {
         &each(&of(Kind::Several), &|s| !s.extras.is_empty()),
     ));
     all.push(Figure::share(
+        "the disc is missing too: cases with more named than it and the effect",
+        None,
+        &each(&|s| !s.disc_known, &|s| s.beside > 0),
+    ));
+    all.push(Figure::share(
         "false finding where nothing is missing",
         Some(AtMost(0.01)),
         &each(&of(Kind::Nothing), &|s| !s.right),

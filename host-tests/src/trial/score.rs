@@ -78,6 +78,8 @@ pub struct Score {
     pub size: Option<SizeClass>,
     /// Whether the ideal detector tells all of it from its look-alikes.
     pub identifiable: bool,
+    /// Whether the twin has the disc's errors.
+    pub disc_known: bool,
     /// The verdict.
     pub verdict: Option<Verdict>,
     /// What was named first; where the twin lacks the disc's pattern too, first of what is no such pattern.
@@ -90,6 +92,8 @@ pub struct Score {
     pub found: usize,
     /// Named, but not missing.
     pub extras: Vec<Mechanism>,
+    /// Findings on top of those of what is missing; where the twin lacks the disc's pattern too, of what is no such pattern.
+    pub beside: usize,
     /// Whether the answer is right, as its kind has it.
     pub right: bool,
     /// Parameters of right findings.
@@ -114,12 +118,14 @@ impl Score {
             times_ideal: missing.iter().map(|one| one.times_ideal).collect(),
             size: missing.first().map(|one| SizeClass::of(one.times_ideal)),
             identifiable: missing.iter().all(Missing::identifiable),
+            disc_known: truth.disc_known,
             verdict: None,
             first: Named::Failed,
             named: Vec::new(),
             look_alikes: Vec::new(),
             found: 0,
             extras: Vec::new(),
+            beside: 0,
             right: false,
             parameters: Vec::new(),
             reducible_removed: None,
@@ -158,6 +164,7 @@ impl Score {
             })
             .collect();
         self.found = right.len();
+        self.beside = findings.len() - right.len().min(findings.len());
         self.right = match truth.kind {
             Kind::One | Kind::Masked | Kind::Loop => self.names_first(missing),
             Kind::Several => self.found == missing.len() && self.extras.is_empty(),

@@ -132,7 +132,14 @@ fn names_for_an_unknown_disc_are_passed_over() {
     truth.disc_known = false;
     let score = Score::of("case", &truth, &answer);
     assert!(score.right && score.extras.is_empty());
+    assert_eq!(score.beside, 0);
     assert_eq!(score.first, Named::Mechanism(Mechanism::GearMesh));
+    let twice = named(&[
+        Mechanism::LineError,
+        Mechanism::GearMesh,
+        Mechanism::GearMesh,
+    ]);
+    assert_eq!(Score::of("case", &truth, &twice).beside, 1);
     let other = named(&[Mechanism::LineError, Mechanism::TorqueTone]);
     assert!(!Score::of("case", &truth, &other).right);
 }
