@@ -192,19 +192,23 @@ fn instead(rig: &[Recorded], given: &Board, searched: &Searched) -> Vec<NoiseFin
         _ => false,
     });
     let own = own_columns(given, rig);
-    if !noise.is_empty() || own.is_empty() {
+    let task = noise
+        .iter()
+        .any(|one| one.mechanism == Mechanism::CaptureLatency);
+    if task || own.is_empty() {
         return noise;
     }
-    // A mode answers the twin's own ripples otherwise than a stiff shaft does: what is left of them speaks neither for nor against it.
+    // A mode answers the twin's own ripples otherwise than a stiff shaft does: what is left of them speaks neither for nor against it,
+    // and a ripple near the mode would be taken for noise that it answers.
     let others = rhythms().filter(|found| !is_own(given, rig, &found.hypothesis));
     let score: f64 = others.map(|found| found.score).sum();
     let columns = given.nuisances().into_iter().chain(own).collect();
     let Some(before) = given.fit(columns) else {
-        return Vec::new();
+        return noise;
     };
-    let mut noise = rhythmic_findings(given, &before);
-    noise.retain(|one| {
+    let mut apart = rhythmic_findings(given, &before);
+    apart.retain(|one| {
         one.mechanism == Mechanism::TorsionalResonance && one.delta_bic > MODE * score
     });
-    noise
+    if apart.is_empty() { noise } else { apart }
 }
