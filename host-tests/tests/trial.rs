@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use quadcal_host_tests::trial::cases::Folders;
+use quadcal_host_tests::trial::cases::{Draw, Folders};
 use quadcal_host_tests::trial::figures::{Figure, figures};
 use quadcal_host_tests::trial::run::Quadcal;
 
@@ -21,7 +21,14 @@ fn value(figures: &[Figure], name: &str) -> f64 {
 fn a_small_blind_trial_finds_what_it_found_before() {
     let folder = tempfile::tempdir().unwrap();
     let folders = Folders::within(folder.path());
-    folders.draw(CASES, SEED, None, 2, || {}).unwrap();
+    let draw = Draw {
+        cases: CASES,
+        seed: SEED,
+        kind: None,
+        only: Vec::new(),
+        again: 0,
+    };
+    folders.draw(&draw, 2, || {}).unwrap();
     let quadcal = Quadcal {
         program: Path::new(env!("CARGO_BIN_EXE_quadcal-under-test")).to_owned(),
     };

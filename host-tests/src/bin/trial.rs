@@ -11,7 +11,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Parser;
 use quadcal_blind::draw::Kind;
-use quadcal_host_tests::trial::cases::Folders;
+use quadcal_host_tests::trial::cases::{Draw, Folders};
+use quadcal_host_tests::trial::luck::luck;
 use quadcal_host_tests::trial::run::Quadcal;
 use quadcal_host_tests::trial::shown::Outcome;
 use quadcal_host_tests::trial::speed::{LIMIT_S, minute};
@@ -29,6 +30,7 @@ Examples:
   ... --bin trial -- --cases 200 --kind nothing --seed 5
   ... --bin trial -- --folder trial --misses           keeps trial/open, trial/sealed, trial/answers
   ... --bin trial -- --open trial/open --sealed trial/sealed --case case-0012 --misses
+  ... --bin trial -- --case case-0012 --again 20       luck or bias: the case 20 times more, with other noise
   ... --bin trial -- --markdown host/doc/blind-trial.md
   ... --bin trial -- --speed
 
@@ -65,6 +67,9 @@ struct Options {
     /// Try this case only; may be given several times
     #[arg(long, value_name = "NAME")]
     case: Vec<String>,
+    /// Record each case so often again, with other noise, and print how far off its parameters are
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "open")]
+    again: u64,
     /// Print the wrong answers, one a line
     #[arg(long)]
     misses: bool,
@@ -113,7 +118,7 @@ fn main() -> Result<ExitCode> {
         folders.answers.clone_from(answers);
     }
     let mut names = folders.names()?;
-    if !options.case.is_empty() {
+    if options.open.is_some() && !options.case.is_empty() {
         names.retain(|name| options.case.contains(name));
         ensure!(!names.is_empty(), "--case: no such case");
     }
@@ -122,6 +127,9 @@ fn main() -> Result<ExitCode> {
     progress.end();
     let outcome = Outcome::new(options.command(), quadcal.version(), scores);
     println!("{}", outcome.text());
+    if options.again > 0 {
+        println!("{}", luck(&outcome.cases));
+    }
     if options.misses {
         println!("{}", outcome.misses());
     }
@@ -142,15 +150,17 @@ fn draw(options: &Options, folder: &Path) -> Result<Folders> {
         "{} has cases in it: score them with --open and --sealed, or give another folder",
         folder.display()
     );
-    let progress = Progress::new("drawn", options.cases);
-    let done = || progress.step();
-    folders.draw(
-        options.cases,
-        options.seed,
-        options.kind,
-        options.jobs,
-        done,
-    )?;
+    let draw = Draw {
+        cases: options.cases,
+        seed: options.seed,
+        kind: options.kind,
+        only: options.case.clone(),
+        again: options.again,
+    };
+    let count = draw.count();
+    ensure!(count > 0, "--case: no such case");
+    let progress = Progress::new("drawn", count);
+    folders.draw(&draw, options.jobs, || progress.step())?;
     progress.end();
     Ok(folders)
 }
@@ -210,6 +220,9 @@ impl Options {
         }
         for case in &self.case {
             let _ = write!(text, " --case {case}");
+        }
+        if self.again > 0 {
+            let _ = write!(text, " --again {}", self.again);
         }
         if let Some(path) = &self.markdown {
             let _ = write!(text, " --markdown {}", path.display());

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use quadcal_blind::draw::{Kind, case, plan};
+use quadcal_blind::draw::{Kind, again, plan};
 use quadcal_blind::write;
 use thiserror::Error;
 
@@ -54,6 +54,43 @@ impl TrialError {
     }
 }
 
+/// What to draw. The same gives the same cases.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    /// Cases.
+    pub cases: usize,
+    /// Seed of everything.
+    pub seed: u64,
+    /// Of this kind only.
+    pub kind: Option<Kind>,
+    /// The cases of these names only; all where there are none.
+    pub only: Vec<String>,
+    /// How often each is recorded again with other noise.
+    pub again: u64,
+}
+
+impl Draw {
+    /// How many recordings of a case it makes.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.wanted().count() * (1 + self.again as usize)
+    }
+
+    /// Places of the cases in the plan.
+    fn wanted(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.cases).filter(|&place| self.only.is_empty() || self.only.contains(&name(place, 0)))
+    }
+}
+
+/// What stands between a case's name and the number of its repetition.
+const AGAIN: &str = "-again-";
+
+/// A case's name without the number of its repetition.
+#[must_use]
+pub fn first_name(case: &str) -> &str {
+    case.split_once(AGAIN).map_or(case, |(first, _)| first)
+}
+
 /// Where the cases of a trial lie; the truth apart from them.
 #[derive(Clone, Debug)]
 pub struct Folders {
@@ -76,23 +113,19 @@ impl Folders {
         }
     }
 
-    /// Draws cases. The same number, seed and kind give the same cases. `done` is told of each.
+    /// Draws cases. `done` is told of each.
     ///
     /// # Errors
     /// [`TrialError::Draw`] where one can't be written.
-    pub fn draw(
-        &self,
-        cases: usize,
-        seed: u64,
-        kind: Option<Kind>,
-        jobs: usize,
-        done: impl Fn() + Sync,
-    ) -> Result<(), TrialError> {
-        let plan = plan(cases, seed, kind);
-        let each = in_parallel(jobs, plan.len(), |place| {
+    pub fn draw(&self, draw: &Draw, jobs: usize, done: impl Fn() + Sync) -> Result<(), TrialError> {
+        let plan = plan(draw.cases, draw.seed, draw.kind);
+        let repetitions = |place| (0..=draw.again).map(move |repetition| (place, repetition));
+        let wanted: Vec<(usize, u64)> = draw.wanted().flat_map(repetitions).collect();
+        let each = in_parallel(jobs, wanted.len(), |at| {
+            let (place, repetition) = wanted[at];
             let (kind, number) = plan[place];
-            let case = case(seed, place, kind, number);
-            let name = format!("case-{place:04}");
+            let case = again(draw.seed, place, kind, number, repetition);
+            let name = name(place, repetition);
             write::open_folder(&self.open.join(&name), &case.runs).map_err(TrialError::Draw)?;
             write::sealed(&self.sealed.join(&name), &case.truth).map_err(TrialError::Draw)?;
             done();
@@ -152,6 +185,14 @@ impl Folders {
                 Ok(Score::of(name, &truth, answer))
             })
             .collect()
+    }
+}
+
+/// Name of a case, and of its repetition where it is one.
+fn name(place: usize, repetition: u64) -> String {
+    match repetition {
+        0 => format!("case-{place:04}"),
+        _ => format!("case-{place:04}{AGAIN}{repetition:02}"),
     }
 }
 

@@ -25,7 +25,7 @@ use super::truth::{Missing, Truth};
 /// Amplitudes of what has a phase.
 const AMPLITUDES: [&str; 4] = ["amplitude_rad", "torque_n_m", "runout_rad", "angle_rad"];
 
-/// How far the true value of a parameter is from the middle of its 95 % interval, in halves of the interval: 1 or less where the
+/// How far the true value of a parameter is above the middle of its 95 % interval, in halves of the interval: from -1 to 1 where the
 /// interval holds it. None where it has no interval, or the truth has no such number.
 #[must_use]
 pub fn off(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -> Option<f64> {
@@ -35,7 +35,7 @@ pub fn off(truth: &Truth, missing: &Missing, finding: &Finding, name: &str) -> O
         Some(period) => apart - period * (apart / period).round(),
         None => apart,
     };
-    Some(apart.abs() / (0.5 * (high - low)))
+    Some(apart / (0.5 * (high - low)))
 }
 
 /// The true value of a finding's parameter, in the finding's terms.

@@ -4,6 +4,7 @@
 pub mod cases;
 pub mod figures;
 pub mod interval;
+pub mod luck;
 pub mod matrix;
 pub mod run;
 pub mod score;

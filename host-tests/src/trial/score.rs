@@ -59,7 +59,7 @@ pub struct Compared {
     pub name: String,
     /// Whether the interval holds the true value; none where the truth has no such parameter.
     pub holds: Option<bool>,
-    /// How far the true value is from the interval's middle, in halves of the interval.
+    /// How far the true value is above the interval's middle, in halves of the interval.
     pub off: Option<f64>,
 }
 
@@ -184,7 +184,7 @@ impl Score {
                 Compared {
                     mechanism: finding.mechanism,
                     name: name.clone(),
-                    holds: off.map(|off| off <= 1.0),
+                    holds: off.map(|off| off.abs() <= 1.0),
                     off,
                 }
             }));

@@ -53,6 +53,12 @@ pub(super) struct Drawn {
 /// Draws a case. The same seed, kind and number give the same case.
 #[must_use]
 pub fn case(seed: u64, place: usize, kind: Kind, number: usize) -> Case {
+    again(seed, place, kind, number, 0)
+}
+
+/// The case as [`case`] draws it, its torque noise and jitter drawn anew where `again` is not 0.
+#[must_use]
+pub fn again(seed: u64, place: usize, kind: Kind, number: usize, again: u64) -> Case {
     let own = Dice::new(seed, 1 + place as u64).seed();
     let mut dice = Dice::new(own, 0);
     for attempt in 0.. {
@@ -64,10 +70,18 @@ pub fn case(seed: u64, place: usize, kind: Kind, number: usize) -> Case {
             continue;
         }
         if let Some(case) = record(&drawn, kind, own, noise) {
-            return case;
+            return match again {
+                0 => case,
+                _ => with_other_noise(&drawn, kind, own, Dice::new(noise, again)).unwrap_or(case),
+            };
         }
     }
     unreachable!("a smaller effect fits in the end")
+}
+
+/// What was drawn, recorded with the first noise that makes a recording of use.
+fn with_other_noise(drawn: &Drawn, kind: Kind, own: u64, mut dice: Dice) -> Option<Case> {
+    (0..DRAWS).find_map(|_| record(drawn, kind, own, dice.seed()))
 }
 
 fn draw(dice: &mut Dice, kind: Kind, number: usize, attempt: usize) -> Option<Drawn> {

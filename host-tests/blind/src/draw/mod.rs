@@ -12,7 +12,7 @@ mod settle;
 #[cfg(test)]
 mod tests;
 
-pub use case::{Case, case};
+pub use case::{Case, again, case};
 pub use effects::CATALOGUE;
 pub use kind::{Kind, plan};
 pub use rigs::{Shape, rigs};

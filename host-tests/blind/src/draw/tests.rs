@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use super::{CATALOGUE, Kind, case, plan};
+use super::{CATALOGUE, Kind, again, case, plan};
 use crate::write;
 
 #[test]
@@ -39,6 +39,16 @@ fn the_same_seed_gives_the_same_bytes_and_the_open_files_hold_no_effect() {
             }
         }
     }
+}
+
+#[test]
+fn a_case_recorded_again_has_the_same_truth_and_other_noise() {
+    let (first, other) = (case(5, 3, Kind::One, 3), again(5, 3, Kind::One, 3, 2));
+    assert_eq!(first.truth, other.truth);
+    assert_eq!(write::twin(&first.runs[0].0), write::twin(&other.runs[0].0));
+    assert_ne!(first.runs[0].1, other.runs[0].1);
+    let once_more = again(5, 3, Kind::One, 3, 2);
+    assert_eq!(other.runs[0].1, once_more.runs[0].1);
 }
 
 #[test]
