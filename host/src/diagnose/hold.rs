@@ -166,23 +166,35 @@ fn held(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Way, Spr
 }
 
 /// What white noise adds over an interval.
-#[allow(clippy::many_single_char_names)]
 fn stirred(mut spread: Spread, leap: Leap, noise: ShaftNoise) -> Spread {
     let t = leap.after_s;
-    // Edges are dense against the forgetting, so the noise of a step is that of free motion, damped.
-    let x = leap.damping * t;
-    let q = noise.acceleration;
-    let fading = if x < 0.05 {
-        1.0 - x
-    } else {
-        -(-2.0 * x).exp_m1() / (2.0 * x)
-    };
-    spread[0] += q * t * t * t / 3.0 * (-0.75 * x).exp() + noise.drift * t * t * t / 3.0;
-    spread[1] += q * t * t / 2.0 * (-x).exp();
+    let [angle, both, speed] = stir(leap.damping * t);
+    let q = noise.acceleration * t;
+    spread[0] += q * t * t * angle + noise.drift * t * t * t / 3.0;
+    spread[1] += q * t * both;
     spread[2] += noise.drift * t * t / 2.0;
-    spread[3] += q * t * fading;
+    spread[3] += q * speed;
     spread[5] += noise.drift * t;
     spread
+}
+
+/// Variance of the angle, covariance with the speed and variance of the speed that white noise of unit density gives over unit time
+/// from rest, damped by `x` (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
+fn stir(x: f64) -> [f64; 3] {
+    if x.abs() < 1e-2 {
+        return [
+            1.0 / 3.0 - x / 4.0 + 7.0 / 60.0 * x * x,
+            0.5 * (1.0 - x + 7.0 / 12.0 * x * x),
+            1.0 - x + 2.0 / 3.0 * x * x,
+        ];
+    }
+    let forgotten = -(-x).exp_m1();
+    let reach = forgotten / x;
+    [
+        (1.0 - reach - 0.5 * reach * forgotten) / (x * x),
+        0.5 * reach * reach,
+        reach * (1.0 - 0.5 * forgotten),
+    ]
 }
 
 #[cfg(test)]
@@ -236,6 +248,30 @@ mod tests {
         assert!(
             (way.reach / whole.0 - 1.0).abs() < 1e-9 && (way.stays / whole.1 - 1.0).abs() < 1e-9
         );
+    }
+
+    /// Pushes in short steps, each followed to the end.
+    #[test]
+    fn noise_spreads_as_its_pushes_add_up_however_damped() {
+        const STEPS: u32 = 20_000;
+        let step = 1.0 / f64::from(STEPS);
+        for x in [-0.7, 0.0, 9e-3, 1.1e-2, 0.5, 3.0, 12.0] {
+            let mut sums = [0.0; 3];
+            for number in 0..STEPS {
+                let left = step * (f64::from(number) + 0.5);
+                let free = Leap {
+                    after_s: left,
+                    damping: x,
+                };
+                let (angle, speed) = free.reach(left);
+                sums[0] += angle * angle * step;
+                sums[1] += angle * speed * step;
+                sums[2] += speed * speed * step;
+            }
+            for (exact, sum) in stir(x).into_iter().zip(sums) {
+                assert!((exact / sum - 1.0).abs() < 2e-6, "{x}: {exact} {sum}");
+            }
+        }
     }
 
     #[test]
