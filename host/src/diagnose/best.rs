@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::aliases::unaliased;
 use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
 use super::refine::refined;
@@ -54,7 +55,7 @@ pub fn best(
     closer.retain(|one| !stands(board, one));
     closer.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut closer = closer.into_iter();
-    let first = closer.next()?;
+    let first = unaliased(board, model, closer.next()?);
     Some(Found {
         hypothesis: first.hypothesis,
         columns: first.columns.into_iter().map(Column::kept).collect(),

@@ -50,13 +50,7 @@ pub fn disc_parts(
     if parts.is_empty() || alone || total < beats + BEYOND {
         return None;
     }
-    let found = parts.into_iter().map(|part| Found {
-        hypothesis: part.hypothesis,
-        columns: part.columns,
-        score: part.score,
-        rivals: Vec::new(),
-    });
-    Some(found.collect())
+    Some(parts.into_iter().map(Found::from).collect())
 }
 
 /// An axis off the centre and a tilt, as far as they show.

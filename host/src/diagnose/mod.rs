@@ -5,12 +5,14 @@
     clippy::cast_sign_loss
 )]
 
+mod aliases;
 pub mod alone;
 pub mod basis;
 pub mod bench;
 pub mod beside;
 mod best;
 pub mod board;
+mod class_parts;
 pub mod classes;
 pub mod code;
 pub mod column;

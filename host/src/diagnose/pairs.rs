@@ -36,12 +36,7 @@ pub fn pair(board: &Board, model: &Model, shelf: &mut Shelf, beats: f64) -> Opti
             let rest = rest.chain(shelf.columns(board, other)).collect();
             let columns = shelf.columns(board, one);
             let weighed = weigh(board, &board.fit(rest)?, one.clone(), columns)?;
-            (weighed.score > BEYOND.max(NEEDED * score)).then_some(Found {
-                hypothesis: weighed.hypothesis,
-                columns: weighed.columns,
-                score: weighed.score,
-                rivals: Vec::new(),
-            })
+            (weighed.score > BEYOND.max(NEEDED * score)).then(|| Found::from(weighed))
         };
         let first = beside(&delay, &disc, shelf);
         let second = beside(&disc, &delay, shelf);

@@ -3,6 +3,7 @@
 use super::basis::Basis;
 use super::best::best;
 use super::board::{Board, Column, Model};
+use super::class_parts::other_choice;
 use super::conclude::crowd;
 use super::disc::{self, Pattern, merged};
 use super::disc_parts::disc_parts;
@@ -119,6 +120,10 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let edges = board.benches.first().map_or(0, |bench| bench.seen.edges) as f64;
     let over = 1.0 + (edges / FINE).min(1.0);
     while found.len() < MOST {
+        if let Some(other) = other_choice(board, &nuisances, &found, &mut shelf) {
+            found = other;
+            model = board.fit(columns(&nuisances, &found))?;
+        }
         let (mut proposed, strongest) = propose(board, &model);
         left = strongest;
         if off || pattern.is_some() {
@@ -244,7 +249,7 @@ fn beyond(hypothesis: &Hypothesis) -> f64 {
     }
 }
 
-fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
+pub(super) fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
     let own = found.iter().flat_map(|f| f.columns.iter());
     nuisances.iter().chain(own).cloned().collect()
 }

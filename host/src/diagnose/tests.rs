@@ -3,6 +3,7 @@
 mod disc_parts;
 mod drawn;
 mod reversal;
+mod two_speeds;
 mod unknown_disc;
 mod where_it_shows;
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::basis::Basis;
 use super::board::{Board, Column, Gain, Model};
 use super::hypothesis::Hypothesis;
+use super::search::Found;
 
 /// Columns that were made before, as long as the noise stays the same.
 #[derive(Clone, Debug, Default)]
@@ -74,6 +75,17 @@ pub struct Weighed {
     pub score: f64,
     /// What they would do.
     pub gain: Gain,
+}
+
+impl From<Weighed> for Found {
+    fn from(weighed: Weighed) -> Self {
+        Self {
+            hypothesis: weighed.hypothesis,
+            columns: weighed.columns,
+            score: weighed.score,
+            rivals: Vec::new(),
+        }
+    }
 }
 
 /// Weighs a hypothesis; none where it can't be told from what is there.
