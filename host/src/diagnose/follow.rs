@@ -3,6 +3,7 @@
 use super::basis::Basis;
 use super::board::Board;
 use super::estimate::slopes_of;
+use super::hypothesis::Hypothesis;
 use super::least_squares::squares;
 use super::refine::steps;
 use super::search::Searched;
@@ -61,17 +62,9 @@ fn again(board: &Board, searched: &mut Searched) -> Option<f64> {
 }
 
 /// Moves what was searched for, and fits the sizes there.
-pub fn follow(board: &Board, searched: &mut Searched, moved: &[Vec<f64>]) -> Option<()> {
-    for (found, moved) in searched.found.iter_mut().zip(moved) {
-        let mut hypothesis = found.hypothesis.clone();
-        let steps = steps(board, &hypothesis);
-        for ((change, step), by) in steps.iter().zip(moved) {
-            let by = by.clamp(-FAR * step, FAR * step);
-            hypothesis
-                .bases
-                .iter_mut()
-                .for_each(|basis| change(basis, by));
-        }
+pub fn follow(board: &Board, searched: &mut Searched, by: &[Vec<f64>]) -> Option<()> {
+    for (found, by) in searched.found.iter_mut().zip(by) {
+        let hypothesis = moved(board, &found.hypothesis, by);
         let columns = hypothesis.columns(board);
         if columns.len() == found.columns.len() {
             found.hypothesis = hypothesis;
@@ -82,4 +75,16 @@ pub fn follow(board: &Board, searched: &mut Searched, moved: &[Vec<f64>]) -> Opt
     let own = searched.found.iter().flat_map(|found| &found.columns);
     searched.model = board.fit(nuisances.chain(own).cloned().collect())?;
     Some(())
+}
+
+/// A hypothesis with what was searched for moved, no further than a search would.
+#[must_use]
+pub fn moved(board: &Board, hypothesis: &Hypothesis, by: &[f64]) -> Hypothesis {
+    let mut moved = hypothesis.clone();
+    let steps = steps(board, hypothesis);
+    for ((change, step), by) in steps.iter().zip(by) {
+        let by = by.clamp(-FAR * step, FAR * step);
+        moved.bases.iter_mut().for_each(|basis| change(basis, by));
+    }
+    moved
 }

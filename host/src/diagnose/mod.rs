@@ -35,6 +35,7 @@ mod held_up;
 pub mod hold;
 pub mod hypothesis;
 pub mod index;
+mod inertia;
 pub mod instants;
 pub mod joined;
 pub mod judge;

@@ -131,14 +131,12 @@ fn once(
             for (bench, found) in next.benches.iter_mut().zip(&again.benches) {
                 bench.set_noise(found.noise);
             }
-            let Some(rests) = rests(&next, &chosen) else {
+            let Some(rests) = rests(&next, &chosen, &numbers) else {
                 break;
             };
             let moved = far(&numbers, &rests);
             for (number, rest) in numbers.iter_mut().zip(rests) {
-                for (size, rest) in number.sizes.iter_mut().zip(rest) {
-                    *size += rest;
-                }
+                rest.add_to(&next, number);
             }
             again = next;
             if moved < 0.3 {

@@ -2,6 +2,7 @@
 
 mod disc_parts;
 mod drawn;
+mod inertia;
 mod reversal;
 mod two_speeds;
 mod unknown_disc;

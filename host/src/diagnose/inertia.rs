@@ -1,0 +1,117 @@
+//! An inertia in a wrong unit: the shaft wanders as another, far lighter or heavier one would.
+//!
+//! Torque noise of a known density S on an inertia J, damped by c, wanders with the density S / J^2 of its acceleration and forgets at
+//! c / J. Where a shaft wanders a hundred times as much as its twin's would, or a hundredth, the whole time alike and to no rhythm,
+//! that is no missing physics: the twin's numbers are those of another shaft.
+
+use std::ops::Range;
+
+use super::bench::Bench;
+use super::every_turn::EveryTurn;
+use super::kalman::ShaftNoise;
+use super::locate::{Along, Among, peaks};
+use super::noise_fit;
+
+/// Variance of the white residual, either way, up to which the twin's inertia will do.
+const EXPLAINED: f64 = 1.5;
+/// The same of what another inertia has to leave.
+const WHITE: f64 = 1.3;
+/// Times the inertia, either way, from which on it is a matter of units.
+const APART: f64 = 100.0;
+/// Powers of ten that a unit may be off.
+const DECADES: i32 = 8;
+/// Steps a decade.
+const STEPS: i32 = 4;
+/// Parts of a recording that have to show it alike, and how nearly.
+const PARTS: usize = 4;
+const ALIKE: f64 = 2.0;
+/// Part of what is left that a few rhythms make at the most: what else is missing may be there too.
+const RHYTHM: f64 = 0.3;
+/// Probability that noise alone makes a rhythm stand out.
+const FALSE_ALARM: f64 = 1e-3;
+
+/// How many times the twin's inertia is that of the recording's shaft, where it is another by far; none where the twin's will do, or
+/// something else may be wrong.
+#[must_use]
+pub fn times_too_large(bench: &Bench) -> Option<f64> {
+    let declared = bench.declared?;
+    if (EXPLAINED.recip()..EXPLAINED).contains(&mean_square(&bench.white)) {
+        return None;
+    }
+    let seen = &bench.seen;
+    // A disc that the twin does not know may be larger than all wander.
+    let mut all = vec![(seen.angles.clone(), 0)];
+    all.extend(EveryTurn::of(seen).into_iter().flat_map(|e| e.off(seen)));
+    let judged = all.into_iter().filter_map(|(angles, numbers)| {
+        let told = Told {
+            bench,
+            angles,
+            declared,
+        };
+        let (cost, times) = told.best(0..seen.len())?;
+        let cost = cost + numbers as f64 * (seen.len() as f64).ln();
+        Some((cost, times, told))
+    });
+    let (_, times, told) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let apart = times > APART || times < APART.recip();
+    (apart && told.stays(times) && told.is_white(times)).then_some(times)
+}
+
+/// A residual with what its twin tells of the noise.
+struct Told<'a> {
+    bench: &'a Bench,
+    angles: Vec<f64>,
+    declared: ShaftNoise,
+}
+
+impl Told<'_> {
+    /// How unlikely some edges are at the least, and with how many times the shaft's inertia.
+    fn best(&self, edges: Range<usize>) -> Option<(f64, f64)> {
+        let cost = |decades: f64| {
+            let other = self.with(10_f64.powf(decades));
+            let readings = &other.seen.readings[edges.clone()];
+            noise_fit::cost(readings, &self.angles[edges.clone()], other.noise)
+        };
+        let grid = (-DECADES * STEPS..=DECADES * STEPS).map(|n| f64::from(n) / f64::from(STEPS));
+        let each = grid.map(|decades| (cost(decades), 10_f64.powf(decades)));
+        each.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The recording as that of a shaft whose twin has so many times its inertia.
+    fn with(&self, times: f64) -> Bench {
+        let mut other = self.bench.clone();
+        for reading in &mut other.seen.readings {
+            reading.leap.damping *= times;
+        }
+        other.noise = ShaftNoise {
+            acceleration: self.declared.acceleration * times * times,
+            ..self.declared
+        };
+        other
+    }
+
+    /// Whether every part of the recording shows the same.
+    fn stays(&self, times: f64) -> bool {
+        let at = |part: usize| part * self.angles.len() / PARTS;
+        (0..PARTS).all(|part| {
+            let there = self.best(at(part)..at(part + 1));
+            there.is_some_and(|(_, there)| (ALIKE.recip()..=ALIKE).contains(&(there / times)))
+        })
+    }
+
+    /// Whether what it leaves is noise for the most part, as large as it should be.
+    fn is_white(&self, times: f64) -> bool {
+        let mut other = self.with(times);
+        other.seen.angles.clone_from(&self.angles);
+        other.set_noise(other.noise);
+        let peaks = peaks(&other, 0, &other.white, FALSE_ALARM).into_iter();
+        let own = peaks.filter(|peak| (peak.among, peak.along) == (Among::All, Along::Turn));
+        // Of a row that is one rhythm the line has half of its numbers.
+        let share = 2.0 * own.map(|peak| peak.power).sum::<f64>() / other.white.len() as f64;
+        (WHITE.recip()..WHITE).contains(&mean_square(&other.white)) && share < RHYTHM
+    }
+}
+
+fn mean_square(white: &[f64]) -> f64 {
+    white.iter().map(|w| w * w).sum::<f64>() / white.len().max(1) as f64
+}
