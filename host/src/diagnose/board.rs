@@ -26,6 +26,12 @@ pub struct Board {
 }
 
 impl Board {
+    /// Forgets what was worked out of other edges.
+    pub(super) fn forget(&mut self) {
+        self.clear = OnceLock::new();
+        self.products = Products::default();
+    }
+
     /// Edges of all recordings.
     #[must_use]
     pub fn edges(&self) -> usize {

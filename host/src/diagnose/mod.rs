@@ -78,6 +78,7 @@ pub mod seen;
 pub mod settle;
 mod settling;
 pub mod shaft;
+mod shortened;
 pub mod shown;
 mod sift;
 mod slow;

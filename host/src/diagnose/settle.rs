@@ -16,6 +16,7 @@ use super::repeats::{self, Repeats};
 use super::rests::{far, rests};
 use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};
+use super::shortened::{common, cut, fit_again, longer};
 use crate::twin::Twin;
 
 /// A conclusion with its numbers.
@@ -47,6 +48,8 @@ pub struct Settled {
     pub held: HeldRatios,
     /// Named findings that the mended twin leaves nothing of, by their places among them: what others make beyond a linear model.
     pub faded: Vec<usize>,
+    /// First edges that the mended twins have, where these are fewer.
+    shorter: Option<Vec<usize>>,
     class_names: &'static [&'static str],
 }
 
@@ -61,15 +64,23 @@ pub fn settle(
     searched: Searched,
     concluded: Conclusion,
 ) -> Result<Settled, DiagnoseError> {
+    let (mut given, mut board, mut searched) = (given.clone(), board, searched);
     let mut concluded = concluded;
     loop {
         let settled = once(
             rig,
-            given,
+            &given,
             board.clone(),
             searched.clone(),
             concluded.clone(),
         )?;
+        if let Some(edges) = &settled.shorter {
+            cut(&mut given, edges);
+            cut(&mut board, edges);
+            if fit_again(&board, &mut searched).is_some() {
+                continue;
+            }
+        }
         if settled.faded.is_empty() {
             return Ok(settled);
         }
@@ -117,6 +128,7 @@ fn once(
     let mended = |numbers: &[Estimate]| mended::twins(rig, &given, pattern, numbers);
     // Against the mended twins only small rests are left of the sizes.
     let mut again = board;
+    let mut shorter = None;
     if !numbers.is_empty() {
         for _ in 0..2 {
             let rig = mended::with_twins(rig, &mended(&numbers).0);
@@ -124,8 +136,12 @@ fn once(
                 break;
             };
             // Edges are compared one by one, so the mended twin has to go wherever the given one goes.
-            let mut pairs = next.benches.iter().zip(&again.benches);
-            if pairs.any(|(next, again)| next.seen.len() != again.seen.len()) {
+            let Some(both) = common(&again, &next) else {
+                break;
+            };
+            cut(&mut next, &both);
+            if longer(&again, &both) {
+                shorter = Some(both);
                 break;
             }
             for (bench, found) in next.benches.iter_mut().zip(&again.benches) {
@@ -177,6 +193,7 @@ fn once(
         repeats,
         held,
         faded,
+        shorter,
         class_names,
     })
 }

@@ -4,6 +4,7 @@ mod disc_parts;
 mod drawn;
 mod inertia;
 mod reversal;
+mod run_down;
 mod two_speeds;
 mod unknown_disc;
 mod where_it_shows;

@@ -83,6 +83,9 @@ fn columns(_: Basis, seen: &Seen, law: &ShaftLaw) -> Vec<Vec<f64>> {
         // What the drive adds to follow: J dw/dt and damping times what it asks for on top.
         let h = seen.readings[at].leap.after_s;
         let time = seen.times_s[at] - (1.0 - end) * h;
+        if !law.driven(time) {
+            return 0.0;
+        }
         let speed = seen.speeds[at];
         speed + law.damping(time, speed) * speed * time
     })]
