@@ -91,7 +91,8 @@ fn choices(ways: &[Vec<Hypothesis>]) -> Vec<Vec<Hypothesis>> {
         let more: Vec<Vec<Hypothesis>> = all
             .iter()
             .flat_map(|choice| {
-                let with = |way: &Hypothesis| [choice.as_slice(), &[way.clone()]].concat();
+                let with =
+                    |way: &Hypothesis| [choice.as_slice(), std::slice::from_ref(way)].concat();
                 of_kind.iter().map(with)
             })
             .collect();
