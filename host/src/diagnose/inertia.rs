@@ -10,7 +10,7 @@ use super::bench::Bench;
 use super::every_turn::EveryTurn;
 use super::kalman::ShaftNoise;
 use super::locate::{Along, Among, peaks};
-use super::noise_fit;
+use super::noise_fit::{self, Free};
 
 /// Variance of the white residual, either way, up to which the twin's inertia will do.
 const EXPLAINED: f64 = 1.5;
@@ -54,7 +54,7 @@ pub fn times_too_large(bench: &Bench) -> Option<f64> {
     });
     let (_, times, told) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let apart = times > APART || times < APART.recip();
-    (apart && told.stays(times) && told.is_white(times)).then_some(times)
+    (apart && told.stays(times) && told.is_white(times) && told.is_likely(times)).then_some(times)
 }
 
 /// A residual with what its twin tells of the noise.
@@ -88,6 +88,22 @@ impl Told<'_> {
             ..self.declared
         };
         other
+    }
+
+    /// Whether noise with torque and stamps of any size is that of this inertia: stamps that are worse than the twin's are not.
+    fn is_likely(&self, times: f64) -> bool {
+        let other = self.with(times);
+        let readings = &other.seen.readings;
+        let each = [self.declared, other.noise].map(|start| {
+            let least_s = other.least_stamp_s;
+            let noise = noise_fit::fit(readings, &self.angles, least_s, start, Free::Sizes);
+            (noise_fit::cost(readings, &self.angles, noise), noise)
+        });
+        let best = each.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.is_some_and(|(_, noise)| {
+            let times = (noise.acceleration / other.noise.acceleration).sqrt();
+            (ALIKE.recip()..=ALIKE).contains(&times)
+        })
     }
 
     /// Whether every part of the recording shows the same.

@@ -38,4 +38,6 @@ fn a_twin_without_a_torque_or_an_error_a_thousand_times_its_noise_is_not_refused
     ] {
         assert_eq!(refused(&format!("{STEADY}{more}"), STEADY), None, "{more}");
     }
+    let jitter = STEADY.replace("jitter_s = 1e-7", "jitter_s = 4e-6");
+    assert_eq!(refused(&jitter, STEADY), None);
 }
