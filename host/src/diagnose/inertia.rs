@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::bench::Bench;
 use super::every_turn::EveryTurn;
-use super::kalman::ShaftNoise;
+use super::kalman::{ShaftNoise, Whitener};
 use super::locate::{Along, Among, peaks};
 use super::noise_fit::{self, Free};
 
@@ -21,10 +21,10 @@ const APART: f64 = 100.0;
 /// Powers of ten that a unit may be off.
 const DECADES: i32 = 8;
 /// Steps a decade.
-const STEPS: i32 = 4;
+const STEPS: i32 = 2;
 /// Parts of a recording that have to show it alike, and how nearly.
 const PARTS: usize = 4;
-const ALIKE: f64 = 2.0;
+const ALIKE: f64 = 4.0;
 /// Part of what is left that a few rhythms make at the most: what else is missing may be there too.
 const RHYTHM: f64 = 0.3;
 /// Probability that noise alone makes a rhythm stand out.
@@ -54,7 +54,7 @@ pub fn times_too_large(bench: &Bench) -> Option<f64> {
     });
     let (_, times, told) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let apart = times > APART || times < APART.recip();
-    (apart && told.stays(times) && told.is_white(times) && told.is_likely(times)).then_some(times)
+    (apart && told.stays(times) && told.is_white(times)).then(|| told.likely(times))?
 }
 
 /// A residual with what its twin tells of the noise.
@@ -67,43 +67,25 @@ struct Told<'a> {
 impl Told<'_> {
     /// How unlikely some edges are at the least, and with how many times the shaft's inertia.
     fn best(&self, edges: Range<usize>) -> Option<(f64, f64)> {
-        let cost = |decades: f64| {
-            let other = self.with(10_f64.powf(decades));
-            let readings = &other.seen.readings[edges.clone()];
-            noise_fit::cost(readings, &self.angles[edges.clone()], other.noise)
-        };
+        let readings = &self.bench.seen.readings[edges.clone()];
         let grid = (-DECADES * STEPS..=DECADES * STEPS).map(|n| f64::from(n) / f64::from(STEPS));
-        let each = grid.map(|decades| (cost(decades), 10_f64.powf(decades)));
+        let each = grid.map(|decades| {
+            let times = 10_f64.powf(decades);
+            let noise = self.noise(times);
+            let cost = noise_fit::cost(readings, &self.angles[edges.clone()], noise);
+            (cost, times)
+        });
         each.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The recording as that of a shaft whose twin has so many times its inertia.
-    fn with(&self, times: f64) -> Bench {
-        let mut other = self.bench.clone();
-        for reading in &mut other.seen.readings {
-            reading.leap.damping *= times;
-        }
-        other.noise = ShaftNoise {
+    /// The noise of a shaft whose twin has so many times its inertia.
+    fn noise(&self, times: f64) -> ShaftNoise {
+        let damping = self.bench.law.damping(0.0, self.bench.mean_speed);
+        ShaftNoise {
             acceleration: self.declared.acceleration * times * times,
+            forgets_per_s: damping * (times - 1.0),
             ..self.declared
-        };
-        other
-    }
-
-    /// Whether noise with torque and stamps of any size is that of this inertia: stamps that are worse than the twin's are not.
-    fn is_likely(&self, times: f64) -> bool {
-        let other = self.with(times);
-        let readings = &other.seen.readings;
-        let each = [self.declared, other.noise].map(|start| {
-            let least_s = other.least_stamp_s;
-            let noise = noise_fit::fit(readings, &self.angles, least_s, start, Free::Sizes);
-            (noise_fit::cost(readings, &self.angles, noise), noise)
-        });
-        let best = each.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        best.is_some_and(|(_, noise)| {
-            let times = (noise.acceleration / other.noise.acceleration).sqrt();
-            (ALIKE.recip()..=ALIKE).contains(&times)
-        })
+        }
     }
 
     /// Whether every part of the recording shows the same.
@@ -111,21 +93,43 @@ impl Told<'_> {
         let at = |part: usize| part * self.angles.len() / PARTS;
         (0..PARTS).all(|part| {
             let there = self.best(at(part)..at(part + 1));
-            there.is_some_and(|(_, there)| (ALIKE.recip()..=ALIKE).contains(&(there / times)))
+            there.is_some_and(|(_, there)| alike(there, times))
         })
     }
 
     /// Whether what it leaves is noise for the most part, as large as it should be.
     fn is_white(&self, times: f64) -> bool {
-        let mut other = self.with(times);
-        other.seen.angles.clone_from(&self.angles);
-        other.set_noise(other.noise);
-        let peaks = peaks(&other, 0, &other.white, FALSE_ALARM).into_iter();
+        let mut white = self.angles.clone();
+        Whitener::new(&self.bench.seen.readings, self.noise(times)).whiten(&mut white);
+        let peaks = peaks(self.bench, 0, &white, FALSE_ALARM).into_iter();
         let own = peaks.filter(|peak| (peak.among, peak.along) == (Among::All, Along::Turn));
         // Of a row that is one rhythm the line has half of its numbers.
-        let share = 2.0 * own.map(|peak| peak.power).sum::<f64>() / other.white.len() as f64;
-        (WHITE.recip()..WHITE).contains(&mean_square(&other.white)) && share < RHYTHM
+        let share = 2.0 * own.map(|peak| peak.power).sum::<f64>() / white.len() as f64;
+        (WHITE.recip()..WHITE).contains(&mean_square(&white)) && share < RHYTHM
     }
+
+    /// The inertia by the most likely noise of torque and stamps of any size; none where stamps that are worse than the twin's are more
+    /// likely than another inertia.
+    fn likely(&self, times: f64) -> Option<f64> {
+        let readings = &self.bench.seen.readings;
+        let least_s = self.bench.least_stamp_s;
+        let held = self.noise(times);
+        let fitted = [self.declared.acceleration, held.acceleration].map(|acceleration| {
+            let start = ShaftNoise {
+                acceleration,
+                ..held
+            };
+            let noise = noise_fit::fit(readings, &self.angles, least_s, start, Free::Sizes);
+            (noise_fit::cost(readings, &self.angles, noise), noise)
+        });
+        let (_, noise) = fitted.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let there = (noise.acceleration / self.declared.acceleration).sqrt();
+        alike(there, times).then_some(there)
+    }
+}
+
+fn alike(there: f64, times: f64) -> bool {
+    (ALIKE.recip()..=ALIKE).contains(&(there / times))
 }
 
 fn mean_square(white: &[f64]) -> f64 {
