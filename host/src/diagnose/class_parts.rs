@@ -37,7 +37,8 @@ pub fn other_choice(
     ways.extend(rhythms.map(|one| vec![one.hypothesis.clone()]));
     let own = |one: &Found| ways.iter().flatten().any(|way| *way == one.hypothesis);
     let (here, mut others): (Vec<Found>, Vec<Found>) = found.iter().cloned().partition(own);
-    if here.is_empty() {
+    let rhythms = ways.len() > KINDS.len();
+    if here.len() < 2 && !rhythms {
         return None;
     }
     let beside = board.fit(columns(nuisances, &others))?;

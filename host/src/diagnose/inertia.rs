@@ -22,6 +22,8 @@ const APART: f64 = 100.0;
 const DECADES: i32 = 8;
 /// Steps a decade.
 const STEPS: i32 = 2;
+/// Edges that are enough for a first look.
+const EDGES: usize = 4000;
 /// Parts of a recording that have to show it alike, and how nearly.
 const PARTS: usize = 4;
 const ALIKE: f64 = 4.0;
@@ -39,6 +41,8 @@ pub fn times_too_large(bench: &Bench) -> Option<f64> {
         return None;
     }
     let seen = &bench.seen;
+    let before = seen.len().saturating_sub(EDGES) / 2;
+    let middle = before..seen.len().min(before + EDGES);
     // A disc that the twin does not know may be larger than all wander.
     let mut all = vec![(seen.angles.clone(), 0)];
     all.extend(EveryTurn::of(seen).into_iter().flat_map(|e| e.off(seen)));
@@ -48,13 +52,15 @@ pub fn times_too_large(bench: &Bench) -> Option<f64> {
             angles,
             declared,
         };
-        let (cost, times) = told.best(0..seen.len())?;
-        let cost = cost + numbers as f64 * (seen.len() as f64).ln();
+        let times = told.best(&middle)?;
+        let likely = noise_fit::cost(&seen.readings, &told.angles, told.noise(times));
+        let cost = likely + numbers as f64 * (seen.len() as f64).ln();
         Some((cost, times, told))
     });
     let (_, times, told) = judged.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let apart = times > APART || times < APART.recip();
-    (apart && told.stays(times) && told.is_white(times)).then(|| told.likely(times))?
+    let times = (apart && told.stays(times)).then(|| told.likely(times))??;
+    told.is_white(times).then_some(times)
 }
 
 /// A residual with what its twin tells of the noise.
@@ -65,8 +71,8 @@ struct Told<'a> {
 }
 
 impl Told<'_> {
-    /// How unlikely some edges are at the least, and with how many times the shaft's inertia.
-    fn best(&self, edges: Range<usize>) -> Option<(f64, f64)> {
+    /// With how many times the shaft's inertia some edges are most likely.
+    fn best(&self, edges: &Range<usize>) -> Option<f64> {
         let readings = &self.bench.seen.readings[edges.clone()];
         let grid = (-DECADES * STEPS..=DECADES * STEPS).map(|n| f64::from(n) / f64::from(STEPS));
         let each = grid.map(|decades| {
@@ -76,6 +82,7 @@ impl Told<'_> {
             (cost, times)
         });
         each.min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, times)| times)
     }
 
     /// The noise of a shaft whose twin has so many times its inertia.
@@ -92,8 +99,8 @@ impl Told<'_> {
     fn stays(&self, times: f64) -> bool {
         let at = |part: usize| part * self.angles.len() / PARTS;
         (0..PARTS).all(|part| {
-            let there = self.best(at(part)..at(part + 1));
-            there.is_some_and(|(_, there)| alike(there, times))
+            let there = self.best(&(at(part)..at(part + 1)));
+            there.is_some_and(|there| alike(there, times))
         })
     }
 
