@@ -29,6 +29,8 @@ const PARTS: usize = 4;
 const ALIKE: f64 = 4.0;
 /// Part of what is left that a few rhythms make at the most: what else is missing may be there too.
 const RHYTHM: f64 = 0.3;
+/// Evidence against it, as twice a difference of logarithms of likelihood, that noise of any kind may have.
+const SURELY: f64 = 500.0;
 /// Probability that noise alone makes a rhythm stand out.
 const FALSE_ALARM: f64 = 1e-3;
 
@@ -129,9 +131,12 @@ impl Told<'_> {
             let noise = noise_fit::fit(readings, &self.angles, least_s, start, Free::Sizes);
             (noise_fit::cost(readings, &self.angles, noise), noise)
         });
-        let (_, noise) = fitted.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (cost, noise) = fitted.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         let there = (noise.acceleration / self.declared.acceleration).sqrt();
-        alike(there, times).then_some(there)
+        // A shaft that something holds otherwise than friction does has noise of its own.
+        let any = noise_fit::fit(readings, &self.angles, least_s, noise, Free::All);
+        let any = noise_fit::cost(readings, &self.angles, any);
+        (alike(there, times) && cost < any + SURELY).then_some(there)
     }
 }
 

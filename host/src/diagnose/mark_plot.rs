@@ -5,8 +5,8 @@
 
 use super::basis::{Basis, Change, change_of};
 use super::board::Bench;
+use super::marks::Mark;
 use super::seen::Seen;
-use super::settle::Mark;
 use super::shown::FindingPlot;
 use crate::mechanism::Mechanism;
 

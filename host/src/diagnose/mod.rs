@@ -46,6 +46,7 @@ pub mod leftover;
 pub mod locate;
 mod looped;
 mod mark_plot;
+pub mod marks;
 pub mod mend;
 pub mod mended;
 mod mender;

@@ -1,6 +1,5 @@
 //! What was concluded, put into the twins, simulated, and fitted once more: the numbers are those of the simulation.
 
-use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::conclude::Conclusion;
 use super::diagnosis::Fit;
@@ -10,6 +9,7 @@ use super::follow::together;
 use super::instants::sharpened;
 use super::joined::join;
 use super::judge::{self, HeldRatios, Judged};
+use super::marks::{Mark, marks};
 use super::mended;
 use super::prepare;
 use super::repeats::{self, Repeats};
@@ -18,6 +18,9 @@ use super::run::{DiagnoseError, Recorded};
 use super::search::{Found, Searched};
 use super::shortened::{common, cut, fit_again, longer};
 use crate::twin::Twin;
+
+/// Times that recordings are cut to where mended twins go as well.
+const CUTS: usize = 3;
 
 /// A conclusion with its numbers.
 #[derive(Debug)]
@@ -66,6 +69,7 @@ pub fn settle(
 ) -> Result<Settled, DiagnoseError> {
     let (mut given, mut board, mut searched) = (given.clone(), board, searched);
     let mut concluded = concluded;
+    let mut cuts = 0;
     loop {
         let settled = once(
             rig,
@@ -74,12 +78,14 @@ pub fn settle(
             searched.clone(),
             concluded.clone(),
         )?;
-        if let Some(edges) = &settled.shorter {
+        if let Some(edges) = settled.shorter.as_ref().filter(|_| cuts < CUTS) {
+            cuts += 1;
             cut(&mut given, edges);
             cut(&mut board, edges);
-            if fit_again(&board, &mut searched).is_some() {
-                continue;
+            if fit_again(&board, &mut searched).is_none() {
+                return Ok(settled);
             }
+            continue;
         }
         if settled.faded.is_empty() {
             return Ok(settled);
@@ -207,57 +213,6 @@ fn nameless(searched: &Searched, concluded: &Conclusion) -> Vec<Column> {
     let found = searched.found.iter().enumerate();
     let odd = found.filter(|(number, _)| !named(number));
     odd.flat_map(|(_, found)| found.columns.clone()).collect()
-}
-
-/// What a finding makes of the recording that shows it best.
-#[derive(Debug)]
-pub struct Mark {
-    /// Recording.
-    pub bench: usize,
-    /// Its first pattern.
-    pub basis: Basis,
-    /// Angles, rad.
-    pub angles: Vec<f64>,
-    /// The same, white.
-    pub white: Vec<f64>,
-    /// What all findings leave, white.
-    pub left: Vec<f64>,
-}
-
-/// Marks of everything found.
-fn marks(board: &Board, chosen: &Searched) -> Vec<Mark> {
-    let mut at = chosen.nuisances;
-    let each = chosen.found.iter().map(|found| {
-        let sizes = &chosen.model.sizes.as_slice()[at..at + found.columns.len()];
-        at += found.columns.len();
-        let raw = found.hypothesis.raw_columns(board);
-        let sum = |columns: &[Column], bench: usize| {
-            let mut sum = vec![0.0; board.benches[bench].seen.len()];
-            for (column, size) in columns.iter().zip(sizes) {
-                for (sum, value) in sum.iter_mut().zip(column.0[bench].iter().flatten()) {
-                    *sum += size * value;
-                }
-            }
-            sum
-        };
-        let power = |bench: usize| {
-            sum(&found.columns, bench)
-                .iter()
-                .map(|w| w * w)
-                .sum::<f64>()
-        };
-        let bench = (0..board.benches.len())
-            .max_by(|a, b| power(*a).total_cmp(&power(*b)))
-            .unwrap_or(0);
-        Mark {
-            bench,
-            basis: found.hypothesis.bases[0],
-            angles: sum(&raw, bench),
-            white: sum(&found.columns, bench),
-            left: chosen.model.left[bench].clone(),
-        }
-    });
-    each.collect()
 }
 
 impl Settled {
