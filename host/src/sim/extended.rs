@@ -6,6 +6,7 @@
 use super::drive::Knot;
 use super::plant::Plant;
 use super::profile::Profile;
+use super::shaft::ROUNDING;
 use super::spring::{DriveSpring, State, Twist};
 use super::taylor::{DEGREE, Piece, Series, bisect};
 use super::tone::Tone;
@@ -200,11 +201,12 @@ impl Extended {
                 .rev()
                 .fold(0.0, |sum, k| sum * tau + pull[k] * k as f64)
         };
+        let rounding = ROUNDING * (hold + self.gain() * (plain.abs() + self.push[0].abs()));
         let mut until = length;
         for side in [1.0, -1.0] {
             let spare = |tau: f64| hold - side * value(tau);
             let grows = side * rate(0.0) > 0.0;
-            if spare(0.0) < 0.0 || (spare(0.0) == 0.0 && grows) {
+            if spare(0.0) < 0.0 || (spare(0.0) <= rounding && grows) {
                 return Err(side);
             }
             // The pull may also peak within the piece.
@@ -215,7 +217,6 @@ impl Extended {
             };
             if spare(peak) < 0.0 {
                 until = bisect(0.0, peak, 1.0, spare);
-                // Rounding may leave the pull a hair under friction at the very time: then let go.
                 if until <= length * 1e-12 {
                     return Err(side);
                 }

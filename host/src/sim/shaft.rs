@@ -28,6 +28,10 @@ impl LongSum {
     }
 }
 
+/// Share of the torques that rounding may leave a pull under friction by when it breaks away. What winds a spring up in the time that
+/// is left is lost in rounding too, so the shaft is let go there and then.
+pub(super) const ROUNDING: f64 = 4e-15;
+
 /// Everything that pushes the shaft but friction and ripple, over one segment of time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forcing {
@@ -97,7 +101,7 @@ impl Shaft {
                     Ok(rest) => return rest,
                     Err(motion) => self.motion = motion,
                 }
-            } else if let Some(rest) = self.standstill(pull, forcing.slope, longest) {
+            } else if let Some(rest) = self.standstill(pull, forcing, longest) {
                 return rest;
             } else {
                 self.motion = if pull == 0.0 {
@@ -126,20 +130,20 @@ impl Shaft {
     }
 
     /// A piece of standing still, where friction holds against `pull`.
-    fn standstill(&self, pull: f64, slope: f64, longest: f64) -> Option<Piece> {
+    fn standstill(&self, pull: f64, forcing: Forcing, longest: f64) -> Option<Piece> {
+        let slope = forcing.slope;
         let towards = if pull == 0.0 { sign(slope) } else { sign(pull) };
-        let breaks_away =
-            pull.abs() > self.coulomb || (pull.abs() == self.coulomb && towards * slope > 0.0);
-        if breaks_away {
+        let spare = self.coulomb - pull.abs();
+        let rounding = ROUNDING * (self.coulomb + forcing.level.abs());
+        if spare < 0.0 || (spare <= rounding && towards * slope > 0.0) {
             return None;
         }
         // The pull grows at a constant rate; it gets loose where it meets friction on the side it moves to.
         let until = if slope == 0.0 {
             longest
         } else {
-            ((self.coulomb * sign(slope) - pull) / slope).max(0.0)
+            (self.coulomb * sign(slope) - pull) / slope
         };
-        // Rounding may leave the pull a hair under friction at the very time: then let go.
         (until > longest * 1e-12).then(|| Piece::rest(until.min(longest)))
     }
 

@@ -147,6 +147,34 @@ fn a_slow_shaft_sticks_and_slips_once_each_time_the_spring_is_wound_up() {
 }
 
 #[test]
+fn a_spring_wound_up_to_within_rounding_of_friction_lets_the_shaft_go() {
+    // Noise holds the shaft back now and then just before it breaks away, so that it stands for ever shorter.
+    for seed in 0..10 {
+        let mut twin = pulled(0.3);
+        twin.seed = seed;
+        twin.shaft.coulomb_n_m = 4e-3;
+        twin.shaft.stribeck_n_m = 4e-4;
+        twin.shaft.stribeck_rad_s = 0.2;
+        twin.shaft.viscous_n_m_s = 1e-4;
+        twin.stick_slip = Some(StickSlip {
+            stiffness_n_m_rad: 4e-3,
+        });
+        twin.noise = Some(twin::Noise::White {
+            psd_n2_m2_s: 1e-13,
+            hold_s: Some(2e-2),
+        });
+        twin.duration = Duration::Seconds(300.0);
+        let mut run = Simulation::new(&twin).unwrap();
+        let mut pieces = 0;
+        while !run.done && pieces < 100_000 {
+            run.advance();
+            pieces += 1;
+        }
+        assert!(run.done, "seed {seed}: at {} s", run.segment_start_s);
+    }
+}
+
+#[test]
 fn a_fast_one_slides_steadily_as_the_spring_holds_its_friction() {
     let twin = pulled(2.0);
     for event in Simulation::new(&twin).unwrap() {
