@@ -7,10 +7,12 @@
 use std::ops::Range;
 
 use super::bench::Bench;
+use super::board::Board;
 use super::every_turn::EveryTurn;
 use super::kalman::{ShaftNoise, Whitener};
 use super::locate::{Along, Among, peaks};
 use super::noise_fit::{self, Free};
+use super::run::{DiagnoseError, Recorded};
 
 /// Variance of the white residual, either way, up to which the twin's inertia will do.
 const EXPLAINED: f64 = 1.5;
@@ -34,10 +36,33 @@ const SURELY: f64 = 500.0;
 /// Probability that noise alone makes a rhythm stand out.
 const FALSE_ALARM: f64 = 1e-3;
 
+/// Whether the shafts of a rig may be their twins', which no loop drives.
+///
+/// # Errors
+/// [`DiagnoseError::OtherRig`] where a recording's shaft is another by far.
+pub fn checked(rig: &[Recorded], board: &Board) -> Result<(), DiagnoseError> {
+    for (one, bench) in rig.iter().zip(&board.benches) {
+        let Some(times) = times_too_large(bench).filter(|_| one.twin.speed_loop().is_none()) else {
+            continue;
+        };
+        let given = one.twin.shaft.inertia_kg_m2;
+        return Err(DiagnoseError::OtherRig {
+            file: one.file.clone(),
+            twin: one.twin.name.clone(),
+            why: format!(
+                "its shaft of {given:?} kg m^2 would wander otherwise, as here one of about {:.1e} kg m^2 does; correct \
+                 inertia_kg_m2 (1 g cm^2 is 1e-7 kg m^2), or the torque noise's density",
+                given / times
+            ),
+        });
+    }
+    Ok(())
+}
+
 /// How many times the twin's inertia is that of the recording's shaft, where it is another by far; none where the twin's will do, or
 /// something else may be wrong.
 #[must_use]
-pub fn times_too_large(bench: &Bench) -> Option<f64> {
+fn times_too_large(bench: &Bench) -> Option<f64> {
     let declared = bench.declared?;
     if (EXPLAINED.recip()..EXPLAINED).contains(&mean_square(&bench.white)) {
         return None;

@@ -27,6 +27,7 @@ pub mod ends;
 pub mod estimate;
 pub mod events;
 mod every_turn;
+pub mod explained;
 pub mod explore;
 mod faded;
 mod follow;

@@ -1,5 +1,7 @@
 //! Which edges a finding moves: the channels that it is on, and of each its rises, its falls, or both.
 
+use std::mem;
+
 use super::basis::Basis;
 use super::classes::Change;
 use super::estimate::Estimate;
@@ -56,10 +58,16 @@ pub fn moved(estimate: &Estimate) -> Vec<Moved> {
     }
 }
 
-/// The sizes of a finding that has one for each channel, or one for all.
+/// The sizes of a finding that has one for each channel, or one for all. What is fitted beside it where the disc is not known is of
+/// another kind.
 fn own(estimate: &Estimate) -> Vec<Own> {
-    let sized = estimate.hypothesis.bases.iter().zip(&estimate.sizes);
-    let each = sized.enumerate().filter_map(|(at, (basis, &size))| {
+    let bases = &estimate.hypothesis.bases;
+    let sized = bases.iter().zip(&estimate.sizes);
+    let of_its_kind = |basis: &Basis| mem::discriminant(basis) == mem::discriminant(&bases[0]);
+    let sized = sized
+        .enumerate()
+        .filter(|(_, (basis, _))| of_its_kind(basis));
+    let each = sized.filter_map(|(at, (basis, &size))| {
         let (channel, rises) = match *basis {
             // What comes late is said, and a negative difference of rise and fall is a fall that does.
             Basis::RiseLate { channel } => (channel, Some(size > 0.0)),

@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::board::{Bench, Board, Products};
 use super::goes;
-use super::inertia;
 use super::kalman::ShaftNoise;
 use super::looped::TIED_JITTER_S;
 use super::one_channel::turned;
@@ -101,20 +100,6 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         });
     }
     let mut bench = compared(one, seen);
-    if let Some(times) =
-        inertia::times_too_large(&bench).filter(|_| one.twin.speed_loop().is_none())
-    {
-        let given = one.twin.shaft.inertia_kg_m2;
-        return Err(DiagnoseError::OtherRig {
-            file: one.file.clone(),
-            twin: one.twin.name.clone(),
-            why: format!(
-                "its shaft of {given:?} kg m^2 would wander otherwise, as here one of about {:.1e} kg m^2 does; correct \
-                 inertia_kg_m2 (1 g cm^2 is 1e-7 kg m^2), or the torque noise's density",
-                given / times
-            ),
-        });
-    }
     let jitter_s = one.twin.timer.jitter_s.max(TIED_JITTER_S);
     if let Some(stamp_s) = decide(&mut bench).filter(|stamp_s| *stamp_s > WORSE * jitter_s) {
         // Stamps that are worse than thought leave more samples in doubt.

@@ -6,6 +6,7 @@ use super::alone::alone;
 use super::beside::{of_events, of_motion, of_noise, of_pushes};
 use super::diagnosis::Diagnosis;
 use super::held_up::{self, Held};
+use super::inertia;
 use super::motion::foretold::Foretold;
 use super::motion::sticking::Sticking;
 use super::motion::{closed_loop, stick_slip, sticking};
@@ -161,6 +162,8 @@ pub fn diagnose(
             one.twin = twin;
         }
         board = prepare::board(&rig)?;
+    } else {
+        inertia::checked(&rig, &board)?;
     }
     let Held { explored, task } = held_up::explored(&mut rig, board, progress)?;
     let (task, without_task) = task.unzip();

@@ -5,6 +5,7 @@ mod drawn;
 mod inertia;
 mod reversal;
 mod run_down;
+mod starts;
 mod two_speeds;
 mod unknown_disc;
 mod where_it_shows;

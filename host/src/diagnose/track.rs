@@ -1,5 +1,7 @@
 //! A recording as the edges of a disc: when each came, and where on the grid it stands.
 
+use std::f64::consts::TAU;
+
 use quadcal::estimate::Anchor;
 
 use super::code::Code;
@@ -128,20 +130,35 @@ impl Track {
 
     /// Without an index: places are those of a shaft that starts at an angle.
     pub fn starts_at(&mut self, angle_rad: f64) {
-        let Some(first) = self.stretches.first() else {
+        let Some(before) = self.before_first() else {
             return;
         };
-        let (place, way) = (first.marks[0].place, first.direction);
-        let step = std::f64::consts::TAU / self.edges as f64;
-        // Between two edges, so the next one is half a step on, give or take; what kind of edge it is says which.
-        // Hall sensors are counted by the state that they come to, edge 0 leads to state 1.
-        let ahead = f64::from(u8::from(self.classes == 6));
-        let next = angle_rad / step + 0.5 * way as f64 + ahead;
-        let lines = ((next - place as f64) / self.classes as f64).round();
+        // What kind of edge the first one is says which of those near the angle.
+        let lines = ((angle_rad / self.step_rad() - before) / self.classes as f64).round();
         #[allow(clippy::cast_possible_truncation)]
         let origin = lines as i64 * self.classes;
         self.origin = origin;
         self.placed = true;
+    }
+
+    /// An angle, rad, at which a shaft starts that makes places as they are; never 0, which says nothing.
+    #[must_use]
+    pub fn start_rad(&self) -> Option<f64> {
+        let steps = self.before_first()? + self.origin as f64;
+        Some((steps * self.step_rad()).rem_euclid(TAU))
+    }
+
+    /// The middle between the first edge and the one before it, in edges of the grid as they were counted first: a shaft that starts
+    /// there has the edge half a step ahead, give or take.
+    fn before_first(&self) -> Option<f64> {
+        let first = self.stretches.first()?;
+        // Hall sensors are counted by the state that they come to, edge 0 leads to state 1.
+        let ahead = f64::from(u8::from(self.classes == 6));
+        Some(first.marks[0].place as f64 - ahead - 0.5 * first.direction as f64)
+    }
+
+    fn step_rad(&self) -> f64 {
+        TAU / self.edges as f64
     }
 
     /// All marks, each with the direction of its stretch.

@@ -47,7 +47,8 @@ pub use tone::TorqueTone;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Twin {
-    /// Seed of every random number, 0 to 2^63 - 1. The same seed gives the same bytes.
+    /// Seed of every random number, 0 to 2^63 - 1. The same seed gives the same bytes, so recordings of one rig want a seed each, or
+    /// noise is the same in them, edge by edge; `errors.seed` gives them one disc.
     #[serde(default)]
     pub seed: u64,
     /// How much to record.

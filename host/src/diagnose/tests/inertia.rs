@@ -1,11 +1,13 @@
 //! An inertia in a wrong unit is refused, and a shaft that goes far otherwise for another reason is not.
 
 use super::{STEADY, recorded, twin};
-use crate::diagnose::prepare;
 use crate::diagnose::run::DiagnoseError;
+use crate::diagnose::{inertia, prepare};
 
 fn refused(truth: &str, told: &str) -> Option<String> {
-    match prepare::board(&[recorded(&twin(truth), &twin(told))]) {
+    let rig = [recorded(&twin(truth), &twin(told))];
+    let board = prepare::board(&rig).unwrap();
+    match inertia::checked(&rig, &board) {
         Err(DiagnoseError::OtherRig { why, .. }) => Some(why),
         other => {
             other.unwrap();
