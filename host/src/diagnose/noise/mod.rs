@@ -15,6 +15,7 @@ mod own;
 mod resonance;
 mod rings;
 mod spectral;
+mod spikes;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -114,7 +115,8 @@ fn findings(board: &Board, left: &Model, rhythmic: bool) -> Vec<NoiseFinding> {
         None
     };
     if bursts.is_none() && flat::is_flat(board, &levels) {
-        found.extend(jitter::find(board, &levels));
+        let stamps = jitter::find(board, &levels);
+        found.extend(stamps.map(|found| spikes::instead(board, &levels, &found).unwrap_or(found)));
     }
     found.extend(bursts);
     found.retain(NoiseFinding::plausible);

@@ -99,6 +99,22 @@ fn late_stamps_are_told_from_jitter_by_their_skewness() {
 }
 
 #[test]
+fn few_edges_that_are_far_off_are_no_noise_of_the_stamps() {
+    for seed in SEEDS {
+        let board = prepare::board(&rig(seed, "", "", 0.0)).expect("a board");
+        let mut model = Model::none(&board);
+        for left in &mut model.left {
+            let each = left.iter_mut().skip(seed as usize).step_by(397);
+            each.for_each(|left| *left += 20.0);
+        }
+        let found = noise_findings(&board, &model);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].mechanism, Mechanism::Unknown);
+        near(&found[0], &[("share", 1.0 / 397.0, 0.1)]);
+    }
+}
+
+#[test]
 fn a_mode_that_torque_noise_excites_is_found_with_its_numbers() {
     for seed in SEEDS {
         let mode = "[torsional_resonance]\nf_hz = 52.0\ndamping_ratio = 0.03\ninertia_share = 0.3";
