@@ -109,6 +109,7 @@ fn facts(one: &Recorded) -> RecordingFacts {
         seconds: end.zip(begin).map_or(0.0, |(end, begin)| end - begin),
         speed_r_min: [one.twin.drive.nominal_rad_s() * tell::R_MIN; 2],
         anchored: one.track.anchored,
+        start_rad: one.start_rad(),
         stamp_rms_s: None,
         disturbed_s: one.track.slips.iter().map(|slip| slip.time_s).collect(),
     }

@@ -57,8 +57,11 @@ pub struct RecordingFacts {
     pub seconds: f64,
     /// Least and greatest speed of the twin along the way, r/min; negative in reverse.
     pub speed_r_min: [f64; 2],
-    /// Whether angles are those of the disc; else they count from the first edge.
+    /// Whether angles are those of the disc by its index; else they count from the start.
     pub anchored: bool,
+    /// Without an index the angle of the start, rad, as the twin gives it or the disc shows it; none where neither does, and angles count
+    /// from the first edge.
+    pub start_rad: Option<f64>,
     /// RMS error of a time stamp as found, s; none where nothing was compared that shows it.
     pub stamp_rms_s: Option<f64>,
     /// Times at which the count of edges was disturbed, s.

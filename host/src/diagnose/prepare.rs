@@ -37,7 +37,7 @@ pub fn board(rig: &[Recorded]) -> Result<Board, DiagnoseError> {
     let benches: Result<Vec<Bench>, DiagnoseError> = benches.into_iter().collect();
     let tied = rig
         .iter()
-        .all(|one| one.track.anchored || one.twin.shaft.initial_angle_rad != 0.0);
+        .all(|one| one.track.anchored || one.start_rad().is_some());
     Ok(Board {
         benches: benches?,
         tied,

@@ -35,6 +35,15 @@ pub struct Recorded {
     pub twin: Twin,
 }
 
+impl Recorded {
+    /// Without an index the angle at which the twin's shaft starts, rad; none where that is not known.
+    #[must_use]
+    pub fn start_rad(&self) -> Option<f64> {
+        let start = self.twin.shaft.initial_angle_rad;
+        (!self.track.anchored && start != 0.0).then_some(start)
+    }
+}
+
 /// Everything that comes of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Diagnosed {

@@ -33,16 +33,11 @@ pub fn counted(rig: &mut [Recorded]) {
     if rig.iter().any(|one| one.track.anchored) {
         return;
     }
-    if rig.iter().any(|one| !says_where(one)) {
+    if rig.iter().any(|one| one.start_rad().is_none()) {
         found(rig);
     } else if rig.len() > 1 {
         corrected(rig);
     }
-}
-
-/// Whether a twin says where its shaft starts.
-fn says_where(one: &Recorded) -> bool {
-    one.twin.shaft.initial_angle_rad != 0.0
 }
 
 /// Starts that are out by a few lines are put right.
@@ -69,14 +64,17 @@ fn found(rig: &mut [Recorded]) {
     let (Some(shown), Ok(given)) = (shown, seen(&rig[0])) else {
         return;
     };
-    let first = rig.iter().position(says_where).unwrap_or(0);
+    let first = rig
+        .iter()
+        .position(|one| one.start_rad().is_some())
+        .unwrap_or(0);
     // A disc that one recording alone shows begins wherever it likes.
     let by_first = (rig.len() > 1).then_some((Some(first), &shown[first]));
     let mut models = iter::once((None, &given.errors)).chain(by_first);
     let lines = models.find_map(|(own, model)| {
         let each = rig.iter().zip(&shown).enumerate();
         let each = each.map(|(at, (one, shown))| {
-            if says_where(one) || own == Some(at) {
+            if one.start_rad().is_some() || own == Some(at) {
                 Some(0)
             } else {
                 same_disc(model, shown, one.track.classes)
@@ -85,7 +83,7 @@ fn found(rig: &mut [Recorded]) {
         each.collect::<Option<Vec<i64>>>()
     });
     for (one, lines) in rig.iter_mut().zip(lines.into_iter().flatten()) {
-        if !says_where(one) {
+        if one.start_rad().is_none() {
             one.track.origin += lines * one.track.classes;
             one.twin.shaft.initial_angle_rad = one.track.start_rad().unwrap_or(0.0);
         }

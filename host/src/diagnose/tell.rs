@@ -174,6 +174,7 @@ fn facts((one, bench): (&Recorded, &Bench)) -> RecordingFacts {
         seconds: bench.seen.seconds(),
         speed_r_min: bench.seen.speed_range().map(|speed| speed * R_MIN),
         anchored: one.track.anchored,
+        start_rad: one.start_rad(),
         stamp_rms_s: Some(bench.noise.stamp_s),
         disturbed_s: one.track.slips.iter().map(|slip| slip.time_s).collect(),
     }

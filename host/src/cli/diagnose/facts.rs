@@ -115,10 +115,10 @@ fn read(recording: &RecordingFacts) -> String {
                 "time stamps to {}, ",
                 si(stamp, "s")
             )),
-        if recording.anchored {
-            "the index"
-        } else {
-            "the first edge"
+        match recording.start_rad {
+            _ if recording.anchored => "the index".to_owned(),
+            Some(start) => format!("its start at {:.1} degrees", start.to_degrees()),
+            None => "the first edge".to_owned(),
         }
     );
     if !recording.disturbed_s.is_empty() {

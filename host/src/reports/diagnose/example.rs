@@ -117,7 +117,8 @@ fn facts(file: &str, twin: &str, r_min: f64) -> RecordingFacts {
         turns: 11.0,
         seconds: 660.0 / r_min,
         speed_r_min: [r_min, 1.002 * r_min],
-        anchored: true,
+        anchored: false,
+        start_rad: Some(0.35),
         stamp_rms_s: Some(6.1e-9),
         disturbed_s: vec![12.3456],
     }

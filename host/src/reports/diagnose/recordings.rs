@@ -113,11 +113,11 @@ pub(super) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
 }
 
 /// Where angles count from.
-const fn origin(facts: &RecordingFacts) -> &'static str {
-    if facts.anchored {
-        "the disc's index"
-    } else {
-        "the first edge"
+fn origin(facts: &RecordingFacts) -> String {
+    match facts.start_rad {
+        _ if facts.anchored => "the disc's index".to_owned(),
+        Some(start) => format!("the start at {:.1} degrees", start.to_degrees()),
+        None => "the first edge".to_owned(),
     }
 }
 
