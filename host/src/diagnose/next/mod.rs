@@ -19,6 +19,8 @@ use rehearsal::Rehearsal;
 const DECIDES: f64 = 20.0;
 /// Difference beyond which there is no need for more.
 const ENOUGH: f64 = 1000.0;
+/// Findings for which all candidates are tried; a recording that tells so many from others has enough to show, and each takes its time.
+const TRIED: usize = 4;
 /// Candidates that are looked at closer.
 const CLOSER: usize = 2;
 
@@ -27,11 +29,13 @@ const CLOSER: usize = 2;
 #[must_use]
 pub fn recordings(rig: &[Recorded], settled: &Settled) -> Vec<Option<NextRecording>> {
     let mut best: Option<Candidate> = None;
+    let mut tried = 0;
     let named = settled.concluded.named.iter().enumerate();
     let each = named.map(|(number, name)| {
         let own = name.hypothesis.mechanism;
         let next = (!name.alike.is_empty()).then(|| {
-            match rehearsed(rig, settled, number, best.as_ref()) {
+            tried += 1;
+            match rehearsed(rig, settled, number, best.as_ref(), tried <= TRIED) {
                 Some((next, candidate)) => {
                     if next.expected_delta_bic.is_some() {
                         best = best.take().or(Some(candidate));
@@ -56,12 +60,14 @@ pub fn first<'a>(
     decides.or_else(|| all.flatten().next())
 }
 
-/// The candidate that shows most for what it takes, as simulated; one that tells other findings apart is as good where it shows enough.
+/// The candidate that shows most for what it takes, as simulated; one that tells other findings apart is as good where it shows enough,
+/// and the only one unless `all` are tried.
 fn rehearsed(
     rig: &[Recorded],
     settled: &Settled,
     number: usize,
     other: Option<&Candidate>,
+    all: bool,
 ) -> Option<(NextRecording, Candidate)> {
     if settled.concluded.named.get(number)?.look_alikes.is_empty() {
         return None;
@@ -85,6 +91,9 @@ fn rehearsed(
         && least > ENOUGH
     {
         return Some((decided(&mechanisms, other, expected, least), other.clone()));
+    }
+    if !all {
+        return None;
     }
     let mut tried: Vec<(Candidate, f64)> = candidates(&rig.first()?.twin, bench)
         .into_par_iter()
