@@ -5,6 +5,7 @@
     clippy::cast_sign_loss
 )]
 
+mod absorbed;
 mod aliases;
 pub mod alone;
 pub mod basis;

@@ -1,5 +1,6 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
+use super::absorbed::absorb;
 use super::basis::Basis;
 use super::best::best;
 use super::board::{Board, Column, Model};
@@ -78,6 +79,7 @@ enum Learned {
 #[must_use]
 pub fn search(board: &mut Board) -> Option<Searched> {
     let mut searched = once(board, Learned::Never)?;
+    absorb(board, &mut searched);
     for _ in 1..ROUNDS {
         let explained = searched.explained(board);
         let before: Vec<f64> = board.benches.iter().map(|b| b.noise.stamp_s).collect();
@@ -100,6 +102,7 @@ pub fn search(board: &mut Board) -> Option<Searched> {
         }
         searched = once(board, learned)?;
         searched.pattern = merged(pattern, searched.pattern.take());
+        absorb(board, &mut searched);
     }
     Some(searched)
 }

@@ -59,3 +59,38 @@ fn a_mesh_a_hundredth_of_the_disc_is_found_under_it() {
         );
     }
 }
+
+/// Of a motor's few edges each errs by itself: some stand out, and one order of few is most of it.
+#[test]
+fn a_coarse_disc_of_which_every_edge_errs_has_no_defects_and_no_waves() {
+    for seed in 1..=6 {
+        let rig: Vec<Recorded> = [(11, 120.0), (12, 600.0)]
+            .into_iter()
+            .map(|(noise, r_min)| {
+                let told = format!(
+                    "seed = {noise}\nduration = {{ turns = 40 }}\n[encoder.hall]\npole_pairs = 4\n\
+                     [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-4\nstiffness_n_m_s = 1e-3\n\
+                     initial_angle_rad = 1.0\n[drive.constant]\nr_min = {r_min}\n\
+                     [noise.white]\npsd_n2_m2_s = 1e-12\n[timer]\nclock_hz = 84000000\njitter_s = 2e-7\n"
+                );
+                let disc = format!("[errors]\nseed = {seed}\n[errors.position.normal]\nrms_rad = 4e-3\n");
+                recorded(&twin(&format!("{told}{disc}")), &twin(&told))
+            })
+            .collect();
+        let found = diagnose(&rig, &mut |_, _| {}).unwrap().diagnosis.findings;
+        let named: Vec<Mechanism> = found.iter().map(|one| one.mechanism).collect();
+        let needless = [
+            Mechanism::LocalDefect,
+            Mechanism::Eccentricity,
+            Mechanism::DiscTilt,
+        ];
+        assert!(
+            named.contains(&Mechanism::LineError),
+            "seed {seed}: {named:?}"
+        );
+        assert!(
+            !named.iter().any(|one| needless.contains(one)),
+            "seed {seed}: {named:?}"
+        );
+    }
+}
