@@ -6,6 +6,7 @@
 
 use super::board::{Board, Column, Model};
 use super::hypothesis::Hypothesis;
+use super::least_squares::squares;
 use super::rivals::ALIKE;
 use super::search::{BEYOND, Found, columns};
 use super::weigh::{Shelf, weigh};
@@ -19,13 +20,15 @@ const KINDS: [Mechanism; 4] = [
     Mechanism::ChannelSkew,
 ];
 
-/// The findings with another choice of such errors in place of theirs, where that explains more; none where theirs is as good.
+/// The findings with another choice of such errors in place of theirs, where that explains more; none where theirs is as good, or where
+/// they have fewer than `least`.
 #[must_use]
 pub fn other_choice(
     board: &Board,
     nuisances: &[Column],
     found: &[Found],
     shelf: &mut Shelf,
+    least: usize,
 ) -> Option<Vec<Found>> {
     let mut ways = KINDS
         .map(|kind| (kind.card().handling.proposed)(board))
@@ -38,14 +41,19 @@ pub fn other_choice(
     let own = |one: &Found| ways.iter().flatten().any(|way| *way == one.hypothesis);
     let (here, mut others): (Vec<Found>, Vec<Found>) = found.iter().cloned().partition(own);
     let rhythms = ways.len() > KINDS.len();
-    if here.len() < 2 && !rhythms {
+    if here.len() < least && !rhythms {
         return None;
     }
     let beside = board.fit(columns(nuisances, &others))?;
     let present: Vec<Hypothesis> = here.into_iter().map(|one| one.hypothesis).collect();
-    let mut best = (worth(board, &beside, &present, shelf)? + ALIKE, None);
-    for choice in choices(&ways) {
-        match worth(board, &beside, &choice, shelf) {
+    let all = choices(&ways);
+    let variance = variance(board, &beside, &all, shelf)?;
+    let mut best = (
+        worth(board, &beside, &present, variance, shelf)? + ALIKE,
+        None,
+    );
+    for choice in all {
+        match worth(board, &beside, &choice, variance, shelf) {
             Some(worth) if worth > best.0 => best = (worth, Some(choice)),
             _ => {}
         }
@@ -74,15 +82,42 @@ fn once_a_line(board: &Board, hypothesis: &Hypothesis) -> bool {
         })
 }
 
+/// Variance of what no choice explains: where that is a disc that is not known yet it comes again each turn, and says as much once only.
+fn variance(
+    board: &Board,
+    beside: &Model,
+    all: &[Vec<Hypothesis>],
+    shelf: &mut Shelf,
+) -> Option<f64> {
+    let gains = all.iter().filter_map(|choice| {
+        let columns: Vec<Column> = choice
+            .iter()
+            .flat_map(|one| shelf.columns(board, one))
+            .collect();
+        board.gain(beside, &columns)
+    });
+    let most = gains.map(|gain| gain.squares).fold(0.0, f64::max);
+    let edges = board.edges() as f64;
+    let turns = edges / board.benches.first()?.seen.edges as f64;
+    let left = (squares(beside) - most) / edges;
+    Some(((left - 1.0) * turns).max(1.0))
+}
+
 /// What a choice explains beyond what it takes to be found; none where some of it can't be told from the rest.
-fn worth(board: &Board, beside: &Model, choice: &[Hypothesis], shelf: &mut Shelf) -> Option<f64> {
+fn worth(
+    board: &Board,
+    beside: &Model,
+    choice: &[Hypothesis],
+    variance: f64,
+    shelf: &mut Shelf,
+) -> Option<f64> {
     let columns: Vec<Column> = choice
         .iter()
         .flat_map(|one| shelf.columns(board, one))
         .collect();
     let cost = columns.len() as f64 * (board.edges() as f64).ln();
     let gain = board.gain(beside, &columns)?;
-    Some(gain.squares - cost - BEYOND * choice.len() as f64)
+    Some(gain.squares / variance - cost - BEYOND * choice.len() as f64)
 }
 
 /// Every choice of one or no way of each kind, but the empty one.

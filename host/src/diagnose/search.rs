@@ -30,6 +30,10 @@ const FINE: f64 = 40.0;
 const MORE: f64 = 0.9;
 /// How much larger noise is that makes a pattern of its own.
 const GROWN: f64 = 1.03;
+/// Findings of what all edges of a class have that may be a mixture of others.
+const MIXED: usize = 2;
+/// Times that they are chosen anew.
+const CHOICES: usize = 8;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
 /// Times that the search starts anew with the noise that it found.
@@ -118,12 +122,16 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let mut model = board.fit(nuisances.clone())?;
     let mut left = 0.0;
     let mut patterns = 0;
+    let mut choices = 0;
     let mut passing = 0.0;
     // What is as good as one rhythm's is that rhythm's; a coarse disc has few orders, of which one may be most of its pattern.
     let edges = board.benches.first().map_or(0, |bench| bench.seen.edges) as f64;
     let over = 1.0 + (edges / FINE).min(1.0);
     while found.len() < MOST {
-        if let Some(other) = other_choice(board, &nuisances, &found, &mut shelf) {
+        if choices < CHOICES
+            && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, MIXED)
+        {
+            choices += 1;
             found = other;
             model = board.fit(columns(&nuisances, &found))?;
         }
@@ -174,6 +182,12 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         let whole = whole.and_then(|_| disc::pattern(board, &model, known));
         if let Some(whole) = whole {
             // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
+            if !known && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, 0) {
+                // What all edges of a class have is none of the pattern, and what is left of it would be taken for some.
+                found = other;
+                model = board.fit(columns(&nuisances, &found))?;
+                continue;
+            }
             let before = found.len();
             found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
             if found.len() < before {
