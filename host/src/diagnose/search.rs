@@ -123,6 +123,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let mut left = 0.0;
     let mut patterns = 0;
     let mut choices = 0;
+    let mut chosen = false;
     let mut passing = 0.0;
     // What is as good as one rhythm's is that rhythm's; a coarse disc has few orders, of which one may be most of its pattern.
     let edges = board.benches.first().map_or(0, |bench| bench.seen.edges) as f64;
@@ -181,13 +182,16 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         }
         let whole = whole.and_then(|_| disc::pattern(board, &model, known));
         if let Some(whole) = whole {
-            // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
-            if !known && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, 0) {
-                // What all edges of a class have is none of the pattern, and what is left of it would be taken for some.
+            // What all edges of a class have is none of the pattern, and what is left of it would be taken for some.
+            if !known
+                && !std::mem::replace(&mut chosen, true)
+                && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, 0)
+            {
                 found = other;
                 model = board.fit(columns(&nuisances, &found))?;
                 continue;
             }
+            // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
             let before = found.len();
             found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
             if found.len() < before {
