@@ -172,25 +172,26 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         let place = best
             .as_ref()
             .filter(|one| one.score > BEYOND && one.hypothesis.mechanism == Mechanism::LocalDefect);
-        if !known
-            && (whole.is_some() || place.is_some())
-            && let Some(parts) = disc_parts(board, &model, whole, place)
-        {
-            found.extend(parts);
-            model = board.fit(columns(&nuisances, &found))?;
-            continue;
-        }
-        let whole = whole.and_then(|_| disc::pattern(board, &model, known));
-        if let Some(whole) = whole {
-            // What all edges of a class have is none of the pattern, and what is left of it would be taken for some.
-            if !known
-                && !std::mem::replace(&mut chosen, true)
+        if !known && (whole.is_some() || place.is_some()) {
+            // What all edges of a class have is none of the disc's, and what is left of it would be taken for some.
+            let parts = if !std::mem::replace(&mut chosen, true)
                 && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, 0)
             {
                 found = other;
+                true
+            } else if let Some(parts) = disc_parts(board, &model, whole, place) {
+                found.extend(parts);
+                true
+            } else {
+                false
+            };
+            if parts {
                 model = board.fit(columns(&nuisances, &found))?;
                 continue;
             }
+        }
+        let whole = whole.and_then(|_| disc::pattern(board, &model, known));
+        if let Some(whole) = whole {
             // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
             let before = found.len();
             found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
