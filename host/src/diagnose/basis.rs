@@ -81,6 +81,11 @@ pub enum Basis {
     },
     /// The speed asked for grows by its whole every second.
     Drift,
+    /// The speed asked for settles at twice itself: 1 - exp(-t / tau) more.
+    Warming {
+        /// Time constant, s.
+        tau_s: f64,
+    },
     /// Dry friction of 1 N m.
     Coulomb,
     /// Viscous friction of 1 N m s.
@@ -120,6 +125,7 @@ impl Basis {
                 | Self::LevelDrift { .. }
                 | Self::Load { .. }
                 | Self::Drift
+                | Self::Warming { .. }
         )
     }
 

@@ -158,7 +158,12 @@ fn odd(board: &Board, searched: &Searched) -> Vec<usize> {
     let drifts = |found: &Found| {
         matches!(
             found.hypothesis.bases.first(),
-            Some(Basis::LevelDrift { .. } | Basis::Drift | Basis::Load { .. })
+            Some(
+                Basis::LevelDrift { .. }
+                    | Basis::Drift
+                    | Basis::Warming { .. }
+                    | Basis::Load { .. }
+            )
         )
     };
     for family_of in [Family::Level, Family::Alike] {

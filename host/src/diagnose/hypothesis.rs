@@ -111,7 +111,10 @@ fn searched(basis: Basis) -> usize {
         Basis::Round { order } | Basis::Lagged { order } | Basis::TorqueOrder { order } => {
             usize::from(order.fract() != 0.0)
         }
-        Basis::TorqueTone { .. } | Basis::LevelTone { .. } | Basis::Stribeck { .. } => 1,
+        Basis::TorqueTone { .. }
+        | Basis::LevelTone { .. }
+        | Basis::Warming { .. }
+        | Basis::Stribeck { .. } => 1,
         Basis::LevelDrift { .. } | Basis::Bump { .. } | Basis::Load { .. } => 2,
         _ => 0,
     }

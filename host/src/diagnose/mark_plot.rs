@@ -147,6 +147,7 @@ fn coordinate(seen: &Seen, basis: Basis) -> Coordinate {
         Basis::LevelDrift { .. }
         | Basis::Load { .. }
         | Basis::Drift
+        | Basis::Warming { .. }
         | Basis::Direction
         | Basis::Coulomb
         | Basis::Viscous

@@ -123,6 +123,7 @@ pub fn steps(board: &Board, hypothesis: &Hypothesis) -> Vec<(Change, f64)> {
         Some(Basis::LevelDrift { .. }) => vec![(from, 0.05 * long), (length, 0.3)],
         Some(Basis::Load { .. }) => vec![(from, 0.006 * long), (until, 0.006 * long)],
         Some(Basis::Stribeck { .. }) => vec![(length, 0.1)],
+        Some(Basis::Warming { .. }) => vec![(length, 0.3)],
         Some(Basis::Bump { width_rad, .. }) => vec![(rhythm, 0.3 * width_rad), (length, 0.3)],
         _ => Vec::new(),
     }
@@ -154,7 +155,9 @@ fn until(basis: &mut Basis, by: f64) {
 
 fn length(basis: &mut Basis, by: f64) {
     match basis {
-        Basis::LevelDrift { tau_s: scale, .. } | Basis::Stribeck { rad_s: scale } => {
+        Basis::LevelDrift { tau_s: scale, .. }
+        | Basis::Warming { tau_s: scale }
+        | Basis::Stribeck { rad_s: scale } => {
             *scale *= by.exp();
         }
         // What is wider is no place any more.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use quadcal::edge::Levels;
 
-use super::track::{Mark, Stretch, Track};
+use super::track::{Mark, Track};
 use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::{Class, Simulation};
 use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
@@ -16,8 +16,8 @@ const START_RAD: f64 = 0.1;
 /// The twin's shaft as nothing disturbs it.
 #[derive(Clone, Debug)]
 pub struct Still {
-    /// Edges of a perfect disc on it.
-    pub pace: Vec<Stretch>,
+    /// Edges of a perfect disc on it, those before its index too.
+    pub pace: Vec<Mark>,
     /// Errors of the twin's disc, rad.
     pub errors: Vec<f64>,
     /// What a place lacks to be an edge of the disc, turns counted from the twin's start.
@@ -69,8 +69,8 @@ pub fn simulators(plan: SensorPlan) -> SensorPlan {
     SensorPlan { kind, ..plan }
 }
 
-/// Stretches of a twin's edges.
-fn simulated(plan: SensorPlan, twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
+/// A twin's edges.
+fn simulated(plan: SensorPlan, twin: &Twin) -> Result<Vec<Mark>, TwinError> {
     if let SensorKind::Wheel {
         both_edges: true, ..
     } = plan.kind
@@ -81,11 +81,19 @@ fn simulated(plan: SensorPlan, twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
     let rows = Simulation::new(twin)?.map(|event| Ok::<_, PlanError>(event.row));
     let track = Track::of(simulators(plan), twin.timer.clock_hz, rows);
     // The plan has decoded the recording, so it decodes this.
-    Ok(track.map_or_else(|_| Vec::new(), |track| track.stretches))
+    let mut marks = Vec::new();
+    if let Ok(track) = track {
+        let counted = track
+            .stretches
+            .into_iter()
+            .flat_map(|stretch| stretch.marks);
+        marks.extend(track.early.into_iter().chain(counted));
+    }
+    Ok(marks)
 }
 
 /// Edges of a twin with one channel, which does not show which way it goes: the simulator knows. Counted from the first rise on.
-fn to_and_fro(twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
+fn to_and_fro(twin: &Twin) -> Result<Vec<Mark>, TwinError> {
     let edges = f64::from(twin.encoder.grid_edges());
     let events = Simulation::new(twin)?.filter(|event| event.truth.edge.is_some());
     let mut marks: Vec<Mark> = events
@@ -97,8 +105,7 @@ fn to_and_fro(twin: &Twin) -> Result<Vec<Stretch>, TwinError> {
         .collect();
     let first = marks.first().map_or(0, |mark| mark.place);
     marks.iter_mut().for_each(|mark| mark.place -= first);
-    let direction = 1;
-    Ok(vec![Stretch { marks, direction }])
+    Ok(marks)
 }
 
 /// Without randomness, with time stamps as good as exact, at the recording's mean speed where it is to hold one.

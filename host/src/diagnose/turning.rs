@@ -207,11 +207,7 @@ impl Seen {
 
 /// The twin's shaft without disturbance, by the cubic through four of its edges.
 fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
-    let course: Vec<Mark> = still
-        .pace
-        .iter()
-        .flat_map(|s| s.marks.iter().copied())
-        .collect();
+    let course = &still.pace;
     let (Some(first), Some(last)) = (course.first(), course.last()) else {
         return vec![None; marks.len()];
     };
