@@ -167,11 +167,14 @@ pub fn peaks(bench: &Bench, number: usize, left: &[f64], probability: f64) -> Ve
 /// Whether the speed hardly changes, so that turn and time say the same.
 #[must_use]
 pub fn steady(bench: &Bench) -> bool {
+    /// How far ahead of an even way or behind it a steady shaft gets, rad.
+    const ASTRAY_RAD: f64 = 0.05 * TAU;
     let [low, high] = bench.seen.speed_range();
     let wander = (bench.noise.acceleration
         / (2.0 * (bench.law.damping(0.0, high) + bench.noise.forgets_per_s).max(1e-9)))
     .sqrt();
     low * high > 0.0
         && (high - low).abs() < 0.02 * high.abs().max(low.abs())
-        && wander * bench.seen.seconds().sqrt() < 0.05 * TAU
+        && wander * bench.seen.seconds().sqrt() < ASTRAY_RAD
+        && bench.seen.astray_rad() < ASTRAY_RAD
 }

@@ -8,6 +8,7 @@
 mod absorbed;
 mod aliases;
 pub mod alone;
+mod anew;
 pub mod basis;
 pub mod bench;
 pub mod beside;

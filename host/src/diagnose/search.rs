@@ -1,6 +1,7 @@
 //! Looks for what is missing, one mechanism after another, until what is left is noise.
 
 use super::absorbed::absorb;
+use super::anew::anew;
 use super::basis::Basis;
 use super::best::best;
 use super::board::{Board, Column, Model};
@@ -225,6 +226,11 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         let Some(best) = best.filter(|best| best.score > beyond(&best.hypothesis)) else {
             break;
         };
+        if let Some(moved) = anew(board, &nuisances, &found, &best) {
+            found = moved;
+            model = board.fit(columns(&nuisances, &found))?;
+            continue;
+        }
         found.push(best);
         if passing > 0.0 {
             // What came and went may have been this.

@@ -244,6 +244,20 @@ impl Seen {
         }
     }
 
+    /// How far the shaft gets ahead of the twin's or behind it, rad, less what goes on evenly from the first edge to the last.
+    #[must_use]
+    pub fn astray_rad(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.angles.first(), self.angles.last()) else {
+            return 0.0;
+        };
+        let (begin_s, seconds) = (self.times_s[0], self.seconds().max(f64::MIN_POSITIVE));
+        let each = self.angles.iter().zip(&self.times_s);
+        each.map(|(angle, time)| {
+            (angle - first - (last - first) * (time - begin_s) / seconds).abs()
+        })
+        .fold(0.0, f64::max)
+    }
+
     /// Mean speed, rad/s, either way.
     #[must_use]
     pub fn mean_speed(&self) -> f64 {
