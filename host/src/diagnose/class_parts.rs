@@ -5,6 +5,7 @@
 //! choice of them is weighed beside what else was found.
 
 use super::board::{Board, Column, Model};
+use super::disc;
 use super::hypothesis::Hypothesis;
 use super::least_squares::squares;
 use super::rivals::ALIKE;
@@ -20,54 +21,164 @@ const KINDS: [Mechanism; 4] = [
     Mechanism::ChannelSkew,
 ];
 
+/// Findings of them that may be a mixture of others.
+const MIXED: usize = 2;
+/// Times that a pattern of the disc is taken off beside a choice.
+const PATTERNS: usize = 3;
+/// Part of what was left that a further pattern has to leave at the most to be worth another.
+const SETTLED: f64 = 0.9;
+
 /// The findings with another choice of such errors in place of theirs, where that explains more; none where theirs is as good, or where
-/// they have fewer than `least`.
+/// they have fewer than [`MIXED`].
 #[must_use]
 pub fn other_choice(
     board: &Board,
     nuisances: &[Column],
     found: &[Found],
     shelf: &mut Shelf,
-    least: usize,
 ) -> Option<Vec<Found>> {
-    let mut ways = KINDS
-        .map(|kind| (kind.card().handling.proposed)(board))
-        .to_vec();
-    // A rhythm that comes once a line is all edges of a class too.
-    let rhythms = found
-        .iter()
-        .filter(|one| once_a_line(board, &one.hypothesis));
-    ways.extend(rhythms.map(|one| vec![one.hypothesis.clone()]));
-    let own = |one: &Found| ways.iter().flatten().any(|way| *way == one.hypothesis);
-    let (here, mut others): (Vec<Found>, Vec<Found>) = found.iter().cloned().partition(own);
-    let rhythms = ways.len() > KINDS.len();
-    if here.len() < least && !rhythms {
+    let choices = Choices::of(board, nuisances, found, shelf)?;
+    if choices.present.len() < MIXED && !choices.rhythms {
         return None;
     }
-    let beside = board.fit(columns(nuisances, &others))?;
-    let present: Vec<Hypothesis> = here.into_iter().map(|one| one.hypothesis).collect();
-    let all = choices(&ways);
-    let variance = variance(board, &beside, &all, shelf)?;
-    let mut best = (
-        worth(board, &beside, &present, variance, shelf)? + ALIKE,
-        None,
-    );
-    for choice in all {
-        match worth(board, &beside, &choice, variance, shelf) {
-            Some(worth) if worth > best.0 => best = (worth, Some(choice)),
-            _ => {}
+    let best = choices.best(board, shelf)?;
+    choices.taken(board, shelf, &best)
+}
+
+/// The same before the disc's pattern is learned, which is to be none of them: of those that explain as much, the one with which a
+/// pattern leaves least, as one that is learned beside the wrong choice takes up what that lacks.
+#[must_use]
+pub fn choice_beside_disc(
+    board: &Board,
+    nuisances: &[Column],
+    found: &[Found],
+    shelf: &mut Shelf,
+) -> Option<Vec<Found>> {
+    let choices = Choices::of(board, nuisances, found, shelf)?;
+    let near = choices.near(board, shelf)?;
+    let mut best: (f64, &[Hypothesis]) = (f64::INFINITY, &near[0]);
+    if near.len() > 1 {
+        for choice in &near {
+            let columns = choices.columns(board, shelf, choice);
+            let left = left_beside_disc(board, columns)? + BEYOND * choice.len() as f64;
+            if left < best.0 {
+                best = (left, choice);
+            }
         }
     }
-    let choice = best.1?;
-    for one in &choice {
-        let rest = choice.iter().filter(|other| *other != one);
-        let rest = rest.flat_map(|other| shelf.columns(board, other));
-        let without = board.fit(beside.columns.iter().cloned().chain(rest).collect())?;
-        let own = shelf.columns(board, one);
-        let weighed = weigh(board, &without, one.clone(), own)?;
-        others.push(weighed.into());
+    if choices.is_present(best.1) {
+        return None;
     }
-    Some(others)
+    choices.taken(board, shelf, best.1)
+}
+
+/// What is left beside columns and a pattern of the disc.
+fn left_beside_disc(board: &Board, columns: Vec<Column>) -> Option<f64> {
+    let mut there = board.clone();
+    let mut model = there.fit(columns.clone())?;
+    let mut left = squares(&model);
+    for _ in 0..PATTERNS {
+        let Some(pattern) = disc::pattern(&there, &model, true) else {
+            break;
+        };
+        there.take_off(&pattern.errors_rad);
+        model = there.fit(columns.clone())?;
+        let before = std::mem::replace(&mut left, squares(&model));
+        if left > SETTLED * before {
+            break;
+        }
+    }
+    Some(left)
+}
+
+/// What may be chosen beside the findings that are none of it.
+struct Choices {
+    others: Vec<Found>,
+    beside: Model,
+    present: Vec<Hypothesis>,
+    /// Whether rhythms that come once a line are among what may be chosen.
+    rhythms: bool,
+    all: Vec<Vec<Hypothesis>>,
+    variance: f64,
+}
+
+impl Choices {
+    fn of(board: &Board, nuisances: &[Column], found: &[Found], shelf: &mut Shelf) -> Option<Self> {
+        let mut ways = KINDS
+            .map(|kind| (kind.card().handling.proposed)(board))
+            .to_vec();
+        // A rhythm that comes once a line is all edges of a class too.
+        let rhythms = found
+            .iter()
+            .filter(|one| once_a_line(board, &one.hypothesis));
+        ways.extend(rhythms.map(|one| vec![one.hypothesis.clone()]));
+        let own = |one: &Found| ways.iter().flatten().any(|way| *way == one.hypothesis);
+        let (here, others): (Vec<Found>, Vec<Found>) = found.iter().cloned().partition(own);
+        let beside = board.fit(columns(nuisances, &others))?;
+        let all = choices(&ways);
+        Some(Self {
+            variance: variance(board, &beside, &all, shelf)?,
+            present: here.into_iter().map(|one| one.hypothesis).collect(),
+            rhythms: ways.len() > KINDS.len(),
+            others,
+            beside,
+            all,
+        })
+    }
+
+    fn worth(&self, board: &Board, shelf: &mut Shelf, choice: &[Hypothesis]) -> Option<f64> {
+        worth(board, &self.beside, choice, self.variance, shelf)
+    }
+
+    /// The best, where it is better than the present one.
+    fn best(&self, board: &Board, shelf: &mut Shelf) -> Option<Vec<Hypothesis>> {
+        let mut best = (self.worth(board, shelf, &self.present)? + ALIKE, None);
+        for choice in &self.all {
+            match self.worth(board, shelf, choice) {
+                Some(worth) if worth > best.0 => best = (worth, Some(choice)),
+                _ => {}
+            }
+        }
+        best.1.cloned()
+    }
+
+    /// Those that explain as much as the best, the present one first.
+    fn near(&self, board: &Board, shelf: &mut Shelf) -> Option<Vec<Vec<Hypothesis>>> {
+        let mut each = vec![(self.worth(board, shelf, &self.present)?, &self.present)];
+        let others = self.all.iter().filter(|choice| !self.is_present(choice));
+        for choice in others {
+            let worth = self.worth(board, shelf, choice);
+            each.extend(worth.map(|worth| (worth, choice)));
+        }
+        let most = each.iter().map(|one| one.0).fold(0.0, f64::max);
+        let near = each.into_iter().filter(|one| one.0 > most - ALIKE);
+        Some(near.map(|one| one.1.clone()).collect())
+    }
+
+    fn is_present(&self, choice: &[Hypothesis]) -> bool {
+        choice.len() == self.present.len() && choice.iter().all(|one| self.present.contains(one))
+    }
+
+    fn columns(&self, board: &Board, shelf: &mut Shelf, choice: &[Hypothesis]) -> Vec<Column> {
+        let own = choice.iter().flat_map(|one| shelf.columns(board, one));
+        self.beside.columns.iter().cloned().chain(own).collect()
+    }
+
+    /// The findings with a choice.
+    fn taken(&self, board: &Board, shelf: &mut Shelf, choice: &[Hypothesis]) -> Option<Vec<Found>> {
+        let mut found = self.others.clone();
+        for one in choice {
+            let rest: Vec<Hypothesis> = choice
+                .iter()
+                .filter(|other| *other != one)
+                .cloned()
+                .collect();
+            let without = board.fit(self.columns(board, shelf, &rest))?;
+            let own = shelf.columns(board, one);
+            found.push(weigh(board, &without, one.clone(), own)?.into());
+        }
+        Some(found)
+    }
 }
 
 fn once_a_line(board: &Board, hypothesis: &Hypothesis) -> bool {

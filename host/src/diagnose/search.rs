@@ -5,7 +5,7 @@ use super::anew::anew;
 use super::basis::Basis;
 use super::best::best;
 use super::board::{Board, Column, Model};
-use super::class_parts::other_choice;
+use super::class_parts::{choice_beside_disc, other_choice};
 use super::conclude::crowd;
 use super::disc::{self, Pattern, merged};
 use super::disc_parts::disc_parts;
@@ -31,9 +31,7 @@ const FINE: f64 = 40.0;
 const MORE: f64 = 0.9;
 /// How much larger noise is that makes a pattern of its own.
 const GROWN: f64 = 1.03;
-/// Findings of what all edges of a class have that may be a mixture of others.
-const MIXED: usize = 2;
-/// Times that they are chosen anew.
+/// Times that errors of all edges of a class are chosen anew.
 const CHOICES: usize = 8;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
@@ -131,7 +129,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let over = 1.0 + (edges / FINE).min(1.0);
     while found.len() < MOST {
         if choices < CHOICES
-            && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, MIXED)
+            && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf)
         {
             choices += 1;
             found = other;
@@ -176,7 +174,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
         if !known && (whole.is_some() || place.is_some()) {
             // What all edges of a class have is none of the disc's, and what is left of it would be taken for some.
             let parts = if !std::mem::replace(&mut chosen, true)
-                && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf, 0)
+                && let Some(other) = choice_beside_disc(board, &nuisances, &found, &mut shelf)
             {
                 found = other;
                 true
