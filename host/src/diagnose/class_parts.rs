@@ -4,6 +4,7 @@
 //! another, the first takes what belongs to two of the others, and those then mend what it made of it. Their kinds are few, so every
 //! choice of them is weighed beside what else was found.
 
+use super::basis::Basis;
 use super::board::{Board, Column, Model};
 use super::disc;
 use super::hypothesis::Hypothesis;
@@ -181,16 +182,27 @@ impl Choices {
     }
 }
 
+/// Whether it comes once a line, or several times, in any of the recordings.
 fn once_a_line(board: &Board, hypothesis: &Hypothesis) -> bool {
-    let order = hypothesis.rhythm().filter(|_| hypothesis.whole());
-    board
-        .benches
-        .first()
-        .zip(order)
-        .is_some_and(|(bench, order)| {
-            let lines = (bench.seen.edges / bench.seen.classes.max(1)) as f64;
-            order > 0.0 && order % lines == 0.0
-        })
+    let tone = match hypothesis.bases.first() {
+        Some(Basis::TorqueTone { f_hz } | Basis::LevelTone { f_hz, .. }) => Some(*f_hz),
+        _ => None,
+    };
+    board.benches.iter().any(|bench| {
+        let seen = &bench.seen;
+        let lines = (seen.edges / seen.classes.max(1)) as f64;
+        // How far apart two orders are that a recording tells apart.
+        let apart = 1.0 / seen.turns();
+        match (tone, hypothesis.rhythm().filter(|_| hypothesis.whole())) {
+            (Some(f_hz), _) => {
+                let order = f_hz * seen.seconds() / seen.turns();
+                let times = (order / lines).round();
+                times >= 1.0 && (order - times * lines).abs() < apart
+            }
+            (None, Some(order)) => order > 0.0 && order % lines == 0.0,
+            (None, None) => false,
+        }
+    })
 }
 
 /// Variance of what no choice explains: where that is a disc that is not known yet it comes again each turn, and says as much once only.
