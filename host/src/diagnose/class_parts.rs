@@ -15,7 +15,7 @@ use super::weigh::{Shelf, weigh};
 use crate::mechanism::Mechanism;
 
 /// What all edges of a class have.
-const KINDS: [Mechanism; 4] = [
+pub const KINDS: [Mechanism; 4] = [
     Mechanism::WidthError,
     Mechanism::QuadratureError,
     Mechanism::EdgeDelay,
@@ -39,10 +39,11 @@ pub fn other_choice(
     shelf: &mut Shelf,
 ) -> Option<Vec<Found>> {
     let choices = Choices::of(board, nuisances, found, shelf)?;
-    if choices.present.len() < MIXED && !choices.rhythms {
+    if choices.present.len() < MIXED && !choices.rhythms && !choices.together {
         return None;
     }
-    let best = choices.best(board, shelf)?;
+    let best = choices.best(board, shelf);
+    let best = best.or_else(|| choices.together.then(|| choices.present.clone()))?;
     choices.taken(board, shelf, &best)
 }
 
@@ -57,7 +58,7 @@ pub fn choice_beside_disc(
 ) -> Option<Vec<Found>> {
     let choices = Choices::of(board, nuisances, found, shelf)?;
     let near = choices.near(board, shelf)?;
-    let mut best: (f64, &[Hypothesis]) = (f64::INFINITY, &near[0]);
+    let mut best: (f64, &[Hypothesis]) = (f64::INFINITY, near.first()?);
     if near.len() > 1 {
         for choice in &near {
             let columns = choices.columns(board, shelf, choice);
@@ -67,7 +68,7 @@ pub fn choice_beside_disc(
             }
         }
     }
-    if choices.is_present(best.1) {
+    if choices.is_present(best.1) && !choices.together {
         return None;
     }
     choices.taken(board, shelf, best.1)
@@ -99,6 +100,8 @@ struct Choices {
     present: Vec<Hypothesis>,
     /// Whether rhythms that come once a line are among what may be chosen.
     rhythms: bool,
+    /// Whether several that are present were found as one: what could be of the disc beside what is not.
+    together: bool,
     all: Vec<Vec<Hypothesis>>,
     variance: f64,
 }
@@ -113,14 +116,26 @@ impl Choices {
             .iter()
             .filter(|one| once_a_line(board, &one.hypothesis));
         ways.extend(rhythms.map(|one| vec![one.hypothesis.clone()]));
-        let own = |one: &Found| ways.iter().flatten().any(|way| *way == one.hypothesis);
+        let own = |one: &Found| {
+            let parts = parts(&one.hypothesis);
+            parts
+                .iter()
+                .all(|part| ways.iter().flatten().any(|way| way == part))
+        };
         let (here, others): (Vec<Found>, Vec<Found>) = found.iter().cloned().partition(own);
         let beside = board.fit(columns(nuisances, &others))?;
         let all = choices(&ways);
+        let mut present: Vec<Hypothesis> = Vec::new();
+        for part in here.iter().flat_map(|one| parts(&one.hypothesis)) {
+            if !present.contains(&part) {
+                present.push(part);
+            }
+        }
         Some(Self {
             variance: variance(board, &beside, &all, shelf)?,
-            present: here.into_iter().map(|one| one.hypothesis).collect(),
             rhythms: ways.len() > KINDS.len(),
+            together: here.iter().any(|one| parts(&one.hypothesis).len() > 1),
+            present,
             others,
             beside,
             all,
@@ -151,7 +166,10 @@ impl Choices {
             let worth = self.worth(board, shelf, choice);
             each.extend(worth.map(|worth| (worth, choice)));
         }
-        let most = each.iter().map(|one| one.0).fold(0.0, f64::max);
+        let most = each
+            .iter()
+            .map(|one| one.0)
+            .fold(f64::NEG_INFINITY, f64::max);
         let near = each.into_iter().filter(|one| one.0 > most - ALIKE);
         Some(near.map(|one| one.1.clone()).collect())
     }
@@ -180,6 +198,24 @@ impl Choices {
         }
         Some(found)
     }
+}
+
+/// The mechanisms that a hypothesis is of, each by itself.
+fn parts(hypothesis: &Hypothesis) -> Vec<Hypothesis> {
+    let mut each: Vec<Hypothesis> = Vec::new();
+    let first = hypothesis.bases.first().map(|basis| basis.mechanism());
+    for basis in &hypothesis.bases {
+        // What is told by the first of its patterns has the name that it was given.
+        let mechanism = match basis.mechanism() {
+            own if Some(own) == first => hypothesis.mechanism,
+            other => other,
+        };
+        match each.iter_mut().find(|one| one.mechanism == mechanism) {
+            Some(one) => one.bases.push(*basis),
+            None => each.push(Hypothesis::of(mechanism, *basis)),
+        }
+    }
+    each
 }
 
 /// Whether it comes once a line, or several times, in any of the recordings.

@@ -4,6 +4,8 @@ use rayon::prelude::*;
 
 use super::basis::{Basis, channels};
 use super::board::{Board, Column, Model};
+use super::class_parts::KINDS;
+use super::disc;
 use super::hypothesis::Hypothesis;
 use super::refine::refined;
 use super::search::{Found, Searched};
@@ -27,8 +29,18 @@ pub fn rivals(board: &Board, searched: &Searched, number: usize) -> (f64, Vec<(H
     let Some(without) = board.fit(rest) else {
         return (found.score, Vec::new());
     };
-    let score =
-        |hypothesis: Hypothesis, columns: Vec<Column>| weigh(board, &without, hypothesis, columns);
+    // A pattern that was learned beside the one finding took up what another in its place lacks or has too much, so each is weighed
+    // with what more of a pattern explains then.
+    let learned = searched.pattern.is_some() && KINDS.contains(&found.hypothesis.mechanism);
+    let score = |hypothesis: Hypothesis, columns: Vec<Column>| {
+        let mut weighed = weigh(board, &without, hypothesis, columns)?;
+        if learned {
+            let beside = without.columns.iter().chain(&weighed.columns);
+            let with = board.fit(beside.cloned().collect())?;
+            weighed.score += disc::score(board, &with, true).map_or(0.0, |more| more.max(0.0));
+        }
+        Some(weighed)
+    };
     let own =
         score(found.hypothesis.clone(), found.columns.clone()).map_or(found.score, |w| w.score);
     let mut all: Vec<(Hypothesis, f64)> = alternatives(board, &without, found)
