@@ -12,10 +12,15 @@ const LEFT: f64 = 0.5;
 pub fn common(given: &Board, mended: &Board) -> Option<Vec<usize>> {
     let pairs = given.benches.iter().zip(&mended.benches);
     let each = pairs.map(|(given, mended)| {
+        let turn = given.seen.edges;
         let (given, mended) = (&given.seen.places, &mended.seen.places);
+        // A speed that drifts may put the start into another turn.
+        let apart = mended.first()? - given.first()?;
         let pairs = given.iter().zip(mended);
-        let both = pairs.take_while(|(given, mended)| given == mended).count();
-        (both as f64 > LEFT * given.len() as f64).then_some(both)
+        let both = pairs
+            .take_while(|(given, mended)| *mended - *given == apart)
+            .count();
+        (apart % turn == 0 && both as f64 > LEFT * given.len() as f64).then_some(both)
     });
     each.collect()
 }

@@ -1,14 +1,18 @@
 //! What is left of a recording whose twin knows all.
 
+mod class_errors;
 mod disc_parts;
 mod drawn;
 mod inertia;
 mod reversal;
 mod run_down;
+mod slow_changes;
 mod starts;
 mod two_speeds;
 mod unknown_disc;
 mod where_it_shows;
+
+use quadcal::edge::Levels;
 
 use super::basis::Basis;
 use super::disc;
@@ -25,7 +29,10 @@ use crate::twin::{Encoder, Twin};
 fn recorded(truth: &Twin, told: &Twin) -> Recorded {
     let (kind, lines) = match truth.encoder {
         Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
-        Encoder::Quadrature { lines, .. } => (SensorKind::Quadrature { index_state: None }, lines),
+        Encoder::Quadrature { lines, index } => {
+            let index_state = index.then_some(Levels(Levels::A));
+            (SensorKind::Quadrature { index_state }, lines)
+        }
         Encoder::Wheel { teeth, .. } => {
             let kind = SensorKind::Wheel {
                 both_edges: true,

@@ -2,7 +2,7 @@
 //!
 //! A motor warms up, a supply sags: the speed that an open-loop drive asks for grows by a share r of it every second, or settles at a
 //! share f more,
-//! `w*(t) = w0(t) (1 + r t)` or `w*(t) = w0(t) (1 + f (1 - exp(-t / tau)))`
+//! `w*(t) = w0(t) (1 + r t), or w0(t) (1 + f (1 - exp(-t / tau))) where it settles`
 //! and the drive pushes what the shaft needs to follow, J dw/dt and damping times what it asks for on top. Linear in r and f. Simulated
 //! in `sim/profile.rs`.
 //!
@@ -36,7 +36,7 @@ pub const CARD: Card = Card {
         ),
         Quantity::new(
             "fraction",
-            "",
+            "1",
             [-0.9, 0.9],
             "f, change over the speed in the end, where it settles",
         ),
