@@ -6,8 +6,9 @@ use super::ends::Ends;
 use super::noise::{
     NoiseFinding, find_task, is_own, noise_findings, own_columns, rhythmic_findings,
 };
+use super::rounding;
 use super::run::{DiagnoseError, Recorded, nothing};
-use super::search::{Found, Searched, search};
+use super::search::{Found, Searched, nothing_of, search};
 use crate::mechanism::Mechanism;
 
 /// Part of the rhythms' score that a mode needs in their place, and a task.
@@ -41,7 +42,21 @@ impl Explored {
     ) -> Result<Self, DiagnoseError> {
         let given = board.clone();
         progress(0.2, "Searching");
-        let searched = search(&mut board).ok_or_else(|| nothing(rig))?;
+        let rounding = rounding::is_all(&board);
+        let looked = if rounding { nothing_of(&board) } else { search(&mut board) };
+        let searched = looked.ok_or_else(|| nothing(rig))?;
+        if rounding {
+            return Ok(Self {
+                given,
+                board,
+                searched,
+                concluded: Conclusion {
+                    whiteness_p: 1.0,
+                    ..Conclusion::default()
+                },
+                noise: Vec::new(),
+            });
+        }
         progress(0.6, "Weighing");
         let (mut concluded, heard) = rayon::join(
             || conclude(&board, &searched),

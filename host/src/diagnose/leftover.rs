@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::board::{Board, Model};
 use super::locate::{Along, Among, spectrum};
+use super::rounding;
 
 /// Something that is left and no mechanism explains.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +34,9 @@ pub fn leftovers(board: &Board, model: &Model) -> (Vec<Leftover>, f64) {
     let mut all = Vec::new();
     let mut least: f64 = 1.0;
     for (number, bench) in board.benches.iter().enumerate() {
+        if rounding::is_all_of(bench, &model.left[number]) {
+            continue;
+        }
         let seen = &bench.seen;
         let a_second = seen.turns() / seen.seconds().max(f64::MIN_POSITIVE);
         let mut amongs = Among::all(seen.classes);

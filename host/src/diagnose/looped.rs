@@ -1,6 +1,7 @@
 //! The course of a shaft that a speed loop drives, from the edges that the loop saw.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use quadcal::edge::Direction;
 
@@ -13,6 +14,21 @@ use crate::twin::{SeenSpeed, SpeedLoop, Twin};
 /// Least error of a stamp that a tie is reckoned with, s.
 pub const TIED_JITTER_S: f64 = 3e-7;
 
+/// Times as far apart that edge and sample of a tie may be that was decided.
+const DECIDED: f64 = 4.0;
+
+/// A shaft that a speed loop drives.
+#[derive(Clone, Debug, Default)]
+pub struct Looped {
+    /// Where it is at each mark.
+    pub course: Course,
+    /// How its way over the interval before each mark is bent, rad/s^2: the steady acceleration that would have it as far off the
+    /// straight way half-way.
+    pub bends: Vec<f64>,
+    /// Samples that may have seen an edge or not.
+    pub ties: Vec<Tie>,
+}
+
 /// The shaft as a speed loop sends it that saw these edges as they were captured, at the times at which their marks passed. The push
 /// before the first is not known: a constant one is anyone's guess.
 #[must_use]
@@ -22,7 +38,7 @@ pub fn looped(
     track: &Track,
     twin: &Twin,
     model: &SpeedLoop,
-) -> (Course, Vec<Tie>) {
+) -> Looped {
     let step = TAU / track.edges as f64;
     let clock_hz = twin.timer.clock_hz as f64;
     let shaft = &twin.shaft;
@@ -31,7 +47,7 @@ pub fn looped(
         |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
     let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
     let Some((first, _)) = captured.first() else {
-        return (Course::new(), Vec::new());
+        return Looped::default();
     };
     let mut ties = Vec::new();
     let mut state = [first.place as f64 * step, target];
@@ -44,7 +60,9 @@ pub fn looped(
     // A sample at the very time of an edge may have seen it or not: either way it pushes a little otherwise.
     let jitter_s = twin.timer.jitter_s.max(TIED_JITTER_S);
     let stamp_s = jitter_s.hypot(track.tick_s);
-    let tie_s = 5.0 * stamp_s + track.tick_s;
+    // Ties that were decided are all found again, whatever stamps were then thought to be.
+    let wider = if track.turned.is_some() { DECIDED } else { 1.0 };
+    let tie_s = wider * (5.0 * stamp_s + track.tick_s);
     let (mut last_edge, mut speed_before) = (first.time_s, target);
     let go = |state: [f64; 2], push: f64, after_s: f64| {
         let leap = Leap {
@@ -54,12 +72,16 @@ pub fn looped(
         let push = push - friction(state[1]);
         leap.step(state, [push; 3])
     };
+    let mut bends = Vec::with_capacity(captured.len());
     let each = captured
         .iter()
         .zip(passed)
         .map(|((mark, direction), (passed, _))| {
+            let whole = last_edge..mark.time_s;
+            let mut bend = 0.0;
             while sample / model.rate_hz < mark.time_s {
                 let time = sample / model.rate_hz;
+                bend += push * weight(&whole, &(now..time));
                 state = go(state, push, (time - now).max(0.0));
                 now = now.max(time);
                 let seen = saw.at((time * clock_hz).floor());
@@ -92,6 +114,8 @@ pub fn looped(
                 }
                 sample += 1.0;
             }
+            bend += push * weight(&whole, &(now..mark.time_s));
+            bends.push(bend);
             state = go(state, push, mark.time_s - now);
             now = mark.time_s;
             let steps = before.map_or(1, |place| (mark.place - place).abs().max(1));
@@ -119,5 +143,25 @@ pub fn looped(
             ))
         });
     let course = each.collect();
-    (course, ties)
+    Looped {
+        course,
+        bends,
+        ties,
+    }
+}
+
+/// What a push over a part of an interval counts for in how far off the straight way the shaft is half-way: the integral of a triangle
+/// over the whole, which is 1.
+fn weight(whole: &Range<f64>, part: &Range<f64>) -> f64 {
+    let length = whole.end - whole.start;
+    if length <= 0.0 {
+        return 0.0;
+    }
+    let below = |time: f64| {
+        let share = ((time - whole.start) / length).clamp(0.0, 1.0);
+        let short = share.min(1.0 - share);
+        let rising = 2.0 * short * short;
+        if share < 0.5 { rising } else { 1.0 - rising }
+    };
+    below(part.end) - below(part.start)
 }

@@ -19,10 +19,6 @@ use crate::twin::{Drive, Noise, Twin, TwinError};
 
 /// Edges that a recording needs, and turns.
 const EDGES_LEAST: usize = 200;
-/// Times that noise is found and ties are decided by turns.
-const SETTLES: usize = 4;
-/// Variance of the white residual from which on the noise is not what the twin declares.
-const VARIANCE: f64 = 1.1;
 const TURNS_LEAST: f64 = 3.0;
 /// Times what ties were looked for with that stamps are worse from which on they are looked for anew.
 const WORSE: f64 = 1.2;
@@ -100,19 +96,28 @@ pub fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         });
     }
     let mut bench = compared(one, seen);
+    if let Some(turned) = &one.track.turned {
+        ties::put_right(&mut bench, turned);
+        return Ok(with_torques(bench, one));
+    }
     let jitter_s = one.twin.timer.jitter_s.max(TIED_JITTER_S);
-    if let Some(stamp_s) = decide(&mut bench).filter(|stamp_s| *stamp_s > WORSE * jitter_s) {
+    if let Some(stamp_s) = ties::settle(&mut bench).filter(|stamp_s| *stamp_s > WORSE * jitter_s) {
         // Stamps that are worse than thought leave more samples in doubt.
         let mut doubted = one.clone();
         doubted.twin.timer.jitter_s = stamp_s;
         bench = compared(one, self::seen(&doubted)?);
-        decide(&mut bench);
+        ties::settle(&mut bench);
     }
+    Ok(with_torques(bench, one))
+}
+
+/// The same with the torques that its twin declares.
+fn with_torques(mut bench: Bench, one: &Recorded) -> Bench {
     let ripples = one.twin.ripple.iter().chain(&one.twin.gear_mesh);
     bench.torques = ripples
         .filter_map(|ripple| ripple.torque_n_m.map(|torque| (ripple.order, torque)))
         .collect();
-    Ok(bench)
+    bench
 }
 
 /// A residual with the noise that its twin declares, else one found.
@@ -126,30 +131,6 @@ fn compared(one: &Recorded, seen: Seen) -> Bench {
     );
     let hold_s = hold_s(&one.twin, &law);
     Bench::new(seen, law, declared, least_stamp_s, free_speed, hold_s)
-}
-
-/// Decides the ties of a recording; with what stamps, s, or none where there are no ties.
-fn decide(bench: &mut Bench) -> Option<f64> {
-    if bench.seen.ties.is_empty() {
-        return None;
-    }
-    for _ in 0..SETTLES {
-        let squares: f64 = bench.white.iter().map(|white| white * white).sum();
-        if squares > VARIANCE * bench.white.len() as f64 {
-            // Pushes that were none, and what else a twin lacks, are no noise that it declares: until they are off, there is more.
-            bench.set_noise(bench.noise_of(&bench.seen.angles));
-        }
-        if !ties::decide(bench) {
-            break;
-        }
-        // With less of it more ties are decided.
-        bench.set_noise(bench.noise_of(&bench.seen.angles));
-    }
-    let stamp_s = bench.noise.stamp_s;
-    if let Some(declared) = bench.declared {
-        bench.set_noise(declared);
-    }
-    Some(stamp_s)
 }
 
 /// The noise that a twin declares; none where it says nothing of torque noise.

@@ -174,6 +174,11 @@ pub fn diagnose(
     } else {
         inertia::checked(&rig, &board)?;
     }
+    for (one, bench) in rig.iter_mut().zip(&board.benches) {
+        let ties = bench.seen.ties.iter().filter(|tie| tie.turned);
+        one.track.turned = Some(ties.map(|tie| tie.at_s).collect::<Vec<f64>>())
+            .filter(|_| !bench.seen.ties.is_empty());
+    }
     let Held { explored, task } = held_up::explored(&mut rig, board, progress)?;
     let (task, without_task) = task.unzip();
     let foretold = foretold.or(without_task);

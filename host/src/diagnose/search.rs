@@ -110,6 +110,20 @@ pub fn search(board: &mut Board) -> Option<Searched> {
     Some(searched)
 }
 
+/// What a search comes to that finds nothing.
+#[must_use]
+pub fn nothing_of(board: &Board) -> Option<Searched> {
+    let nuisances: Vec<Column> = board.nuisances().into_iter().map(Column::kept).collect();
+    Some(Searched {
+        found: Vec::new(),
+        pattern: None,
+        nuisances: nuisances.len(),
+        model: board.fit(nuisances)?,
+        left: 0.0,
+        passing: 0.0,
+    })
+}
+
 /// Looks once, with the noise as it is.
 fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let off = learned == Learned::Off;

@@ -56,6 +56,8 @@ pub struct Track {
     pub placed: bool,
     /// Where a task that is known holds captures up.
     pub ends: Option<Ends>,
+    /// Samples at which a speed loop saw otherwise than stamps have it, s, once they were decided.
+    pub turned: Option<Vec<f64>>,
     /// Edges before the first index, which say where they were once it has come; most of what is looked at begins with the index.
     pub early: Vec<Mark>,
     /// All stretches, by time.
@@ -98,6 +100,7 @@ impl Track {
             origin: 0,
             placed: false,
             ends: None,
+            turned: None,
             early: Vec::new(),
             stretches: Vec::new(),
             slips: Vec::new(),
