@@ -172,7 +172,8 @@ pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
 /// What the noise lacks as a finding. A jitter is told as the twin has it: all of it, what was declared included, and so is the mean of
 /// a latency.
 #[must_use]
-pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
+pub fn of_noise(noise: &NoiseFinding, one: &Recorded) -> Finding {
+    let twin = &one.twin;
     let mut finding = plain(noise.mechanism, noise.text.clone(), noise.delta_bic);
     for one in &noise.parameters {
         let (mut value, mut error) = (one.value, one.standard_error);
@@ -196,6 +197,12 @@ pub fn of_noise(noise: &NoiseFinding, twin: &Twin) -> Finding {
         .frequencies_hz
         .clone_from(&noise.frequencies_hz);
     finding.place.times_s.clone_from(&noise.times_s);
+    let names = one.plan.kind.class_names();
+    let named = noise
+        .edge_classes
+        .iter()
+        .filter_map(|class| names.get(*class));
+    finding.place.edge_classes = named.map(|&name| name.to_owned()).collect();
     finding.evidence.p_value = noise.p_value;
     finding.evidence.runner_up = noise.runner_up.map(|(mechanism, delta_bic)| RunnerUp {
         mechanism,

@@ -43,7 +43,11 @@ impl Explored {
         let given = board.clone();
         progress(0.2, "Searching");
         let rounding = rounding::is_all(&board);
-        let looked = if rounding { nothing_of(&board) } else { search(&mut board) };
+        let looked = if rounding {
+            nothing_of(&board)
+        } else {
+            search(&mut board)
+        };
         let searched = looked.ok_or_else(|| nothing(rig))?;
         if rounding {
             return Ok(Self {

@@ -69,6 +69,7 @@ pub mod prepare;
 pub mod propose;
 pub mod pushed;
 pub mod refine;
+mod refuted;
 mod repair;
 pub mod repeats;
 pub mod response;

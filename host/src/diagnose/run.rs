@@ -186,7 +186,7 @@ pub fn diagnose(
         .noise
         .iter()
         .chain(task.iter().map(|task| &task.finding));
-    found.extend(noise.map(|one| of_noise(one, &rig[0].twin)));
+    found.extend(noise.map(|one| of_noise(one, &rig[0])));
     progress(0.8, "Simulating what was found");
     let mut settled = settle(
         &rig,

@@ -54,8 +54,9 @@ fn middles(marks: &[(Mark, i64)], track: &Track) -> Vec<(f64, f64)> {
     let half = super::turning::half_window(track);
     let each = all.into_iter().enumerate().filter_map(|(at, speed)| {
         let whole = at >= half && at + half < marks.len();
-        let middle_s = 0.5 * (marks[at.saturating_sub(half)].0.time_s
-            + marks[(at + half).min(marks.len() - 1)].0.time_s);
+        let middle_s = 0.5
+            * (marks[at.saturating_sub(half)].0.time_s
+                + marks[(at + half).min(marks.len() - 1)].0.time_s);
         whole.then_some((middle_s, speed?))
     });
     each.collect()

@@ -12,6 +12,7 @@ use super::judge::{self, HeldRatios, Judged};
 use super::marks::{Mark, marks};
 use super::mended;
 use super::prepare;
+use super::refuted;
 use super::repeats::{self, Repeats};
 use super::rests::{far, rests};
 use super::run::{DiagnoseError, Recorded};
@@ -88,7 +89,11 @@ pub fn settle(
             continue;
         }
         if settled.faded.is_empty() {
-            return Ok(settled);
+            let Some(others) = refuted::without(&settled) else {
+                return Ok(settled);
+            };
+            concluded = others;
+            continue;
         }
         let mut number = 0;
         concluded.named.retain(|_| {

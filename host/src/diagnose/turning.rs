@@ -142,7 +142,11 @@ impl Seen {
                 leap: Leap {
                     after_s,
                     // What the real speed brakes is off already.
-                    damping: if free(mark.time_s) { 0.0 } else { law.damping(mark.time_s, speed.abs()) },
+                    damping: if free(mark.time_s) {
+                        0.0
+                    } else {
+                        law.damping(mark.time_s, speed.abs())
+                    },
                 },
                 speed: speed.abs(),
                 at_s: mark.time_s,

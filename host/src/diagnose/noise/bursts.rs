@@ -95,6 +95,7 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         ),
         frequencies_hz: Vec::new(),
         times_s: times,
+        edge_classes: Vec::new(),
         runner_up: None,
         busy: None,
     })

@@ -70,6 +70,7 @@ pub fn find(board: &Board, levels: &Levels) -> Option<NoiseFinding> {
         text,
         frequencies_hz: Vec::new(),
         times_s: Vec::new(),
+        edge_classes: Vec::new(),
         runner_up: Some((other, apart.abs())),
         busy: None,
     })

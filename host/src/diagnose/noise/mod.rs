@@ -5,6 +5,7 @@
 //! moment, of what the patterns left.
 
 mod bursts;
+mod class_spread;
 mod flat;
 mod jitter;
 mod latency;
@@ -45,6 +46,8 @@ pub struct NoiseFinding {
     pub frequencies_hz: Vec<f64>,
     /// When it shows, s; empty where it always does.
     pub times_s: Vec<f64>,
+    /// Classes of the edges that show it; empty where all do.
+    pub edge_classes: Vec<usize>,
     /// The next best mechanism, and by how much it is worse by Schwarz's criterion.
     pub runner_up: Option<(Mechanism, f64)>,
     /// Busy times of a task.
@@ -109,6 +112,11 @@ fn findings(board: &Board, left: &Model, rhythmic: bool) -> Vec<NoiseFinding> {
         return mode.plausible().then_some(mode).into_iter().collect();
     }
     let mut found: Vec<NoiseFinding> = task.into_iter().map(|task| task.finding).collect();
+    if found.is_empty()
+        && let Some(apart) = class_spread::find(board, &rest)
+    {
+        return vec![apart];
+    }
     let bursts = if found.is_empty() {
         bursts::find(board, &levels)
     } else {

@@ -69,6 +69,7 @@ impl Mode {
             ),
             frequencies_hz: vec![masses.f_hz],
             times_s: Vec::new(),
+            edge_classes: Vec::new(),
             runner_up: None,
             busy: None,
         }

@@ -52,6 +52,7 @@ pub fn instead(board: &Board, levels: &Levels, found: &NoiseFinding) -> Option<N
             share.recip()
         ),
         times_s,
+        edge_classes: Vec::new(),
         runner_up: Some((found.mechanism, found.delta_bic)),
         ..found.clone()
     })

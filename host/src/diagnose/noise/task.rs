@@ -121,6 +121,7 @@ fn told(board: &Board, found: &Fitted, rows: &[Stamps<'_>], tone: f64) -> Option
         text: String::new(),
         frequencies_hz: vec![task.f_hz],
         times_s: Vec::new(),
+        edge_classes: Vec::new(),
         runner_up: Some((Mechanism::TorqueTone, squares - tone)),
         busy: Some(task.clone()),
     };
