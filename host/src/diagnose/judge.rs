@@ -13,6 +13,9 @@ use super::spread::{Spread, floor, spread};
 /// Sum of squares on the held-out turns from which on a finding can be judged there.
 const SHOWS: f64 = 30.0;
 
+/// Part of it that the errors of what was fitted on the turns before may make at the most.
+const DOUBT: f64 = 0.05;
+
 /// What is judged: the search as it was concluded, and what came of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged<'a> {
@@ -234,6 +237,33 @@ impl Held<'_> {
         let with = self.board.with_sizes(columns, sizes);
         let mark = apart(self.board, &self.board.with_sizes(columns, &alone).left);
         if squares(self.board, &mark, late.clone()) < SHOWS {
+            return None;
+        }
+        // What the early turns hardly size foretells nothing.
+        let late_on = |i: usize, j: usize| {
+            let each = columns[i]
+                .0
+                .iter()
+                .zip(&columns[j].0)
+                .zip(&self.board.benches);
+            each.map(|((a, b), bench)| match (a, b) {
+                (Some(a), Some(b)) => {
+                    let late = bench.part(late.start).start..bench.part(late.end - 1).end;
+                    a[late.clone()]
+                        .iter()
+                        .zip(&b[late])
+                        .map(|(a, b)| a * b)
+                        .sum::<f64>()
+                }
+                _ => 0.0,
+            })
+            .sum::<f64>()
+        };
+        let pairs = own.iter().flat_map(|&i| own.iter().map(move |&j| (i, j)));
+        let doubt: f64 = pairs
+            .map(|(i, j)| fitted.covariance[(i, j)] * late_on(i, j))
+            .sum();
+        if doubt > DOUBT * squares(self.board, &mark, late.clone()) {
             return None;
         }
         // Least squares with these held at zero.

@@ -33,6 +33,7 @@ pub mod explained;
 pub mod explore;
 mod faded;
 mod follow;
+mod friction_terms;
 mod goes;
 mod held_up;
 pub mod hold;

@@ -82,12 +82,7 @@ fn astray(fit: &Fit) -> bool {
         rms_after_rad: fit.rms_after_rad,
         floor_rad: fit.floor_rad,
     };
-    let held = Band {
-        rms_before_rad: fit.held_out.rms_before_rad,
-        rms_after_rad: fit.held_out.rms_after_rad,
-        floor_rad: fit.held_out.floor_rad,
-    };
-    [fast, fit.slow, fit.edge_to_edge, held].iter().any(|band| {
+    [fast, fit.slow, fit.edge_to_edge].iter().any(|band| {
         let all = (band.rms_before_rad, band.rms_after_rad, band.floor_rad);
         let (Some(before), Some(after), Some(floor)) = all else {
             return false;

@@ -9,6 +9,7 @@ use super::class_parts::{choice_beside_disc, other_choice};
 use super::conclude::crowd;
 use super::disc::{self, Pattern, merged};
 use super::disc_parts::disc_parts;
+use super::friction_terms::other_terms;
 use super::hypothesis::Hypothesis;
 use super::least_squares::squares;
 use super::pairs::pair;
@@ -31,7 +32,7 @@ const FINE: f64 = 40.0;
 const MORE: f64 = 0.9;
 /// How much larger noise is that makes a pattern of its own.
 const GROWN: f64 = 1.03;
-/// Times that errors of all edges of a class are chosen anew.
+/// Times that errors of all edges of a class are chosen anew, and terms of friction.
 const CHOICES: usize = 8;
 /// Times that what is left of the disc's pattern is looked for.
 const PATTERNS: usize = 4;
@@ -136,6 +137,7 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
     let mut left = 0.0;
     let mut patterns = 0;
     let mut choices = 0;
+    let mut terms = 0;
     let mut chosen = false;
     let mut passing = 0.0;
     // What is as good as one rhythm's is that rhythm's; a coarse disc has few orders, of which one may be most of its pattern.
@@ -146,6 +148,13 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
             && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf)
         {
             choices += 1;
+            found = other;
+            model = board.fit(columns(&nuisances, &found))?;
+        }
+        if terms < CHOICES
+            && let Some(other) = other_terms(board, &nuisances, &found, &mut shelf)
+        {
+            terms += 1;
             found = other;
             model = board.fit(columns(&nuisances, &found))?;
         }

@@ -7,6 +7,8 @@ mod inertia;
 mod reversal;
 mod run_down;
 mod slow_changes;
+mod speed_loop;
+mod stamps;
 mod starts;
 mod two_speeds;
 mod unknown_disc;

@@ -130,7 +130,7 @@ fn widen(bench: &mut Bench) {
 }
 
 /// Decides all ties of a recording, whether any came out the other way; the residual is then that of the loop as it pushed.
-fn decide(bench: &mut Bench) -> bool {
+pub fn decide(bench: &mut Bench) -> bool {
     let mut ties = std::mem::take(&mut bench.seen.ties);
     let mut any = false;
     for _ in 0..PASSES {

@@ -14,7 +14,7 @@ use super::known::{known, play_rad};
 use super::looped::looped;
 use super::pace::pace;
 use super::pushed;
-use super::run_down::{braked, off_s};
+use super::run_down::braked;
 use super::run_out::RunOuts;
 use super::seen::Seen;
 use super::shaft::{Leap, ShaftLaw};
@@ -46,6 +46,8 @@ impl Seen {
         // What pushes the shaft by what was seen of it goes no even way from edge to edge.
         let even = twin.speed_loop().is_none() && !self.pushed;
         let mut bends = Vec::new();
+        // From when on what the real speed brakes is off already.
+        let mut free_from_s = f64::INFINITY;
         let course = match (twin.speed_loop(), pushed) {
             (Some(model), _) => {
                 // The loop saw what was captured.
@@ -55,7 +57,16 @@ impl Seen {
                 looped.course
             }
             (None, Some(pushed)) => pushed,
-            (None, None) => braked(&marks, track, twin, undisturbed(&marks, still, step)),
+            (None, None) => {
+                let own = undisturbed(&marks, still, step);
+                match braked(&marks, track, twin, &own) {
+                    Some((course, off_s)) => {
+                        free_from_s = off_s;
+                        course
+                    }
+                    None => own,
+                }
+            }
         };
         let mut before: Option<(Mark, i64)> = None;
         // The last edge that was left out as a task held it up, and the jolts until then: the count goes on past it.
@@ -67,9 +78,7 @@ impl Seen {
         let mut last_speed = None;
         let mut anew = false;
         // What nothing holds, something else pushes, or turns round, goes at its own speed, not at the twin's.
-        let off_s = off_s(twin).filter(|_| !self.pushed);
-        let free = |time_s: f64| off_s.is_some_and(|off_s| time_s > off_s);
-        let unheld = !law.held() || self.pushed || off_s.is_some() || twin.drive.reverses();
+        let unheld = !law.held() || self.pushed || free_from_s.is_finite() || twin.drive.reverses();
         self.measured = unheld;
         let measured = if unheld || slow > 0.0 {
             speeds(&marks, track)
@@ -141,8 +150,7 @@ impl Seen {
             self.readings.push(Reading {
                 leap: Leap {
                     after_s,
-                    // What the real speed brakes is off already.
-                    damping: if free(mark.time_s) {
+                    damping: if mark.time_s > free_from_s {
                         0.0
                     } else {
                         law.damping(mark.time_s, speed.abs())
@@ -244,8 +252,15 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
 /// Speed at each mark over about a turn, in which the disc's errors cancel, or over some lines of a fine disc, rad/s; over a few
 /// edges where the direction does not hold for so long.
 pub(super) fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
+    const FINE: i64 = 240;
     let step = TAU / track.edges as f64;
-    let half = half_window(track);
+    let lines = track.edges / track.classes;
+    let window = if track.edges <= FINE {
+        track.edges
+    } else {
+        track.classes * (lines / 60).max(1)
+    };
+    let half = (window / 2).max(1) as usize;
     (0..marks.len())
         .map(|at| {
             let from = at.saturating_sub(half);
@@ -264,19 +279,6 @@ pub(super) fn speeds(marks: &[(Mark, i64)], track: &Track) -> Vec<Option<f64>> {
             (time > 0.0 && way > 0).then(|| way as f64 * step / time)
         })
         .collect()
-}
-
-/// Half of the marks that a speed is the mean over.
-pub(super) const fn half_window(track: &Track) -> usize {
-    const FINE: i64 = 240;
-    let lines = track.edges / track.classes;
-    let few = if lines < 120 { 1 } else { lines / 60 };
-    let window = if track.edges <= FINE {
-        track.edges
-    } else {
-        track.classes * few
-    };
-    if window < 2 { 1 } else { (window / 2) as usize }
 }
 
 /// Place and its rate at a time, by the cubic through four edges.

@@ -25,7 +25,7 @@ const RANGE: [f64; 2] = [-TORQUE_N_M, TORQUE_N_M];
 /// Terms that are one number each.
 const TERMS: [Basis; 3] = [Basis::Coulomb, Basis::Viscous, Basis::Drag];
 /// Shares of the highest speed that Stribeck's speed is looked for at.
-const STRIBECK_SHARES: [f64; 6] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
+const STRIBECK_SHARES: [f64; 9] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 
 /// Its card.
 pub const CARD: Card = Card {
