@@ -41,3 +41,47 @@ fn a_twin_is_complete_against_its_own_recording() {
     }
     assert_eq!(tried, 12);
 }
+
+/// What everybody tries first. `mechanisms` is to copy from: it has a little of everything, and turns round.
+#[test]
+fn every_example_is_complete_against_its_own_recording() {
+    const EXAMPLES: [&str; 11] = [
+        "paper",
+        "wander",
+        "hall",
+        "wheel",
+        "run-down",
+        "speed-loop",
+        "delays",
+        "load-step",
+        "stick-slip",
+        "pair-slow",
+        "pair-fast",
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let bench = Bench {
+        program: env!("CARGO_BIN_EXE_quadcal-under-test").into(),
+        folder: folder.path().to_owned(),
+    };
+    let (recording, twin) = (
+        folder.path().join("rec.csv"),
+        folder.path().join("twin.toml"),
+    );
+    let simulate = |args: &[&std::ffi::OsStr]| {
+        let done = Command::new(&bench.program)
+            .args(["simulate", "--quiet"])
+            .args(args)
+            .output()
+            .unwrap();
+        assert!(done.status.success(), "{done:?}");
+        done.stdout
+    };
+    for example in EXAMPLES {
+        let text = simulate(&["--example".as_ref(), example.as_ref()]);
+        std::fs::write(&twin, text).unwrap();
+        simulate(&["-o".as_ref(), recording.as_ref(), twin.as_ref()]);
+        let said = bench.diagnose(&recording, &twin, "own").unwrap();
+        let verdict = said.diagnosis.verdict;
+        assert_eq!(verdict, Verdict::Complete, "{example}: {}", said.names());
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
-use super::events::{Event, events};
+use super::events::{Event, undeclared};
 use super::mend::FaultKind;
 use super::motion::MotionFinding;
 use super::noise::NoiseFinding;
@@ -108,7 +108,10 @@ const EVENT: f64 = 1000.0;
 /// Events of all recordings as findings.
 #[must_use]
 pub fn of_events(rig: &[Recorded]) -> Vec<Finding> {
-    let all: Vec<Event> = rig.iter().flat_map(|one| events(&one.track)).collect();
+    let each = rig.iter();
+    let all: Vec<Event> = each
+        .flat_map(|one| undeclared(&one.track, &one.twin))
+        .collect();
     let mut found = Vec::new();
     for mechanism in [Mechanism::LostEdges, Mechanism::ExtraEdges] {
         let own: Vec<&Event> = all

@@ -47,6 +47,7 @@ pub mod kalman;
 mod known;
 pub mod least_squares;
 pub mod leftover;
+mod level;
 pub mod locate;
 mod looped;
 mod mark_plot;

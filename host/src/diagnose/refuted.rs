@@ -19,6 +19,7 @@ pub fn without(settled: &Settled) -> Option<Conclusion> {
     let mut concluded = settled.concluded.clone();
     let worse = |ratio: &Option<f64>| ratio.is_some_and(|ratio| ratio > WORSE);
     let worst: Vec<bool> = settled.held.named.iter().map(worse).collect();
+    let of_disc = settled.pattern.as_ref().map_or(0.0, |one| one.score);
     let disc = concluded.pattern && worse(&settled.held.disc);
     if worst.contains(&true) || disc {
         let text = |name| format!("like {name}, but on turns held out the fit is worse with it");
@@ -36,10 +37,7 @@ pub fn without(settled: &Settled) -> Option<Conclusion> {
             .retain(|_| !gone.next().is_some_and(|gone| *gone));
         if disc {
             concluded.pattern = false;
-            squares += settled
-                .pattern
-                .as_ref()
-                .map_or(0.0, |pattern| pattern.score);
+            squares += of_disc;
         }
         put_nameless(&mut concluded, text(like?), squares);
         return Some(concluded);
@@ -52,7 +50,10 @@ pub fn without(settled: &Settled) -> Option<Conclusion> {
     if !astray(&settled.fit) {
         return None;
     }
-    let squares = concluded.named.iter().map(|name| name.score).sum();
+    let mut squares: f64 = concluded.named.iter().map(|name| name.score).sum();
+    if concluded.pattern {
+        squares += of_disc;
+    }
     concluded.named.clear();
     concluded.pattern = false;
     let text = format!("like {like}, but a twin that has it goes another way than the recording");
@@ -89,4 +90,34 @@ fn astray(fit: &Fit) -> bool {
         };
         after > ASTRAY * before && after > NOISE * floor
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit(fast: [f64; 3], slow: [f64; 3]) -> Fit {
+        let band = |[before, after, floor]: [f64; 3]| Band {
+            rms_before_rad: Some(before),
+            rms_after_rad: Some(after),
+            floor_rad: Some(floor),
+        };
+        let fast = band(fast);
+        Fit {
+            rms_before_rad: fast.rms_before_rad,
+            rms_after_rad: fast.rms_after_rad,
+            floor_rad: fast.floor_rad,
+            slow: band(slow),
+            ..Fit::default()
+        }
+    }
+
+    #[test]
+    fn a_mended_twin_that_fits_worse_than_noise_allows_goes_astray() {
+        assert!(astray(&fit([4e-6, 3e-4, 2e-6], [1.0, 0.1, 0.1])));
+        assert!(astray(&fit([4e-6, 2e-6, 2e-6], [1e-3, 0.09, 1e-4])));
+        // What is no more than noise is nothing, and what fits better is none of it.
+        assert!(!astray(&fit([1e-6, 1.9e-6, 1e-6], [1.0, 0.1, 0.1])));
+        assert!(!astray(&fit([4e-6, 2e-6, 1e-9], [1.0, 0.5, 1e-6])));
+    }
 }

@@ -7,7 +7,7 @@ use quadcal::edge::Levels;
 use super::track::{Mark, Track};
 use crate::sensor::{PlanError, SensorKind, SensorPlan};
 use crate::sim::{Class, Simulation};
-use crate::twin::{Drive, Duration, Errors, Faults, Noise, Twin, TwinError};
+use crate::twin::{Drive, Duration, Encoder, Errors, Faults, Noise, Twin, TwinError};
 
 /// How far before the angle that its twin starts at a shaft may be found to have started, rad: it wandered on the way to the index. The
 /// same for a twin and for the mended one, so that neither counts turns otherwise.
@@ -18,6 +18,8 @@ const START_RAD: f64 = 0.1;
 pub struct Still {
     /// Edges of a perfect disc on it, those before its index too.
     pub pace: Vec<Mark>,
+    /// Of which this many make a step of the grid.
+    pub finer: i64,
     /// Errors of the twin's disc, rad.
     pub errors: Vec<f64>,
     /// What a place lacks to be an edge of the disc, turns counted from the twin's start.
@@ -41,12 +43,14 @@ impl Still {
             errors = errors.into_iter().step_by(2).collect();
         }
         // Where a loop is, the recording itself says where it sent the shaft.
+        let (finer, plan, fine) = finer(track, plan, perfect(&still));
         let pace = match twin.speed_loop() {
             Some(_) => Vec::new(),
-            None => simulated(plan, &perfect(&still))?,
+            None => simulated(plan, &fine)?,
         };
         Ok(Self {
             pace,
+            finer,
             errors,
             origin: track.origin + turns * track.edges,
             shift: i64::from(track.classes == 6),
@@ -156,6 +160,28 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
         still.duration = Duration::Seconds(1.05 * end_s);
     }
     still
+}
+
+/// Where the shaft turns round, friction does so at once, half-way between two edges that are long apart: a disc with some times the
+/// lines shows its way. Any other twin as it is.
+fn finer(track: &Track, plan: SensorPlan, twin: Twin) -> (i64, SensorPlan, Twin) {
+    const FINER: u32 = 16;
+    const LINES_MOST: u32 = 50_000;
+    /// Edges that take no time worth speaking of.
+    const EDGES: usize = 400_000;
+    let Encoder::Quadrature { lines, index } = twin.encoder else {
+        return (1, plan, twin);
+    };
+    let edges: usize = track.stretches.iter().map(|one| one.marks.len()).sum();
+    let times = u32::try_from(EDGES / edges.max(1)).unwrap_or(FINER);
+    let times = times.min(FINER).min(LINES_MOST / lines.max(1));
+    if times < 2 || !(track.reverses() || twin.drive.reverses()) {
+        return (1, plan, twin);
+    }
+    let lines = times * lines;
+    let encoder = Encoder::Quadrature { lines, index };
+    let plan = SensorPlan { lines, ..plan };
+    (i64::from(times), plan, Twin { encoder, ..twin })
 }
 
 /// Ticks a second that leave no interval of a recording as long as a decoder that tells a wheel's gap by it can count.

@@ -143,7 +143,7 @@ pub fn decide(bench: &mut Bench) -> bool {
             let next = ties.get(at + 1).filter(|next| near(ties[at], **next));
             let pair = [ties[at]].into_iter().chain(next.copied());
             let pair: Vec<Tie> = pair.collect();
-            for ways in [&pair[..1], &pair[..]] {
+            for ways in (1..=pair.len()).map(|count| &pair[..count]) {
                 if !more_likely(bench, ways) {
                     continue;
                 }

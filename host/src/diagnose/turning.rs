@@ -226,6 +226,7 @@ impl Seen {
 /// The twin's shaft without disturbance, by the cubic through four of its edges.
 fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
     let course = &still.pace;
+    let step = step / still.finer as f64;
     let (Some(first), Some(last)) = (course.first(), course.last()) else {
         return vec![None; marks.len()];
     };
@@ -233,7 +234,7 @@ fn undisturbed(marks: &[(Mark, i64)], still: &Still, step: f64) -> Course {
         return vec![None; marks.len()];
     }
     // A delay puts the first edge before the first that the twin has, and a faster twin ends before the last.
-    let beyond_s = BEYOND * (course[1].time_s - first.time_s);
+    let beyond_s = BEYOND * still.finer as f64 * (course[1].time_s - first.time_s);
     let mut near = 0;
     let each = marks.iter().map(|(mark, _)| {
         while near + 4 < course.len() && course[near + 2].time_s < mark.time_s {

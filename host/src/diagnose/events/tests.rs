@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use quadcal::edge::Levels;
 
-use super::{Event, events};
+use super::{Event, events, undeclared};
 use crate::diagnose::track::Track;
 use crate::mechanism::Mechanism::{self, ExtraEdges, IndexSlip, LostEdges};
 use crate::recording::Row;
@@ -235,5 +235,30 @@ fn an_index_that_slips_and_edges_lost_and_pulses_are_told_apart_in_one_recording
         let count = |m| found.iter().filter(|e| e.mechanism == m).count();
         assert_eq!((count(LostEdges), count(IndexSlip)), (2, 1), "{found:?}");
         holds_its_places(&disturbed, &track(&clean), 40);
+    }
+}
+
+#[test]
+fn what_the_twin_declares_is_no_event() {
+    let slip = "[[index_slip]]\nat_s = 0.2\nedges = 3\n";
+    let lost = "[faults]\nlost_edges = [700, 701, 1500]\n";
+    let often = "[faults]\nlost_probability = 2e-3\nglitch_probability = 1e-3\n";
+    for more in [slip, lost, often] {
+        let twin = |more: &str| {
+            let text = format!(
+                "seed = 4\nduration = {{ turns = 20 }}\n[encoder.quadrature]\nlines = 100\nindex = true\n\
+                 [shaft]\ninertia_kg_m2 = 1e-4\n[drive.constant]\nr_min = 600\n{more}\
+                 [timer]\nclock_hz = 84000000\n"
+            );
+            Twin::parse(&text, "rig").unwrap()
+        };
+        let disturbed = track(&twin(more));
+        assert!(!events(&disturbed).is_empty(), "{more}");
+        assert_eq!(undeclared(&disturbed, &twin(more)), [], "{more}");
+        assert_eq!(
+            undeclared(&disturbed, &twin("")),
+            events(&disturbed),
+            "{more}"
+        );
     }
 }
