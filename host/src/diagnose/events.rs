@@ -38,7 +38,9 @@ pub fn undeclared(track: &Track, twin: &Twin) -> Vec<Event> {
     let has = |number: u64| declared.lost_edges.contains(&number);
     let listed = |fault: &Fault| {
         let first = fault.number.filter(|_| fault.kind == FaultKind::Lost);
-        first.is_some_and(|first| (first..first + u64::from(fault.edges)).all(has))
+        // A recording may begin with a row that no edge made.
+        let from = |first: u64| (first..first + u64::from(fault.edges)).all(has);
+        first.is_some_and(|first| from(first) || first > 0 && from(first - 1))
     };
     let edges: usize = track.stretches.iter().map(|one| one.marks.len()).sum();
     let mut faults: Vec<&Fault> = track.faults.iter().filter(|one| !listed(one)).collect();

@@ -242,7 +242,8 @@ fn an_index_that_slips_and_edges_lost_and_pulses_are_told_apart_in_one_recording
 fn what_the_twin_declares_is_no_event() {
     let slip = "[[index_slip]]\nat_s = 0.2\nedges = 3\n";
     let lost = "[faults]\nlost_edges = [700, 701, 1500]\n";
-    let often = "[faults]\nlost_probability = 2e-3\nglitch_probability = 1e-3\n";
+    let often =
+        "[faults]\nlost_probability = 2e-3\nglitch_probability = 1e-3\nglitch_width_s = 1e-6\n";
     for more in [slip, lost, often] {
         let twin = |more: &str| {
             let text = format!(

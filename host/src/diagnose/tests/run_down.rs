@@ -66,7 +66,8 @@ fn friction_that_changes_the_whole_course_is_found_term_by_term() {
             }
             let fit = &said.fit;
             let (after, floor) = (fit.rms_after_rad.unwrap(), fit.floor_rad.unwrap());
-            assert!(after < 1.5 * floor, "{after} {floor}");
+            // Torque noise wanders along a run-down: its RMS has few degrees of freedom.
+            assert!(after < 3.0 * floor, "{after} {floor}");
         }
     }
 }
