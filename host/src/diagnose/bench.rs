@@ -71,7 +71,8 @@ impl Bench {
         };
         if declared.is_none() {
             bench.noise = bench.noise_at_first();
-            if free_speed && bench.law.held() {
+            // Ties are decided from noise that has room for them.
+            if free_speed && bench.law.held() && bench.seen.ties.is_empty() {
                 bench.set_noise(bench.noise);
                 bench.level();
                 bench.noise = bench.noise_at_first();

@@ -79,3 +79,25 @@ fn a_class_whose_stamps_spread_further_is_told_with_its_edges_and_how_far() {
         assert!(one.parameters["times_as_wide"].value > 5.0, "{one:?}");
     }
 }
+
+/// What one writes first: a shaft and a speed. In round numbers all edges come at one phase of the clock.
+#[test]
+fn a_twin_of_next_to_nothing_explains_its_own_recording() {
+    for more in ["", "viscous_n_m_s = 1e-4\n"] {
+        for r_min in [600.0, 300.0, 123.4] {
+            let rig = twin(&format!(
+                "seed = 4\nduration = {{ turns = 20 }}\n[encoder.quadrature]\nlines = 100\nindex = true\n\
+                 [shaft]\ninertia_kg_m2 = 1e-4\n{more}[drive.constant]\nr_min = {r_min}\n\
+                 [timer]\nclock_hz = 84000000\n"
+            ));
+            let said = diagnose(&[recorded(&rig, &rig)], &mut |_, _| {});
+            let said = said.unwrap().diagnosis;
+            assert_eq!(
+                said.verdict,
+                Verdict::Complete,
+                "{r_min}: {:?}",
+                said.findings
+            );
+        }
+    }
+}
