@@ -60,6 +60,8 @@ pub enum Basis {
         from_s: f64,
         /// Time constant, s.
         tau_s: f64,
+        /// On one channel, or all.
+        channel: Option<usize>,
     },
     /// A bump exp(-d^2 / 2 width^2) of the disc's error around an angle, rad.
     Bump {

@@ -31,9 +31,13 @@ pub fn sharpened(board: &Board, mut searched: Searched) -> (Searched, Vec<Betwee
             [Basis::Load { from_s, until_s }] => {
                 push(board, &mut searched, number, [from_s, until_s])
             }
-            [Basis::LevelDrift { from_s, tau_s }] => {
-                settling::settles(board, &mut searched, number, [from_s, tau_s])
-            }
+            [
+                Basis::LevelDrift {
+                    from_s,
+                    tau_s,
+                    channel,
+                },
+            ] => settling::settles(board, &mut searched, number, [from_s, tau_s], channel),
             _ => None,
         };
         all.push(between.unwrap_or_default());

@@ -34,6 +34,7 @@ pub fn known(twin: &Twin, looped: bool) -> Vec<(Basis, Vec<f64>)> {
         let basis = Basis::LevelDrift {
             from_s: drift.from_s,
             tau_s: drift.tau_s,
+            channel: drift.channel.map(|channel| channel as usize),
         };
         known.push((basis, vec![drift.angle_rad]));
     }

@@ -48,7 +48,7 @@ pub fn moved(estimate: &Estimate) -> Vec<Moved> {
             ..
         } => Vec::new(),
         Basis::Bump { channel, rises, .. } => vec![Moved { channel, rises }],
-        Basis::LevelTone { channel, .. } => {
+        Basis::LevelTone { channel, .. } | Basis::LevelDrift { channel, .. } => {
             let rises = None;
             channel.map_or_else(Vec::new, |_| vec![Moved { channel, rises }])
         }

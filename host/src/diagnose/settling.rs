@@ -40,6 +40,7 @@ pub fn settles(
     searched: &mut Searched,
     number: usize,
     [from_s, tau_s]: [f64; 2],
+    channel: Option<usize>,
 ) -> Option<Between> {
     let model = board.fit(others(searched, number))?;
     let variance = spread(&searched.model).max(1.0);
@@ -50,7 +51,8 @@ pub fn settles(
         last_s.copied().fold(f64::NEG_INFINITY, f64::max),
     ];
     let long = ends[1] - ends[0];
-    let of = |[from_s, log_tau]: [f64; 2]| tried(board, &model, variance, [from_s, log_tau]);
+    let of =
+        |[from_s, log_tau]: [f64; 2]| tried(board, &model, variance, [from_s, log_tau], channel);
     let within = [ends, [(TAU[0] * long).ln(), (TAU[1] * long).ln()]];
     let start = [[from_s, 0.1 * long], [tau_s.ln(), 1.0]];
     let grid = Grid::over(start, within, &of)?;
@@ -58,15 +60,23 @@ pub fn settles(
     let basis = Basis::LevelDrift {
         from_s: best.from_s,
         tau_s: best.log_tau.exp(),
+        channel,
     };
     take(board, searched, number, Hypothesis::by(basis))?;
     Some(grid.between())
 }
 
-fn tried(board: &Board, model: &Model, variance: f64, [from_s, log_tau]: [f64; 2]) -> Tried {
+fn tried(
+    board: &Board,
+    model: &Model,
+    variance: f64,
+    [from_s, log_tau]: [f64; 2],
+    channel: Option<usize>,
+) -> Tried {
     let basis = Basis::LevelDrift {
         from_s,
         tau_s: log_tau.exp(),
+        channel,
     };
     let columns = Hypothesis::by(basis).columns(board);
     let gain = board.gain(model, &columns);

@@ -51,7 +51,7 @@ pub fn beside_disc(
 pub fn stands(board: &Board, one: &Weighed) -> bool {
     /// Part of its mean by which a drift changes at the least, RMS.
     const CHANGES: f64 = 0.1;
-    let Some(&Basis::LevelDrift { from_s, tau_s }) = one.hypothesis.bases.first() else {
+    let Some(&Basis::LevelDrift { from_s, tau_s, .. }) = one.hypothesis.bases.first() else {
         return false;
     };
     board.benches.iter().all(|bench| {

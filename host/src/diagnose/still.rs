@@ -43,10 +43,9 @@ impl Still {
             errors = errors.into_iter().step_by(2).collect();
         }
         // Where a loop is, the recording itself says where it sent the shaft.
-        let (finer, plan, fine) = finer(track, plan, perfect(&still));
-        let pace = match twin.speed_loop() {
-            Some(_) => Vec::new(),
-            None => simulated(plan, &fine)?,
+        let (finer, pace) = match twin.speed_loop() {
+            Some(_) => (1, Vec::new()),
+            None => paced(track, plan, perfect(&still))?,
         };
         Ok(Self {
             pace,
@@ -162,26 +161,41 @@ fn without_randomness(track: &Track, twin: &Twin) -> Twin {
     still
 }
 
-/// Where the shaft turns round, friction does so at once, half-way between two edges that are long apart: a disc with some times the
-/// lines shows its way. Any other twin as it is.
-fn finer(track: &Track, plan: SensorPlan, twin: Twin) -> (i64, SensorPlan, Twin) {
+/// A perfect twin's edges, and how many of them make a step of the grid. Where the shaft turns round, friction does so at once, half-way
+/// between two edges that are long apart: a disc with some times the lines shows its way.
+fn paced(track: &Track, plan: SensorPlan, twin: Twin) -> Result<(i64, Vec<Mark>), TwinError> {
     const FINER: u32 = 16;
-    const LINES_MOST: u32 = 50_000;
+    /// Lines that a decoder counts.
+    const LINES_MOST: u32 = 16_000;
     /// Edges that take no time worth speaking of.
     const EDGES: usize = 400_000;
-    let Encoder::Quadrature { lines, index } = twin.encoder else {
-        return (1, plan, twin);
-    };
     let edges: usize = track.stretches.iter().map(|one| one.marks.len()).sum();
-    let times = u32::try_from(EDGES / edges.max(1)).unwrap_or(FINER);
-    let times = times.min(FINER).min(LINES_MOST / lines.max(1));
-    if times < 2 || !(track.reverses() || twin.drive.reverses()) {
-        return (1, plan, twin);
+    let times = u32::try_from(EDGES / edges.max(1)).map_or(FINER, |times| times.min(FINER));
+    if let Encoder::Quadrature { lines, index } = twin.encoder
+        && let times = times.min(LINES_MOST / lines)
+        && times > 1
+        && (track.reverses() || twin.drive.reverses())
+    {
+        let plan = SensorPlan {
+            lines: times * lines,
+            ..plan
+        };
+        let encoder = Encoder::Quadrature {
+            lines: plan.lines,
+            index,
+        };
+        let fine = simulated(
+            plan,
+            &Twin {
+                encoder,
+                ..twin.clone()
+            },
+        )?;
+        if !fine.is_empty() {
+            return Ok((i64::from(times), fine));
+        }
     }
-    let lines = times * lines;
-    let encoder = Encoder::Quadrature { lines, index };
-    let plan = SensorPlan { lines, ..plan };
-    (i64::from(times), plan, Twin { encoder, ..twin })
+    Ok((1, simulated(plan, &twin)?))
 }
 
 /// Ticks a second that leave no interval of a recording as long as a decoder that tells a wheel's gap by it can count.

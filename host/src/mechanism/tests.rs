@@ -33,6 +33,7 @@ const PATTERNS: [(Basis, Mechanism); 21] = [
         Basis::LevelDrift {
             from_s: 0.5,
             tau_s: 2.0,
+            channel: Some(0),
         },
         Mechanism::ThresholdDrift,
     ),

@@ -4,8 +4,10 @@ use std::f64::consts::TAU;
 
 use super::super::basis::Basis;
 use super::super::board::Board;
+use super::super::diagnosis::Verdict;
 use super::super::one_channel::{Undecided, turned};
 use super::super::prepare;
+use super::super::run::diagnose;
 use super::super::search::search;
 use super::{left, recorded, twin};
 use crate::mechanism::Mechanism;
@@ -180,5 +182,26 @@ fn friction_of_a_shaft_that_goes_to_and_fro_is_no_more_than_noise() {
         let rig = twin(&rubs(seed));
         let (mean, _) = left(&rig, &rig);
         assert!((mean - 1.0).abs() < 0.03, "{seed}: {mean}");
+    }
+}
+
+/// A disc whose lines, some times over, are more than a decoder counts.
+#[test]
+fn a_shaft_with_a_fine_disc_that_turns_round_explains_its_own_recording() {
+    for lines in [500, 1250, 5000] {
+        let rig = twin(&format!(
+            "seed = 3\nduration = {{ turns = 6 }}\n[encoder.quadrature]\nlines = {lines}\nindex = true\n\
+             [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-4\nstiffness_n_m_s = 2e-3\ncoulomb_n_m = 1e-3\n\
+             [drive.ramp]\nfrom_r_min = 200\nto_r_min = -200\nover_s = 3\n\
+             [timer]\nclock_hz = 84000000\njitter_s = 2e-8\n"
+        ));
+        let said = diagnose(&[recorded(&rig, &rig)], &mut |_, _| {});
+        let said = said.unwrap().diagnosis;
+        assert_eq!(
+            said.verdict,
+            Verdict::Complete,
+            "{lines}: {:?}",
+            said.findings
+        );
     }
 }

@@ -91,3 +91,22 @@ fn a_load_that_slows_the_shaft_hides_no_tone_and_no_ripple() {
         holds(&all, Mechanism::ThresholdRipple, "angle_rad", 2e-4);
     }
 }
+
+#[test]
+fn a_level_that_drifts_on_one_channel_is_found_there_and_known_there() {
+    for (seed, channel) in [(1, "A"), (2, "B")] {
+        let small = channel.to_lowercase();
+        let drift = format!(
+            "[[threshold_drift]]\nangle_rad = 3e-4\ntau_s = 0.8\nfrom_s = 1\nchannel = \"{small}\"\n"
+        );
+        let said = diagnosed(seed, &drift);
+        explained(&said, 1);
+        holds(&said, Mechanism::ThresholdDrift, "angle_rad", 3e-4);
+        assert_eq!(said.findings[0].place.channels, [channel]);
+
+        let told = twin(&format!("{RIG}{drift}"));
+        let one = recorded(&twin(&format!("seed = {seed}\n{RIG}{drift}")), &told);
+        let said = diagnose(&[one], &mut |_, _| {}).unwrap().diagnosis;
+        assert_eq!(said.verdict, Verdict::Complete, "{:?}", said.findings);
+    }
+}
