@@ -248,5 +248,6 @@ fn first_guess(seen: &Seen, law: &ShaftLaw, least_stamp_s: f64) -> ShaftNoise {
         },
         forgets_per_s: if unheld { speed } else { 0.0 },
         hold_s: 0.0,
+        load: law.load,
     }
 }

@@ -110,6 +110,7 @@ mod tests {
         let leap = Leap {
             after_s: 1e-3,
             damping: 0.0,
+            spring: None,
         };
         let reading = Reading {
             leap,

@@ -7,67 +7,80 @@
 use super::kalman::ShaftNoise;
 use super::shaft::Leap;
 
-/// How angle y, speed v and the third state m (held acceleration or drift of the speed) go on: y + b v + c m, d v + e m, k m.
-#[derive(Clone, Copy, Debug)]
-pub struct Way {
-    /// Angle from speed.
-    pub reach: f64,
-    /// What stays of the speed.
-    pub stays: f64,
-    /// Angle from the third state.
-    pub angle: f64,
-    /// Speed from the third state.
-    pub speed: f64,
-    /// What stays of the third state.
-    pub keeps: f64,
+/// Covariance of a state: angle, speed, third state (held acceleration or drift of the speed), and what a spring swings.
+pub type Covariance<const N: usize> = [[f64; N]; N];
+
+/// Place of the angle in a state.
+pub const ANGLE: usize = 0;
+/// Place of the speed.
+pub const SPEED: usize = 1;
+/// Place of the third state.
+pub const THIRD: usize = 2;
+
+/// How a state goes on over a time.
+pub trait Way<const N: usize>: Copy {
+    /// Puts into a covariance what nobody knows of a shaft at first but angle and speed, whose variance is given, (rad/s)^2.
+    fn begin(_start: &mut Covariance<N>, _leap: Leap, _speed2: f64) {}
+    /// Over a time, a push being held.
+    fn pushed(leap: Leap, after_s: f64) -> Self;
+    /// Over all of a leap, the mean speed drifting.
+    fn drifting(leap: Leap) -> Self;
+    /// This way and then another.
+    fn then(self, next: Self) -> Self;
+    /// The same, of the third state nothing being left at its end.
+    fn over(self) -> Self;
+    /// Angle that a speed makes.
+    fn reach(&self) -> f64;
+    /// State at its end.
+    fn on(&self, state: [f64; N]) -> [f64; N];
+    /// The transposed of [`Self::on`].
+    fn back(&self, state: [f64; N]) -> [f64; N];
+    /// The covariance at its end, without noise.
+    fn spread(&self, before: &Covariance<N>) -> Covariance<N>;
+    /// What is back of a covariance, as [`Self::back`] has it.
+    fn spread_back(&self, after: &Covariance<N>) -> Covariance<N>;
+    /// What white noise adds over a leap.
+    fn stirred(spread: Covariance<N>, leap: Leap, noise: ShaftNoise) -> Covariance<N>;
 }
 
-/// Upper triangle of the covariance of y, v, m: yy, yv, ym, vv, vm, mm.
-pub type Spread = [f64; 6];
+/// How angle y, speed v and third state m of a stiff shaft go on: y + b v + c m, d v + e m, k m.
+#[derive(Clone, Copy, Debug)]
+pub struct Stiff {
+    /// Angle from speed.
+    reach: f64,
+    /// What stays of the speed.
+    stays: f64,
+    /// Angle from the third state.
+    angle: f64,
+    /// Speed from the third state.
+    speed: f64,
+    /// What stays of the third state.
+    keeps: f64,
+}
 
 /// Steps of the grid in an interval from which on the noise in between is as good as white.
 const MANY: f64 = 6.0;
 
-impl Way {
-    /// The way of one interval that ends at a time, and the covariance at its end.
-    #[must_use]
-    pub fn of(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Self, Spread) {
-        if noise.hold_s > 0.0 {
-            held(leap, ends_s, noise, before)
-        } else {
-            let (reach, stays) = leap.reach(leap.after_s);
-            let way = Self {
-                reach,
-                stays,
-                angle: leap.after_s,
-                speed: 0.0,
-                keeps: 1.0,
-            };
-            (way, stirred(way.spread(before), leap, noise))
-        }
+/// The way of one interval that ends at a time, and the covariance at its end.
+#[must_use]
+pub fn way<W: Way<N>, const N: usize>(
+    leap: Leap,
+    ends_s: f64,
+    noise: ShaftNoise,
+    before: &Covariance<N>,
+) -> (W, Covariance<N>) {
+    if noise.hold_s > 0.0 {
+        let (far, near) = noise.apart();
+        let (way, spread) = held(leap, ends_s, near, before);
+        (way, W::stirred(spread, leap, far))
+    } else {
+        let way = W::drifting(leap);
+        let spread = W::stirred(way.spread(before), leap, noise);
+        (way, spread)
     }
+}
 
-    /// Angle, speed and third state at its end.
-    #[must_use]
-    pub fn on(self, y: f64, v: f64, m: f64) -> (f64, f64, f64) {
-        (
-            y + self.reach * v + self.angle * m,
-            self.stays * v + self.speed * m,
-            self.keeps * m,
-        )
-    }
-
-    /// The transposed of [`Self::on`].
-    #[must_use]
-    pub fn back(self, y: f64, v: f64, m: f64) -> (f64, f64, f64) {
-        (
-            y,
-            self.reach * y + self.stays * v,
-            self.angle * y + self.speed * v + self.keeps * m,
-        )
-    }
-
-    /// A push held over a time.
+impl Way<3> for Stiff {
     fn pushed(leap: Leap, after_s: f64) -> Self {
         let (reach, stays) = leap.reach(after_s);
         let x = leap.damping * after_s;
@@ -84,7 +97,17 @@ impl Way {
         }
     }
 
-    /// This way and then another.
+    fn drifting(leap: Leap) -> Self {
+        let (reach, stays) = leap.reach(leap.after_s);
+        Self {
+            reach,
+            stays,
+            angle: leap.after_s,
+            speed: 0.0,
+            keeps: 1.0,
+        }
+    }
+
     fn then(self, next: Self) -> Self {
         Self {
             reach: self.reach + next.reach * self.stays,
@@ -95,9 +118,33 @@ impl Way {
         }
     }
 
-    /// The covariance at its end, without noise.
-    fn spread(self, before: Spread) -> Spread {
-        let [yy, yv, ym, vv, vm, mm] = before;
+    fn over(self) -> Self {
+        Self { keeps: 0.0, ..self }
+    }
+
+    fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    #[inline(always)]
+    fn on(&self, [y, v, m]: [f64; 3]) -> [f64; 3] {
+        [
+            y + self.reach * v + self.angle * m,
+            self.stays * v + self.speed * m,
+            self.keeps * m,
+        ]
+    }
+
+    #[inline(always)]
+    fn back(&self, [y, v, m]: [f64; 3]) -> [f64; 3] {
+        [
+            y,
+            self.reach * y + self.stays * v,
+            self.angle * y + self.speed * v + self.keeps * m,
+        ]
+    }
+
+    fn spread(&self, [[yy, yv, ym], [_, vv, vm], [_, _, mm]]: &Covariance<3>) -> Covariance<3> {
         let Self {
             reach: b,
             stays: d,
@@ -110,41 +157,91 @@ impl Way {
             yv + b * vv + c * vm,
             ym + b * vm + c * mm,
         );
-        [
+        mirrored([
             ry + b * rv + c * rm,
             d * rv + e * rm,
             k * rm,
             d * d * vv + 2.0 * d * e * vm + e * e * mm,
             k * (d * vm + e * mm),
             k * k * mm,
-        ]
+        ])
+    }
+
+    fn spread_back(&self, after: &Covariance<3>) -> Covariance<3> {
+        let [[yy, yv, ym], [_, vv, vm], [_, _, mm]] = after;
+        let Self {
+            reach: b,
+            stays: d,
+            angle: c,
+            speed: e,
+            keeps: k,
+        } = self;
+        let (cy, cv, cm) = (
+            c * yy + e * yv + k * ym,
+            c * yv + e * vv + k * vm,
+            c * ym + e * vm + k * mm,
+        );
+        mirrored([
+            *yy,
+            b * yy + d * yv,
+            cy,
+            b * b * yy + 2.0 * b * d * yv + d * d * vv,
+            b * cy + d * cv,
+            c * cy + e * cv + k * cm,
+        ])
+    }
+
+    fn stirred(spread: Covariance<3>, leap: Leap, noise: ShaftNoise) -> Covariance<3> {
+        let [[yy, yv, ym], [_, vv, vm], [_, _, mm]] = spread;
+        let t = leap.after_s;
+        let [angle, both, speed] = stir(leap.damping * t);
+        let q = noise.acceleration * t;
+        mirrored([
+            yy + q * t * t * angle + noise.drift * t * t * t / 3.0,
+            yv + q * t * both,
+            ym + noise.drift * t * t / 2.0,
+            vv + q * speed,
+            vm,
+            mm + noise.drift * t,
+        ])
     }
 }
 
+/// A covariance from its upper triangle.
+fn mirrored([yy, yv, ym, vv, vm, mm]: [f64; 6]) -> Covariance<3> {
+    [[yy, yv, ym], [yv, vv, vm], [ym, vm, mm]]
+}
+
 /// A new torque: nothing of the old one stays.
-fn renewed(mut spread: Spread, noise: ShaftNoise) -> Spread {
-    spread[2] = 0.0;
-    spread[4] = 0.0;
-    spread[5] = noise.acceleration / noise.hold_s;
+fn renewed<const N: usize>(mut spread: Covariance<N>, noise: ShaftNoise) -> Covariance<N> {
+    spread[THIRD] = [0.0; N];
+    spread.iter_mut().for_each(|row| row[THIRD] = 0.0);
+    spread[THIRD][THIRD] = noise.acceleration / noise.hold_s;
     spread
 }
 
-fn held(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Way, Spread) {
+fn held<W: Way<N>, const N: usize>(
+    leap: Leap,
+    ends_s: f64,
+    noise: ShaftNoise,
+    before: &Covariance<N>,
+) -> (W, Covariance<N>) {
     let hold = noise.hold_s;
     let starts_s = ends_s - leap.after_s;
     let next = ((starts_s / hold).floor() + 1.0) * hold;
     if next >= ends_s {
-        let way = Way::pushed(leap, leap.after_s);
-        return (way, way.spread(before));
+        let way = W::pushed(leap, leap.after_s);
+        let spread = way.spread(before);
+        return (way, spread);
     }
     let steps = ((ends_s - next) / hold).floor();
-    let mut way = Way::pushed(leap, next - starts_s);
-    let mut spread = renewed(way.spread(before), noise);
+    let first = W::pushed(leap, next - starts_s);
+    let mut spread = renewed(first.spread(before), noise);
     // The torque that was held until here is over.
-    way.keeps = 0.0;
-    let mut go = |after_s: f64, spread: &mut Spread| {
-        let part = Way::pushed(leap, after_s);
-        *spread = part.spread(*spread);
+    let mut way = first.over();
+    let mut go = |after_s: f64, spread: &mut Covariance<N>| {
+        let part = W::pushed(leap, after_s);
+        *spread = part.spread(spread);
         way = way.then(part);
     };
     if steps > MANY {
@@ -152,9 +249,9 @@ fn held(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Way, Spr
             after_s: steps * hold,
             ..leap
         };
-        spread[5] = 0.0;
+        spread[THIRD][THIRD] = 0.0;
         go(between.after_s, &mut spread);
-        spread = renewed(stirred(spread, between, noise), noise);
+        spread = renewed(W::stirred(spread, between, noise), noise);
     } else {
         for _ in 0..steps as usize {
             go(hold, &mut spread);
@@ -163,19 +260,6 @@ fn held(leap: Leap, ends_s: f64, noise: ShaftNoise, before: Spread) -> (Way, Spr
     }
     go((ends_s - next - steps * hold).max(0.0), &mut spread);
     (way, spread)
-}
-
-/// What white noise adds over an interval.
-fn stirred(mut spread: Spread, leap: Leap, noise: ShaftNoise) -> Spread {
-    let t = leap.after_s;
-    let [angle, both, speed] = stir(leap.damping * t);
-    let q = noise.acceleration * t;
-    spread[0] += q * t * t * angle + noise.drift * t * t * t / 3.0;
-    spread[1] += q * t * both;
-    spread[2] += noise.drift * t * t / 2.0;
-    spread[3] += q * speed;
-    spread[5] += noise.drift * t;
-    spread
 }
 
 /// Variance of the angle, covariance with the speed and variance of the speed that white noise of unit density gives over unit time
@@ -204,6 +288,7 @@ mod tests {
     const LEAP: Leap = Leap {
         after_s: 3.7e-3,
         damping: 20.0,
+        spring: None,
     };
 
     fn noise(hold_s: f64) -> ShaftNoise {
@@ -213,6 +298,7 @@ mod tests {
             drift: 0.0,
             forgets_per_s: 0.0,
             hold_s,
+            load: 0.0,
         }
     }
 
@@ -220,9 +306,9 @@ mod tests {
     #[test]
     fn held_noise_spreads_as_its_steps_add_up() {
         let (hold_s, ends_s) = (1e-3, 10.2e-3);
-        let mut before = [0.0; 6];
-        before[5] = 2.0 / hold_s;
-        let (way, spread) = Way::of(LEAP, ends_s, noise(hold_s), before);
+        let mut before = [[0.0; 3]; 3];
+        before[THIRD][THIRD] = 2.0 / hold_s;
+        let (way, spread) = way::<Stiff, 3>(LEAP, ends_s, noise(hold_s), &before);
         let starts_s = ends_s - LEAP.after_s;
         // The torque at the start is over at 7 ms; three whole steps and a part follow.
         let mut angle2 = 0.0;
@@ -233,15 +319,15 @@ mod tests {
             (9e-3, 10e-3),
             (10e-3, ends_s),
         ] {
-            let push = Way::pushed(LEAP, until - from);
-            let free = Way::pushed(LEAP, ends_s - until);
+            let push = Stiff::pushed(LEAP, until - from);
+            let free = Stiff::pushed(LEAP, ends_s - until);
             let angle = push.angle + free.reach * push.speed;
             angle2 += angle * angle * 2.0 / hold_s;
         }
         assert!(
-            (spread[0] / angle2 - 1.0).abs() < 1e-9,
+            (spread[ANGLE][ANGLE] / angle2 - 1.0).abs() < 1e-9,
             "{} {angle2}",
-            spread[0]
+            spread[ANGLE][ANGLE]
         );
         assert!(way.keeps == 0.0 && way.angle > 0.0);
         let whole = LEAP.reach(LEAP.after_s);
@@ -262,6 +348,7 @@ mod tests {
                 let free = Leap {
                     after_s: left,
                     damping: x,
+                    spring: None,
                 };
                 let (angle, speed) = free.reach(left);
                 sums[0] += angle * angle * step;
@@ -276,11 +363,11 @@ mod tests {
 
     #[test]
     fn a_fine_grid_is_white() {
-        let (_, held) = Way::of(LEAP, 1.0, noise(2e-5), [0.0; 6]);
-        let (_, white) = Way::of(LEAP, 1.0, noise(0.0), [0.0; 6]);
-        for at in [0, 1, 3] {
+        let (_, held) = way::<Stiff, 3>(LEAP, 1.0, noise(2e-5), &[[0.0; 3]; 3]);
+        let (_, white) = way::<Stiff, 3>(LEAP, 1.0, noise(0.0), &[[0.0; 3]; 3]);
+        for [row, at] in [[ANGLE, ANGLE], [ANGLE, SPEED], [SPEED, SPEED]] {
             assert!(
-                (held[at] / white[at] - 1.0).abs() < 0.03,
+                (held[row][at] / white[row][at] - 1.0).abs() < 0.03,
                 "{held:?} {white:?}"
             );
         }
@@ -288,11 +375,11 @@ mod tests {
 
     #[test]
     fn back_is_the_transpose_of_on() {
-        let (way, _) = Way::of(LEAP, 4.3e-3, noise(5e-3), [0.0; 6]);
+        let (way, _) = way::<Stiff, 3>(LEAP, 4.3e-3, noise(5e-3), &[[0.0; 3]; 3]);
         let (a, b) = ([0.3, -2.0, 5.0], [1.5, 0.7, -0.2]);
-        let dot = |x: (f64, f64, f64), y: [f64; 3]| x.0 * y[0] + x.1 * y[1] + x.2 * y[2];
-        let there = dot(way.on(a[0], a[1], a[2]), b);
-        let back = dot(way.back(b[0], b[1], b[2]), a);
+        let dot = |x: [f64; 3], y: [f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+        let there = dot(way.on(a), b);
+        let back = dot(way.back(b), a);
         assert!((there - back).abs() < 1e-12, "{there} {back}");
     }
 }

@@ -117,6 +117,7 @@ impl Told<'_> {
         let damping = self.bench.law.damping(0.0, self.bench.mean_speed);
         ShaftNoise {
             acceleration: self.declared.acceleration * times * times,
+            load: self.declared.load * times * times,
             forgets_per_s: damping * (times - 1.0),
             ..self.declared
         }

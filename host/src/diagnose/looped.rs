@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use quadcal::edge::Direction;
 
-use super::shaft::Leap;
+use super::shaft::{Leap, ShaftLaw, State};
 use super::ties::Tie;
 use super::track::{Mark, Track};
 use super::turning::Course;
@@ -43,6 +43,7 @@ pub fn looped(
     let clock_hz = twin.timer.clock_hz as f64;
     let shaft = &twin.shaft;
     let target = model.target_rad_s;
+    let spring = ShaftLaw::of(twin).spring;
     let friction =
         |speed: f64| twin.friction_n_m(speed.abs()) * speed.signum() / shaft.inertia_kg_m2;
     let mut saw = SeenSpeed::new(clock_hz, step, model.timeout_s, None);
@@ -50,7 +51,7 @@ pub fn looped(
         return Looped::default();
     };
     let mut ties = Vec::new();
-    let mut state = [first.place as f64 * step, target];
+    let mut state = [first.place as f64 * step, target, 0.0, 0.0];
     let mut now = first.time_s;
     let mut sample = (now * model.rate_hz).ceil();
     let (mut integral, mut push) = (model.start, model.start);
@@ -64,10 +65,11 @@ pub fn looped(
     let wider = if track.turned.is_some() { DECIDED } else { 1.0 };
     let tie_s = wider * (5.0 * stamp_s + track.tick_s);
     let (mut last_edge, mut speed_before) = (first.time_s, target);
-    let go = |state: [f64; 2], push: f64, after_s: f64| {
+    let go = |state: State, push: f64, after_s: f64| {
         let leap = Leap {
             after_s,
             damping: shaft.viscous_n_m_s / shaft.inertia_kg_m2,
+            spring,
         };
         let push = push - friction(state[1]);
         leap.step(state, [push; 3])
@@ -134,7 +136,7 @@ pub fn looped(
             }
             if !begun {
                 begun = true;
-                state = [mark.place as f64 * step, target];
+                state = [mark.place as f64 * step, target, 0.0, 0.0];
             }
             Some((
                 state[0] - state[1] * (mark.time_s - passed.time_s),

@@ -14,6 +14,8 @@ use crate::mechanism::Mechanism;
 const BINS: usize = 60;
 /// Part of what the most moved kind of edge is moved by from which on another kind is drawn with it.
 const MOVED: f64 = 0.1;
+/// Standard errors of the usual point from which on one says nothing.
+const VAGUE: f64 = 20.0;
 
 /// Sums over the edges of a bin.
 #[derive(Clone, Copy, Default)]
@@ -27,6 +29,13 @@ struct Bin {
     /// Coordinate.
     x: f64,
     count: f64,
+}
+
+impl Bin {
+    /// Standard error of a point, urad.
+    fn error(&self) -> f64 {
+        (self.mark / self.count).abs() / self.square.sqrt()
+    }
 }
 
 /// What x is, and of each edge: where it stands and in which bin; none outside of what is drawn.
@@ -71,7 +80,13 @@ pub fn plot(bench: &Bench, mark: &Mark, mechanism: Mechanism) -> FindingPlot {
         after: Vec::new(),
         model: Vec::new(),
     };
-    for bin in bins.iter().filter(|bin| bin.square > 0.0) {
+    bins.retain(|bin| bin.square > 0.0);
+    let mut errors: Vec<f64> = bins.iter().map(|bin| bin.error()).collect();
+    errors.sort_by(f64::total_cmp);
+    let usual = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+    // Where a mark is large but hardly grows, edges say next to nothing of its size.
+    bins.retain(|bin| bin.error() <= VAGUE * usual);
+    for bin in &bins {
         let (x, model) = (bin.x / bin.count, bin.mark / bin.count);
         let share = bin.product / bin.square;
         plot.model.push((x, model));

@@ -33,6 +33,7 @@ pub fn fit(
         drift: logs.get(2).map_or(0.0, |log| log.exp()),
         forgets_per_s: logs.get(3).map_or(start.forgets_per_s, |log| log.exp()),
         hold_s: start.hold_s,
+        load: start.load,
     };
     let cost = |logs: &[f64]| cost(readings, angles, of(logs));
     let mut first = vec![start.acceleration.ln(), over(start.stamp_s).ln()];

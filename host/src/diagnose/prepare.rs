@@ -148,6 +148,7 @@ fn declared(twin: &Twin, law: &ShaftLaw, least_stamp_s: f64) -> Option<ShaftNois
         drift: 0.0,
         forgets_per_s: 0.0,
         hold_s: hold_s(twin, law),
+        load: law.load,
     })
 }
 

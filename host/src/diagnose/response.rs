@@ -1,17 +1,17 @@
 //! What torques make of the angle along a residual: the response of the twin's shaft, linear about its course.
 
 use super::seen::Seen;
-use super::shaft::{Leap, ShaftLaw};
+use super::shaft::{AT_REST, Leap, ShaftLaw};
 
 /// Response of the angle to an acceleration, rad/s^2, given at an edge's interval: at its start 0, middle 0.5, end 1.
 #[must_use]
 pub fn pushed(seen: &Seen, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
-    let mut state = [0.0; 2];
+    let mut state = AT_REST;
     let strides = seen.strides();
     (0..seen.len())
         .map(|at| {
             if seen.follows(at) {
-                state = [0.0; 2];
+                state = AT_REST;
             } else if at > 0 {
                 state = strides[at].step(state, [push(at, 0.0), push(at, 0.5), push(at, 1.0)]);
             }
@@ -31,12 +31,12 @@ pub fn pushed_round(
     const STEP: f64 = 0.7;
     let size = 1.0 / law.inertia;
     let (mut cos, mut sin) = (vec![0.0; seen.len()], vec![0.0; seen.len()]);
-    let (mut even, mut odd) = ([0.0; 2], [0.0; 2]);
+    let (mut even, mut odd) = (AT_REST, AT_REST);
     let mut last = phase(0, 0.0).sin_cos();
     let strides = seen.strides();
     for at in 1..seen.len() {
         if seen.follows(at) {
-            (even, odd) = ([0.0; 2], [0.0; 2]);
+            (even, odd) = (AT_REST, AT_REST);
             last = phase(at, 0.0).sin_cos();
             continue;
         }

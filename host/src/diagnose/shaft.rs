@@ -3,7 +3,11 @@
 //! A small acceleration f changes angle and speed by y and v with dy/dt = v and dv/dt = -b v + f, where b is friction, and the
 //! stiffness of a drive that is on, over the inertia. A speed loop is no part of it: what it saw is in the recording, so its push is
 //! known (see [`super::turning`]).
+//!
+//! Where a share of the inertia is behind a spring, the angle is that of the near side, and the swing against the common motion is a
+//! state beside it (see [`super::spring`]).
 
+use super::spring::Spring;
 use crate::twin::{Drive, Noise, Twin};
 
 /// The law of one twin.
@@ -20,6 +24,10 @@ pub struct ShaftLaw {
     stribeck_rad_s: f64,
     /// When the drive goes off, s.
     off_s: f64,
+    /// The spring before a part of the inertia.
+    pub spring: Option<Spring>,
+    /// Density of the acceleration noise behind it, (rad/s^2)^2 s.
+    pub load: f64,
 }
 
 impl ShaftLaw {
@@ -48,6 +56,10 @@ impl ShaftLaw {
                 Drive::RunDown { off_s, .. } => off_s,
                 _ => f64::INFINITY,
             },
+            spring: twin.torsional_resonance.as_ref().map(Spring::of),
+            load: twin.torsional_resonance.map_or(0.0, |mode| {
+                mode.load_psd_n2_m2_s.unwrap_or(0.0) / (inertia * inertia)
+            }),
         }
     }
 
@@ -79,17 +91,25 @@ impl ShaftLaw {
     }
 }
 
-/// A way from one edge to the next for a state of angle and speed.
+/// Angle and speed, and how much of both is the near side's swing against the common motion of both masses.
+pub type State = [f64; 4];
+
+/// At rest, where it should be.
+pub const AT_REST: State = [0.0; 4];
+
+/// A way from one edge to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Leap {
     /// Time, s.
     pub after_s: f64,
     /// Damping, 1/s.
     pub damping: f64,
+    /// The spring before a part of the inertia.
+    pub spring: Option<Spring>,
 }
 
 impl Leap {
-    /// Angle that a speed makes, and what stays of the speed.
+    /// Angle that a speed makes, and what stays of the speed, of a stiff shaft.
     #[must_use]
     pub fn reach(&self, after_s: f64) -> (f64, f64) {
         let x = self.damping * after_s;
@@ -101,9 +121,9 @@ impl Leap {
         }
     }
 
-    /// Angle and speed after a push given at start, middle and end, rad/s^2.
+    /// State after a push given at start, middle and end, rad/s^2.
     #[must_use]
-    pub fn step(&self, state: [f64; 2], push: [f64; 3]) -> [f64; 2] {
+    pub fn step(&self, state: State, push: [f64; 3]) -> State {
         self.stride().step(state, push)
     }
 
@@ -111,7 +131,7 @@ impl Leap {
     #[must_use]
     pub fn stride(&self) -> Stride {
         Stride {
-            after_s: self.after_s,
+            leap: *self,
             whole: self.reach(self.after_s),
             half: self.reach(0.5 * self.after_s),
         }
@@ -121,23 +141,28 @@ impl Leap {
 /// Steps of one length, whose exponentials are worked out once.
 #[derive(Clone, Copy, Debug)]
 pub struct Stride {
-    after_s: f64,
+    leap: Leap,
     /// Angle that a speed makes, and what stays of the speed, over all of it and over its half.
     whole: (f64, f64),
     half: (f64, f64),
 }
 
 impl Stride {
-    /// Angle and speed after a push given at start, middle and end, rad/s^2.
+    /// State after a push given at start, middle and end, rad/s^2.
     #[must_use]
-    pub fn step(&self, state: [f64; 2], push: [f64; 3]) -> [f64; 2] {
-        let h = self.after_s;
-        let [y, v] = state;
+    pub fn step(&self, state: State, push: [f64; 3]) -> State {
+        let h = self.leap.after_s;
+        if let Some(spring) = &self.leap.spring {
+            return spring.step(h, self.leap.damping, state, push);
+        }
+        let [y, v, ..] = state;
         let (reach, stays) = self.whole;
         let (half_reach, half_stays) = self.half;
         [
             y + reach * v + h / 6.0 * (reach * push[0] + 4.0 * half_reach * push[1]),
             stays * v + h / 6.0 * (stays * push[0] + 4.0 * half_stays * push[1] + push[2]),
+            0.0,
+            0.0,
         ]
     }
 }
@@ -152,9 +177,10 @@ mod tests {
         let leap = Leap {
             after_s: 2e-3,
             damping: 3.0,
+            spring: None,
         };
         let w = 60.0;
-        let mut state = [0.0; 2];
+        let mut state = AT_REST;
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for i in 0..10_000 {
             let at = |share: f64| (w * leap.after_s * (f64::from(i) + share)).sin();

@@ -105,6 +105,11 @@ pub fn floor(board: &Board, parts: std::ops::Range<usize>) -> Spread {
 /// A run of a recording's noise: the shaft's wander as the filter has it (see [`super::kalman`]), and errors of stamps.
 fn noise(bench: &Bench, random: &mut ChaCha8Rng) -> Vec<f64> {
     let noise = bench.noise;
+    if bench.law.spring.is_some() {
+        let mut angles: Vec<f64> = (0..bench.seen.len()).map(|_| normal(random)).collect();
+        bench.whitener().restore(&mut angles);
+        return angles;
+    }
     let (mut angle, mut drift) = (0.0, 0.0);
     let mut speed: Option<f64> = None;
     let each = bench.seen.readings.iter().enumerate().map(|(at, reading)| {

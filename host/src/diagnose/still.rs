@@ -255,7 +255,6 @@ fn perfect(still: &Twin) -> Twin {
         gear_mesh: Vec::new(),
         bearing: Vec::new(),
         torque_tone: Vec::new(),
-        torsional_resonance: None,
         ..still.clone()
     }
 }

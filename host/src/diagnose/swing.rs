@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use super::seen::Seen;
-use super::shaft::{Leap, ShaftLaw};
+use super::shaft::{AT_REST, Leap, ShaftLaw};
 use crate::twin::Twin;
 
 /// Radians of the fastest rhythm that a step may take.
@@ -109,7 +109,7 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
     let mut gains = vec![0.0; seen.len()];
     for pass in 0..PASSES {
         let before = std::mem::take(&mut path);
-        let mut state = [0.0; 2];
+        let mut state = AT_REST;
         let mut cursor = 0;
         let (mut most, mut furthest) = (0.0_f64, 0.0_f64);
         for at in 1..seen.len() {
@@ -158,9 +158,9 @@ pub fn swing(seen: &Seen, torques: &Torques) -> Swing {
                 Known::Within(change)
             };
             if seen.follows(at) {
-                state = [0.0; 2];
+                state = AT_REST;
             }
-            [angles[at], speeds[at]] = state;
+            [angles[at], speeds[at], ..] = state;
             most = most.max(state[0].abs());
         }
         // The first pass goes the straight way, which a slight swing hardly leaves.

@@ -6,6 +6,7 @@ mod drawn;
 mod inertia;
 mod reversal;
 mod run_down;
+mod second_mass;
 mod slow_changes;
 mod speed_loop;
 mod stamps;

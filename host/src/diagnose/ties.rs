@@ -5,7 +5,7 @@
 use super::bench::Bench;
 use super::kalman::ShaftNoise;
 use super::seen::Seen;
-use super::shaft::Leap;
+use super::shaft::{AT_REST, Leap};
 
 /// A sample of the loop about which stamps leave a doubt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -232,7 +232,7 @@ fn gain(bench: &Bench, ties: &[Tie]) -> f64 {
 fn pushed(seen: &Seen, ties: &[Tie], edges: std::ops::Range<usize>) -> Vec<f64> {
     let mut angles = vec![0.0; edges.len()];
     for tie in ties {
-        let mut state = [0.0; 2];
+        let mut state = AT_REST;
         for (angle, at) in angles.iter_mut().zip(edges.clone()) {
             let leap = seen.readings[at].leap;
             let now = seen.times_s[at];

@@ -155,6 +155,7 @@ impl Seen {
                     } else {
                         law.damping(mark.time_s, speed.abs())
                     },
+                    spring: law.spring,
                 },
                 speed: speed.abs(),
                 at_s: mark.time_s,

@@ -101,6 +101,7 @@ impl Sampled {
                 leap: Leap {
                     after_s: self.times_s[edge] - self.times_s[before],
                     damping: self.damping,
+                    spring: None,
                 },
                 speed: self.speeds[edge],
                 at_s: self.times_s[edge],

@@ -21,7 +21,11 @@ pub(super) struct Held {
 
 impl Held {
     pub(super) fn over(after_s: f64, damping: f64) -> Self {
-        let leap = Leap { after_s, damping };
+        let leap = Leap {
+            after_s,
+            damping,
+            spring: None,
+        };
         let (reach, stays) = leap.reach(after_s);
         let x = damping * after_s;
         let far = if x < 0.01 {

@@ -136,6 +136,7 @@ impl Row<'_> {
         let stamp2 = self.base.stamp_s * self.base.stamp_s + place[1] * unit;
         ShaftNoise {
             acceleration: self.base.acceleration * place[0].exp(),
+            load: self.base.load * place[0].exp(),
             stamp_s: stamp2.max(0.5 * self.least_s2).max(1e-24).sqrt(),
             ..self.base
         }

@@ -28,6 +28,8 @@ use crate::mechanism::Mechanism;
 pub use own::{is_own, own_columns};
 pub use resonance::Mode;
 pub use task::{Busy, DOUBT, Refit, Task, account, agrees, confirm, find as find_task, refit};
+#[cfg(test)]
+pub use two_mass::TwoMass;
 
 /// Something that the noise lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,7 +102,7 @@ fn findings(board: &Board, left: &Model, rhythmic: bool) -> Vec<NoiseFinding> {
     let mode = if task.is_some() {
         None
     } else {
-        resonance::find(board, left)
+        resonance::find(board, &left.left)
     };
     if rhythmic && task.is_none() && mode.is_none() {
         return Vec::new();

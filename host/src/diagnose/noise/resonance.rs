@@ -5,7 +5,8 @@
 //! their likelihood is Whittle's, -sum(ln S + P / S) (Whittle, Arkiv foer Matematik 2, 1953). The mode stands at the same Hz in
 //! every recording; tones, which stand alone, are left out before.
 
-use super::super::board::{Board, Model};
+use super::super::board::Board;
+use super::super::kalman::ShaftNoise;
 use super::super::noise_fit::simplex;
 use super::mode_scan::scan;
 use super::odds::{anywhere, normal_above};
@@ -76,11 +77,20 @@ impl Mode {
     }
 }
 
-/// Looks for a mode in what a model leaves, that rings all the time.
+/// Looks for a mode in what a model leaves, white, that rings all the time.
 #[must_use]
-pub fn find(board: &Board, left: &Model) -> Option<Mode> {
-    let mode = likely(board, left)?;
-    let each = board.benches.iter().zip(&left.left);
+pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Mode> {
+    if board.benches.iter().any(|bench| bench.law.spring.is_some()) {
+        let all = all_bands(board, left);
+        if off(&all, [0.0, f64::INFINITY], &|_| 1.0) < MISFIT {
+            return None;
+        }
+        // Not the one that the twins have: what there is instead shows on a stiff shaft.
+        let (board, left) = stiff(board, left);
+        return find(&board, &left);
+    }
+    let mode = search(&all_bands(board, left))?;
+    let each = board.benches.iter().zip(left);
     let shown = each.zip(&mode.gains).all(|((bench, white), gain)| {
         if *gain < LEAST_GAIN {
             return true;
@@ -91,11 +101,32 @@ pub fn find(board: &Board, left: &Model) -> Option<Mode> {
     shown.then_some(mode)
 }
 
-/// The mode that is most likely to make the spectrum of whole recordings.
-fn likely(board: &Board, left: &Model) -> Option<Mode> {
-    let each = board.benches.iter().zip(&left.left);
-    let all: Vec<Vec<Band>> = each.map(|(bench, white)| bands(bench, white)).collect();
-    search(&all)
+/// The spectrum of whole recordings, in bands.
+fn all_bands(board: &Board, left: &[Vec<f64>]) -> Vec<Vec<Band>> {
+    let each = board.benches.iter().zip(left);
+    each.map(|(bench, white)| bands(bench, white)).collect()
+}
+
+/// What is left as if no twin had a spring.
+fn stiff(board: &Board, left: &[Vec<f64>]) -> (Board, Vec<Vec<f64>>) {
+    let mut stiff = board.clone();
+    stiff.forget();
+    let each = stiff.benches.iter_mut().zip(left);
+    let left = each.map(|(bench, left)| {
+        let mut angles = left.clone();
+        bench.whitener().restore(&mut angles);
+        bench.law.spring = None;
+        let readings = &mut bench.seen.readings;
+        readings.iter_mut().for_each(|one| one.leap.spring = None);
+        bench.set_noise(ShaftNoise {
+            acceleration: bench.noise.acceleration + bench.noise.load,
+            load: 0.0,
+            ..bench.noise
+        });
+        bench.whitened(angles)
+    });
+    let left = left.collect();
+    (stiff, left)
 }
 
 /// The spectrum in a band: levels of torque and stamps, with or without a mode.
@@ -239,14 +270,22 @@ fn nearest(bands: &[Band], f_hz: f64) -> Option<&Band> {
 
 /// Chi squared of what a mode leaves in wider bands around it, over their count.
 pub(super) fn misfit(all: &[Vec<Band>], mode: &TwoMass, torque: f64, stamps: f64) -> f64 {
+    let around = [0.6 * mode.f_hz, 1.6 * mode.f_hz];
+    off(all, around, &|band| {
+        expected(band, torque, stamps, Some(mode))
+    })
+}
+
+/// Chi squared of bands from here to there against what is expected, over their count.
+fn off(all: &[Vec<Band>], [from_hz, until_hz]: [f64; 2], expected: &dyn Fn(&Band) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0_f64);
     for bands in all {
-        let from = bands.partition_point(|band| band.f_hz < 0.6 * mode.f_hz);
-        let until = bands.partition_point(|band| band.f_hz < 1.6 * mode.f_hz);
+        let from = bands.partition_point(|band| band.f_hz < from_hz);
+        let until = bands.partition_point(|band| band.f_hz < until_hz);
         for wide in bands[from..until.max(from)].chunks(12) {
             let (mut ratio, mut lines) = (0.0, 0.0);
             for band in wide {
-                ratio += band.lines * band.power / expected(band, torque, stamps, Some(mode));
+                ratio += band.lines * band.power / expected(band);
                 lines += band.lines;
             }
             // Exponential lines: the mean of so many, its cube root close to normal (Wilson and Hilferty, PNAS 17, 1931).

@@ -158,7 +158,7 @@ fn what_rings_for_a_while_or_sweeps_is_no_mode() {
     for seed in SEEDS {
         let board = prepare::board(&rig(seed, "", mode, 0.0)).expect("a board");
         let model = Model::none(&board);
-        let found = resonance::find(&board, &model).expect("a mode");
+        let found = resonance::find(&board, &model.left).expect("a mode");
         let rings_in = |board: &Board, model: &Model| {
             let parts = stretches(&board.benches[0], &model.left[0], 8);
             rings(&parts, &found, found.gains[0])

@@ -4,12 +4,12 @@
 use super::super::super::board::Board;
 use super::super::super::run::Recorded;
 use super::super::NoiseFinding;
+use super::DOUBT;
 use super::busy::Busy;
 use super::fit::{Fitted, fitted};
 use super::folded::{near, rough, spectrum};
 use super::period::{by_pulses, late, pulses};
 use super::stamps::Stamps;
-use super::{DOUBT, stands};
 use crate::diagnose::ends::Ends;
 use crate::diagnose::spectrum::Spectrum;
 use crate::twin::Twin;
@@ -36,7 +36,7 @@ pub fn account(rig: &mut [Recorded], board: &Board) -> bool {
     };
     let mut any = false;
     for ((one, bench), left) in rig.iter_mut().zip(&board.benches).zip(&left) {
-        let Some((f_hz, _)) = declared(&one.twin).filter(|_| !stands(bench)) else {
+        let Some((f_hz, _)) = declared(&one.twin) else {
             continue;
         };
         let row = Stamps::of(bench, left);

@@ -14,6 +14,8 @@ use super::busy::Busy;
 const STRAY: f64 = 1e-3;
 /// Deviations from the busy time beyond which an edge says nothing.
 const FAR: f64 = 5.0;
+/// Speed over the fastest from which on a stamp says when an edge came.
+const SLOWEST: f64 = 0.1;
 /// Deviations from either end of the busy time from which on an edge is surely within.
 const INSIDE: f64 = 4.0;
 
@@ -41,7 +43,12 @@ impl<'a> Stamps<'a> {
     pub fn of(bench: &'a Bench, left: &'a [f64]) -> Self {
         let precisions = bench.whitener().precisions();
         let speeds = &bench.seen.speeds;
-        let weights = precisions.iter().zip(speeds).map(|(d, w)| d * w * w);
+        let fastest = speeds.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+        // Where the shaft all but stands a stamp says nothing of the time.
+        let weights = precisions.iter().zip(speeds).map(|(d, w)| {
+            let turns = w.abs() > SLOWEST * fastest;
+            if turns { d * w * w } else { 0.0 }
+        });
         // What is in doubt is held against what the others let expect as if it were not.
         let doubts = bench.seen.readings.iter().map(|reading| reading.doubt_s);
         let variances: Vec<f64> = weights
