@@ -12,7 +12,7 @@ mod period;
 mod refit;
 mod stamps;
 
-use super::super::board::{Board, Column};
+use super::super::board::{Bench, Board, Column};
 use super::super::spectrum::Spectrum;
 use super::odds::anywhere;
 use super::{NoiseFinding, NoiseParameter};
@@ -54,6 +54,10 @@ pub struct Task {
 /// Looks for a task in what is left, white.
 #[must_use]
 pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
+    // A rate that nobody declared is too easily seen in what stamps do while a shaft comes to a stand.
+    if board.benches.iter().any(stands) {
+        return None;
+    }
     let pairs = || board.benches.iter().zip(left);
     let rows: Vec<Stamps<'_>> = pairs()
         .map(|(bench, left)| Stamps::of(bench, left))
@@ -70,6 +74,15 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
         });
     let (best, rows) = tried.max_by(|a, b| a.0.gain.total_cmp(&b.0.gain))?;
     told(board, &best, &rows, folded::tone(&spectra, best.task.f_hz))
+}
+
+/// Whether a recording's shaft stands for a while.
+fn stands(bench: &Bench) -> bool {
+    let speeds = bench.seen.speeds.iter().map(|speed| speed.abs());
+    let (low, high) = speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), w| {
+        (low.min(w), high.max(w))
+    });
+    low < 0.1 * high
 }
 
 /// A task as a finding, if it is sure; `tone` is what a smooth rhythm of its rate explains.
