@@ -49,6 +49,11 @@ pub enum Basis {
         /// One channel, or all.
         channel: Option<usize>,
     },
+    /// Falls of a channel come 1 s early, its rises staying with those of the others.
+    FallEarly {
+        /// The channel.
+        channel: usize,
+    },
     /// All edges of a channel come 1 s late.
     Late {
         /// The channel.

@@ -178,7 +178,11 @@ fn coordinate(seen: &Seen, basis: Basis) -> Coordinate {
             even(disc(), &all, [middle - half, middle + half])
         }
         // What kinds of edges have in common shows from beginning to end. Bins of whole lines have as many of one kind as of another.
-        Basis::Width { .. } | Basis::Shift { .. } | Basis::RiseLate { .. } | Basis::Late { .. } => {
+        Basis::Width { .. }
+        | Basis::Shift { .. }
+        | Basis::RiseLate { .. }
+        | Basis::FallEarly { .. }
+        | Basis::Late { .. } => {
             let each = lines_each(seen.len(), seen.classes, BINS);
             let place = |at: usize| Some((seen.times_s[at], at / each));
             Coordinate {

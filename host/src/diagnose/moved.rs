@@ -53,7 +53,10 @@ pub fn moved(estimate: &Estimate) -> Vec<Moved> {
             channel.map_or_else(Vec::new, |_| vec![Moved { channel, rises }])
         }
         Basis::Late { .. } => clear(&waiting(estimate)),
-        Basis::RiseLate { .. } | Basis::Width { .. } | Basis::Shift { .. } => clear(&own(estimate)),
+        Basis::RiseLate { .. }
+        | Basis::FallEarly { .. }
+        | Basis::Width { .. }
+        | Basis::Shift { .. } => clear(&own(estimate)),
         _ => Vec::new(),
     }
 }
@@ -71,6 +74,7 @@ fn own(estimate: &Estimate) -> Vec<Own> {
         let (channel, rises) = match *basis {
             // What comes late is said, and a negative difference of rise and fall is a fall that does.
             Basis::RiseLate { channel } => (channel, Some(size > 0.0)),
+            Basis::FallEarly { channel } => (Some(channel), Some(false)),
             Basis::Width { channel } => (channel, Some(false)),
             Basis::Shift { channel } | Basis::Late { channel } => (Some(channel), None),
             _ => return None,

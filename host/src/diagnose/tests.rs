@@ -4,6 +4,7 @@ mod class_errors;
 mod disc_parts;
 mod drawn;
 mod inertia;
+mod late_fall;
 mod reversal;
 mod run_down;
 mod second_mass;

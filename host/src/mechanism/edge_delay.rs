@@ -3,7 +3,8 @@
 //! A comparator, an optocoupler or a filter answers a rising level later, or sooner, than a falling one. What is stamped d late is read
 //! w d behind, w being the signed speed:
 //! `e = -w (d_rise - d_fall) on rising levels, 0 on falling ones`
-//! as only the difference shows. Passed in reverse, a mark at which the level rises makes it fall. At one speed that is a width error;
+//! as only the difference shows; or, where the rises of one channel stay with those of the others,
+//! `e = w (d_rise - d_fall) on its falling levels, 0 on all others`. Passed in reverse, a mark at which the level rises makes it fall. At one speed that is a width error;
 //! it grows with the speed as no width does. Simulated in `sim/signal.rs`.
 //!
 //! Source: kinematics, first order in the delay: the shaft goes on by w d until the stamp.
@@ -55,11 +56,11 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "Two recordings at speeds a factor of two apart: unequal delays of rise and fall grow with the speed, width errors do not.",
     handling: Handling {
-        makes: |basis| matches!(basis, Basis::RiseLate { .. }),
+        makes: |basis| matches!(basis, Basis::RiseLate { .. } | Basis::FallEarly { .. }),
         columns,
         proposed: |board| of_channels(board).map_or_else(Vec::new, proposed),
         instead_of: |found, setting| match found.bases.first() {
-            Some(Basis::Width { .. }) => both(setting.channels),
+            Some(Basis::Width { .. }) => ways(setting.channels),
             _ => Vec::new(),
         },
         beside: |_, channels| widths_and_shifts(channels),
@@ -77,16 +78,20 @@ pub const CARD: Card = Card {
 
 /// Of one channel there is only its own.
 fn proposed(channels: usize) -> Vec<Hypothesis> {
-    let mut all = both(channels);
-    all.truncate(channels);
+    let mut all = ways(channels);
+    if channels == 1 {
+        all.truncate(1);
+    }
     all
 }
 
-/// One difference for all channels, and one each.
-fn both(channels: usize) -> Vec<Hypothesis> {
-    let each = (0..channels).map(|c| Basis::RiseLate { channel: Some(c) });
+/// One difference for all channels, and one each: of its rises, or of its falls, against the edges of the others.
+fn ways(channels: usize) -> Vec<Hypothesis> {
+    let rises = (0..channels).map(|c| Basis::RiseLate { channel: Some(c) });
+    let falls = (0..channels).map(|channel| Basis::FallEarly { channel });
     let mut all = vec![Hypothesis::by(Basis::RiseLate { channel: None })];
-    all.extend(Hypothesis::by_all(each.collect()));
+    all.extend(Hypothesis::by_all(rises.collect()));
+    all.extend(Hypothesis::by_all(falls.collect()));
     all
 }
 
@@ -98,14 +103,20 @@ pub(super) fn widths_and_shifts(channels: usize) -> Vec<Basis> {
 }
 
 fn columns(basis: Basis, seen: &Seen, _: &ShaftLaw) -> Vec<Vec<f64>> {
-    let Basis::RiseLate { channel } = basis else {
-        return Vec::new();
+    let (channel, rises) = match basis {
+        Basis::RiseLate { channel } => (channel, true),
+        Basis::FallEarly { channel } => (Some(channel), false),
+        _ => return Vec::new(),
     };
     by_edge(seen, |at, change| {
         // Backwards a rise is passed as a fall.
         let reverse = seen.speeds[at] < 0.0;
-        let late = change.on(channel) && change.rises != reverse;
-        if late { -seen.true_speed(at) } else { 0.0 }
+        let its = change.on(channel) && (change.rises != reverse) == rises;
+        match (its, rises) {
+            (false, _) => 0.0,
+            (true, true) => -seen.true_speed(at),
+            (true, false) => seen.true_speed(at),
+        }
     })
 }
 
@@ -114,7 +125,7 @@ fn values(numbers: &Numbers<'_>) -> Named {
         Basis::RiseLate { channel: None } => {
             Some(("rise_less_fall_s".to_owned(), Numbers::size(at)))
         }
-        Basis::RiseLate { channel: Some(c) } => {
+        Basis::RiseLate { channel: Some(c) } | Basis::FallEarly { channel: c } => {
             Some((OF_CHANNELS[c].to_owned(), Numbers::size(at)))
         }
         _ => None,
@@ -123,8 +134,10 @@ fn values(numbers: &Numbers<'_>) -> Named {
 }
 
 fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
-    let Basis::RiseLate { channel } = basis else {
-        return;
+    let (channel, rises) = match basis {
+        Basis::RiseLate { channel } => (channel, true),
+        Basis::FallEarly { channel } => (Some(channel), false),
+        _ => return,
     };
     let mut delay = mended.twin.edge_delay.unwrap_or_default();
     // Of channels that this encoder has.
@@ -133,7 +146,11 @@ fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
     let there = &mut each[..channels.min(3)];
     for (number, one) in there.iter_mut().enumerate() {
         if channel.is_none_or(|channel| channel == number) {
-            one.rise_s += sizes[0];
+            if rises {
+                one.rise_s += sizes[0];
+            } else {
+                one.fall_s -= sizes[0];
+            }
         }
     }
     // No delay is negative: all the others wait instead, as an earlier rise of one channel is no later fall of it.

@@ -9,7 +9,7 @@ use crate::diagnose::named::{implausible, parameters};
 use crate::twin::Twin;
 
 /// Every kind of pattern, and whose it is.
-const PATTERNS: [(Basis, Mechanism); 21] = [
+const PATTERNS: [(Basis, Mechanism); 22] = [
     (Basis::Round { order: 1.0 }, Mechanism::Eccentricity),
     (Basis::Round { order: 2.0 }, Mechanism::DiscTilt),
     (Basis::Round { order: 17.0 }, Mechanism::LineError),
@@ -28,6 +28,7 @@ const PATTERNS: [(Basis, Mechanism); 21] = [
     (Basis::Width { channel: Some(1) }, Mechanism::WidthError),
     (Basis::Shift { channel: 1 }, Mechanism::QuadratureError),
     (Basis::RiseLate { channel: Some(0) }, Mechanism::EdgeDelay),
+    (Basis::FallEarly { channel: 1 }, Mechanism::EdgeDelay),
     (Basis::Late { channel: 1 }, Mechanism::ChannelSkew),
     (
         Basis::LevelDrift {
@@ -230,6 +231,8 @@ fn delays_are_those_of_channels_that_the_encoder_has() {
     let late = [
         (Basis::RiseLate { channel: None }, 2e-6),
         (Basis::RiseLate { channel: None }, -2e-6),
+        (Basis::FallEarly { channel: 1 }, 2e-6),
+        (Basis::FallEarly { channel: 1 }, -2e-6),
         (Basis::Late { channel: 1 }, 2e-6),
         (Basis::Late { channel: 1 }, -2e-6),
     ];

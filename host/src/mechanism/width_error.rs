@@ -66,7 +66,9 @@ pub const CARD: Card = Card {
         instead_of: |found, setting| {
             let own = found.bases.len() <= setting.channels;
             match found.bases.first() {
-                Some(Basis::RiseLate { .. }) if own => both(setting.channels),
+                Some(Basis::RiseLate { .. } | Basis::FallEarly { .. }) if own => {
+                    both(setting.channels)
+                }
                 _ => Vec::new(),
             }
         },
