@@ -138,6 +138,13 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Whether it is something that the twin has and the recordings lack.
+    #[must_use]
+    pub fn takes_away(&self) -> bool {
+        let busy = self.parameters.get("busy_s");
+        self.mechanism == Mechanism::CaptureLatency && busy.is_some_and(|busy| busy.value == 0.0)
+    }
+
     /// Whether another recording of the rig as it is would say more: what only the rig itself tells apart leaves nothing open.
     #[must_use]
     pub fn is_open(&self) -> bool {

@@ -5,7 +5,9 @@ use super::board::Board;
 use super::ends::Ends;
 use super::explore::Explored;
 use super::motion::foretold::Foretold;
-use super::noise::{DOUBT, NoiseFinding, Refit, account, agrees, confirm, refit};
+use super::noise::{
+    DOUBT, NoiseFinding, Refit, absent, account, agrees, confirm, find_task, refit,
+};
 use super::prepare;
 use super::run::{DiagnoseError, Recorded};
 use crate::report::si;
@@ -40,23 +42,33 @@ pub fn explored(
         }
     }
     let declared = rig.iter().any(|one| one.track.ends.is_some());
-    let mut explored = Explored::of(rig, board, progress)?;
-    if declared && task(&explored).is_some() {
-        // The twin's task is not the whole of it.
-        rig.iter_mut().for_each(|one| one.track.ends = None);
-        explored = Explored::of(rig, open.clone(), progress)?;
-    }
-    let Some(found) = task(&explored) else {
-        return Ok(alone(explored));
-    };
     let again = |explored: &Explored, found: &NoiseFinding, held: &[Option<Ends>]| {
         let busy_s = found.busy.as_ref()?.busy_s;
         let (board, left) = explored.rest(&open, held, DOUBT * busy_s)?;
         refit(&board, &left, found)
     };
-    let first = again(&explored, &found, &[]);
-    let Some(first) = first.filter(|first| first.ends.iter().any(Option::is_some)) else {
-        return Ok(alone(explored));
+    let held_up = |first: &Refit| first.ends.iter().any(Option::is_some);
+    let sole = if declared { None } else { sole(&open) };
+    let sole = sole.and_then(|(found, left)| Some((refit(&open, &left, &found)?, found)));
+    let (first, found) = match sole.filter(|(first, _)| held_up(first)) {
+        Some(sole) => sole,
+        None => {
+            let mut explored = Explored::of(rig, board, progress)?;
+            if declared && task(&explored).is_some() {
+                // The twin's task is not the whole of it.
+                rig.iter_mut().for_each(|one| one.track.ends = None);
+                explored = Explored::of(rig, open.clone(), progress)?;
+            }
+            let Some(found) = task(&explored) else {
+                explored.noise.extend(not_there(rig, &open, &explored));
+                return Ok(alone(explored));
+            };
+            let first = again(&explored, &found, &[]);
+            let Some(first) = first.filter(held_up) else {
+                return Ok(alone(explored));
+            };
+            (first, found)
+        }
     };
     let foretold = Foretold::of_task(rig, open.clone(), &found);
     for (one, ends) in rig.iter_mut().zip(&first.ends) {
@@ -76,6 +88,39 @@ pub fn explored(
         explored,
         task: (!known).then_some((refit, foretold)),
     })
+}
+
+/// The twins' task, where none of the recordings has it.
+fn not_there(rig: &[Recorded], open: &Board, explored: &Explored) -> Option<NoiseFinding> {
+    let found = rig.iter().any(|one| one.track.ends.is_some());
+    let declared = |one: &Recorded| one.twin.capture_latency?.task_hz;
+    if found || !rig.iter().all(|one| declared(one).is_some()) {
+        return None;
+    }
+    let (board, left) = explored.rest(open, &[], 0.0)?;
+    absent(rig, &board, &left)
+}
+
+/// A task that makes most of what the twins leave, with that: while it is there a search would find little else.
+fn sole(board: &Board) -> Option<(NoiseFinding, Vec<Vec<f64>>)> {
+    /// Part of what is left beyond noise that it has to make.
+    const PART: f64 = 0.8;
+    /// Edges so far out, in standard deviations, that there are at the least.
+    const FAR: f64 = 6.0;
+    const FEW: usize = 10;
+    // Noise that was guessed holds a part of it.
+    if board.benches.iter().any(|bench| bench.declared.is_none()) {
+        return None;
+    }
+    let left = board.fit(board.nuisances())?.left;
+    let far = left.iter().flatten().filter(|w| w.abs() > FAR);
+    if far.count() < FEW {
+        return None;
+    }
+    let squares: f64 = left.iter().flatten().map(|w| w * w).sum();
+    let task = find_task(board, &left)?.finding;
+    let most = task.delta_bic > PART * (squares - board.edges() as f64);
+    (most && task.plausible()).then_some((task, left))
 }
 
 /// The task among what the noise lacks.

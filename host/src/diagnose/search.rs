@@ -252,11 +252,11 @@ fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
             model = board.fit(columns(&nuisances, &found))?;
             continue;
         }
-        found.push(best);
-        if passing > 0.0 {
-            // What came and went may have been this.
+        // What came and went may have been this, unless this is a part of it.
+        if passing > 0.0 && best.hypothesis.mechanism != Mechanism::LineError {
             (passing, patterns) = (0.0, 0);
         }
+        found.push(best);
         let Some(fitted) = board.fit(columns(&nuisances, &found)) else {
             found.pop();
             break;

@@ -12,6 +12,7 @@ mod slow_changes;
 mod speed_loop;
 mod stamps;
 mod starts;
+mod task;
 mod two_speeds;
 mod unknown_disc;
 mod where_it_shows;

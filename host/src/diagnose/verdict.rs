@@ -76,9 +76,9 @@ pub fn order(findings: &mut [Finding], verdict: Verdict) {
 pub fn summary(verdict: Verdict, findings: &[Finding], fit: &Fit, recordings: usize) -> String {
     let rest = Rest::of(fit, !findings.is_empty());
     let names = names(findings);
-    let (these, allow) = match recordings {
-        1 => ("the recording", "this recording allows"),
-        _ => ("the recordings", "these recordings allow"),
+    let (these, allow, lack) = match recordings {
+        1 => ("the recording", "this recording allows", "lacks"),
+        _ => ("the recordings", "these recordings allow", "lack"),
     };
     match (verdict, rest) {
         (Verdict::Complete, Rest::Noise | Rest::Hidden) => {
@@ -88,6 +88,11 @@ pub fn summary(verdict: Verdict, findings: &[Finding], fit: &Fit, recordings: us
             "Nothing stands out that the twin lacks, but {}.",
             more_than_noise(p)
         ),
+        (Verdict::Explained, Rest::Noise) if findings.iter().all(Finding::takes_away) => {
+            format!(
+                "The twin has what {these} {lack}: {names}. Without that, what is left is noise."
+            )
+        }
         (Verdict::Explained, Rest::Noise) => {
             format!("The twin lacked: {names}. With that, what is left is noise.")
         }

@@ -30,7 +30,12 @@ pub const CARD: Card = Card {
     parameters: &[
         Quantity::new("mean_s", "s", [0.0, DELAY_S], "m, mean of a random latency"),
         Quantity::new("task_hz", "Hz", TASK_HZ, "rate of a task"),
-        Quantity::new("busy_s", "s", [0.0, DELAY_S], "b, how long it blocks"),
+        Quantity::new(
+            "busy_s",
+            "s",
+            [0.0, DELAY_S],
+            "b, how long it blocks; 0 where there is no task",
+        ),
         Quantity::new(
             "phase_s",
             "s",
@@ -47,10 +52,12 @@ pub const CARD: Card = Card {
     separated_by: "A recording with the other tasks of the controller off, or with a hardware capture: latency goes, jitter of the clock stays.",
     handling: Handling {
         puts_in: |twin, parameters| {
-            twin.capture_latency = Some(CaptureLatency {
+            let busy_s = value(parameters, "busy_s");
+            let there = busy_s != Some(0.0);
+            twin.capture_latency = there.then(|| CaptureLatency {
                 mean_s: value(parameters, "mean_s").map(|mean| mean.max(0.0)),
                 task_hz: value(parameters, "task_hz"),
-                busy_s: value(parameters, "busy_s"),
+                busy_s,
                 phase_s: value(parameters, "phase_s"),
             });
         },

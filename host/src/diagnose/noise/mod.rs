@@ -27,7 +27,9 @@ use crate::mechanism::Mechanism;
 
 pub use own::{is_own, own_columns};
 pub use resonance::Mode;
-pub use task::{Busy, DOUBT, Refit, Task, account, agrees, confirm, find as find_task, refit};
+pub use task::{
+    Busy, DOUBT, Refit, Task, absent, account, agrees, confirm, find as find_task, refit,
+};
 #[cfg(test)]
 pub use two_mass::TwoMass;
 

@@ -4,6 +4,7 @@
 //! single stamps show it ([`period`]), where it is a good part of the period, their sum does ([`folded`]); then f, b and each recording's
 //! phase are fitted by the likelihood of each stamp ([`stamps`], [`fit`]).
 
+mod absent;
 mod busy;
 mod declared;
 mod fit;
@@ -21,6 +22,7 @@ use crate::report::si;
 use fit::{Fitted, fitted};
 use stamps::Stamps;
 
+pub use absent::absent;
 pub use busy::Busy;
 pub use declared::{account, agrees, confirm};
 pub use refit::{Refit, refit};
@@ -34,8 +36,10 @@ const LEAST_GAIN: f64 = 40.0;
 const LEAST_OVER_TONE: f64 = 15.0;
 /// Edges that must have been held up.
 const LEAST_HELD: f64 = 6.0;
-/// Mean square that is left, at the most; 1 is noise.
+/// Mean square that is left, at the most; 1 is noise. Where a shaft turns round what a task does is not all taken off: then times what is
+/// left that it explains.
 const NOISE: f64 = 2.0;
+const LITTLE: f64 = 5.0;
 
 /// Busy times by which stamps that a task held up are in doubt, where the others are to say alone when these edges crossed.
 pub const DOUBT: f64 = 30.0;
@@ -76,13 +80,16 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Task> {
     told(board, &best, &rows, folded::tone(&spectra, best.task.f_hz))
 }
 
-/// Whether a recording's shaft stands for a while.
+/// Whether a recording's shaft comes to a stand slowly. One that turns round at once says enough before and after.
 fn stands(bench: &Bench) -> bool {
-    let speeds = bench.seen.speeds.iter().map(|speed| speed.abs());
-    let (low, high) = speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), w| {
-        (low.min(w), high.max(w))
-    });
-    low < 0.1 * high
+    /// Parts of the highest speed: what is a stand, and what is slow; share of slow edges that is no turning round.
+    const STAND: f64 = 0.1;
+    const SLOW: f64 = 0.7;
+    const MANY: f64 = 0.1;
+    let speeds = || bench.seen.speeds.iter().map(|speed| speed.abs());
+    let high = speeds().fold(0.0, f64::max);
+    let slow = speeds().filter(|w| *w < SLOW * high).count();
+    speeds().any(|w| w < STAND * high) && slow as f64 > MANY * bench.seen.len() as f64
 }
 
 /// A task as a finding, if it is sure; `tone` is what a smooth rhythm of its rate explains.
@@ -107,8 +114,8 @@ fn told(board: &Board, found: &Fitted, rows: &[Stamps<'_>], tone: f64) -> Option
     let places = (FASTEST_HZ * longest).max(1.0) * phases * phases;
     let p_value = anywhere((-found.gain).exp(), places);
     let likely = 2.0 * found.gain - cost > LEAST_GAIN && p_value < 1e-6;
-    // With the task taken off there is noise, else it stands in for something larger.
-    let noise = left < NOISE * edges;
+    // With the task taken off there is noise or little else, or it stands in for something larger.
+    let noise = left < NOISE * edges || squares > LITTLE * left;
     let large = squares - cost > LEAST_GAIN && squares > tone + LEAST_OVER_TONE;
     let real = (SLOWEST_HZ..FASTEST_HZ).contains(&task.f_hz) && found.held > LEAST_HELD;
     if !noise || !likely || !large || !real {

@@ -101,7 +101,8 @@ pub fn agrees(finding: &NoiseFinding, twin: &Twin) -> bool {
 }
 
 /// Rate and busy time of a twin's task.
-fn declared(twin: &Twin) -> Option<(f64, f64)> {
+#[must_use]
+pub fn declared(twin: &Twin) -> Option<(f64, f64)> {
     let latency = twin.capture_latency?;
     latency.task_hz.zip(latency.busy_s)
 }

@@ -1,11 +1,18 @@
 //! The fit of a task, by turns (A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39, 1977): which edges it held up, the line
 //! through their stamps, how long it blocks, and where edges beside them are expected.
 
+use rayon::prelude::*;
+
 use super::busy::Busy;
 use super::stamps::Stamps;
 
-/// Turns.
+/// Turns at the most.
 const TURNS: usize = 6;
+/// Standard errors of the busy time that are no change any more.
+const NEAR: f64 = 0.03;
+/// Busy times over the first guess that are tried in the first turn, and standard errors around the last one in the others.
+const FIRST: [f64; 2] = [0.3, 1.5];
+const AROUND: f64 = 8.0;
 /// Busy times that are tried at once, and times that they are narrowed down.
 const TRIED: usize = 24;
 const NARROWED: usize = 5;
@@ -29,14 +36,21 @@ pub struct Fitted {
 #[must_use]
 pub fn fitted(rows: &mut [Stamps<'_>], first: Busy) -> Option<Fitted> {
     let mut task = first;
+    let mut range = [FIRST[0] * task.busy_s, FIRST[1] * task.busy_s];
     let mut busy_error = 0.0;
     let mut errors = None;
     for _ in 0..TURNS {
-        (task.busy_s, busy_error) = busy(rows, &task)?;
+        let before = (task.busy_s, busy_error);
+        (task.busy_s, busy_error) = busy(rows, &task, range)?;
         errors = lined(rows, &mut task);
         errors?;
         for (number, row) in rows.iter_mut().enumerate() {
             row.clear(&task, number);
+        }
+        range = [-AROUND, AROUND].map(|far| far.mul_add(busy_error, task.busy_s));
+        let near = |now: f64, before: f64| (now - before).abs() < NEAR * busy_error;
+        if near(task.busy_s, before.0) && near(busy_error, before.1) {
+            break;
         }
     }
     let (rate_error, end_error, held) = errors?;
@@ -64,9 +78,9 @@ fn gain(rows: &[Stamps<'_>], near: &[Vec<usize>], task: &Busy) -> f64 {
 
 /// How long it blocks, and the standard error of that: mean and deviation of the likelihood, which does not bend evenly, as single edges
 /// at the beginning of the busy time decide it.
-fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
-    let most = 0.9 / task.f_hz;
-    let (mut low, mut high) = (0.3 * task.busy_s, (1.5 * task.busy_s).min(most));
+fn busy(rows: &[Stamps<'_>], task: &Busy, range: [f64; 2]) -> Option<(f64, f64)> {
+    let (least, most) = (1e-3 * task.busy_s, 0.9 / task.f_hz);
+    let (mut low, mut high) = (range[0].max(least), range[1].min(most));
     let mut known = None;
     for _ in 0..NARROWED {
         let step = (high - low) / (TRIED - 1) as f64;
@@ -78,9 +92,10 @@ fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
         let near: Vec<Vec<usize>> = rows_near
             .map(|(number, row)| row.all_near(&longest, number))
             .collect();
-        let tried = (0..TRIED).map(|i| low + i as f64 * step);
-        let gains: Vec<(f64, f64)> = tried
-            .map(|busy_s| {
+        let gains: Vec<(f64, f64)> = (0..TRIED)
+            .into_par_iter()
+            .map(|i| {
+                let busy_s = low + i as f64 * step;
                 let with = Busy {
                     busy_s,
                     ..task.clone()
@@ -109,10 +124,7 @@ fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
         if until - from > 0.4 * (high - low) {
             break;
         }
-        (low, high) = (
-            (from - step).max(1e-3 * task.busy_s),
-            (until + step).min(most),
-        );
+        (low, high) = ((from - step).max(least), (until + step).min(most));
     }
     known.filter(|(mean, _)| *mean > 0.0)
 }
