@@ -1,10 +1,11 @@
 //! What is missing, by the search, by what it comes to, and by the noise.
 
+use super::bent;
 use super::board::{Board, Model};
 use super::conclude::{Conclusion, conclude};
 use super::ends::Ends;
 use super::noise::{
-    NoiseFinding, find_task, is_own, noise_findings, own_columns, rhythmic_findings,
+    LOAD, NoiseFinding, find_task, is_own, noise_findings, own_columns, rhythmic_findings,
 };
 use super::rounding;
 use super::run::{DiagnoseError, Recorded, nothing};
@@ -14,6 +15,9 @@ use crate::mechanism::Mechanism;
 /// Part of the rhythms' score that a mode needs in their place, and a task.
 const MODE: f64 = 0.3;
 const TASK: f64 = 0.8;
+/// Times that what is too large to be linear is put into the twins, and part of what has no name that may be left then.
+const BENT: usize = 2;
+const LESS: f64 = 0.3;
 
 /// What recordings come to.
 #[derive(Clone, Debug)]
@@ -36,6 +40,37 @@ impl Explored {
     /// # Errors
     /// [`DiagnoseError`] where there is nothing to say.
     pub fn of(
+        rig: &[Recorded],
+        board: Board,
+        progress: &mut dyn FnMut(f64, &'static str),
+    ) -> Result<Self, DiagnoseError> {
+        let mut explored = Self::once(rig, board, progress)?;
+        for _ in 0..BENT {
+            let Some(about) = explored.about(rig) else {
+                break;
+            };
+            let again = Self::once(rig, about, progress)?;
+            if again.nameless() > LESS * explored.nameless() {
+                break;
+            }
+            explored = again;
+        }
+        Ok(explored)
+    }
+
+    /// Squares of what has no name.
+    fn nameless(&self) -> f64 {
+        let nameless = self.concluded.nameless.as_ref();
+        nameless.map_or(0.0, |nameless| nameless.squares)
+    }
+
+    /// The recordings linear about the strongest finding, where something without a name is left as it is too large.
+    fn about(&self, rig: &[Recorded]) -> Option<Board> {
+        self.concluded.nameless.as_ref()?;
+        bent::about(rig, &self.given, &self.searched)
+    }
+
+    fn once(
         rig: &[Recorded],
         mut board: Board,
         progress: &mut dyn FnMut(f64, &'static str),
@@ -154,14 +189,18 @@ fn is_known(found: &NoiseFinding, rig: &[Recorded]) -> bool {
     found.mechanism == Mechanism::TorsionalResonance
         && rig.iter().all(|one| {
             one.twin.torsional_resonance.is_some_and(|mode| {
-                found.parameters.iter().all(|own| {
+                let load = mode.load_psd_n2_m2_s.unwrap_or(0.0);
+                let shaken = found.parameters.iter().any(|own| own.name == LOAD);
+                let own = found.parameters.iter().all(|own| {
                     let (known, part) = match own.name {
                         "f_hz" => (mode.f_hz, PART),
                         "damping_ratio" => (mode.damping_ratio, 0.0),
+                        LOAD => (load, 0.0),
                         _ => (mode.inertia_share, 0.0),
                     };
                     (own.value - known).abs() < (DEVIATIONS * own.standard_error).max(part * known)
-                })
+                });
+                own && (shaken || load == 0.0)
             })
         })
 }

@@ -11,6 +11,7 @@ pub mod alone;
 mod anew;
 pub mod basis;
 pub mod bench;
+mod bent;
 pub mod beside;
 mod best;
 pub mod board;

@@ -138,6 +138,7 @@ mod tests {
             f_hz: MODE.f_hz,
             damping_ratio: MODE.damping_ratio,
             inertia_share: SHARE,
+            load: 0.0,
         };
         for f_hz in [7.0, 33.0, 40.0, 95.0] {
             let w = TAU * f_hz;

@@ -43,6 +43,12 @@ pub const CARD: Card = Card {
             [1e-6, 0.999],
             "s, share of the inertia behind the spring",
         ),
+        Quantity::new(
+            "load_psd_n2_m2_s",
+            "N^2 m^2 s",
+            [0.0, 1e6],
+            "density of the torque noise behind it",
+        ),
     ],
     locked_to: &[LockedTo::FrequencyBand],
     speed_exponent: Some(0),
@@ -64,7 +70,7 @@ pub const CARD: Card = Card {
                     f_hz,
                     damping_ratio: damping_ratio.clamp(0.0, 1.0),
                     inertia_share,
-                    load_psd_n2_m2_s: None,
+                    load_psd_n2_m2_s: value("load_psd_n2_m2_s"),
                     load_hold_s: None,
                 });
             }

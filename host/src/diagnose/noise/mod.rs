@@ -26,7 +26,7 @@ use super::board::{Board, Model};
 use crate::mechanism::Mechanism;
 
 pub use own::{is_own, own_columns};
-pub use resonance::Mode;
+pub use resonance::{LOAD, Mode};
 pub use task::{
     Busy, DOUBT, Refit, Task, absent, account, agrees, confirm, find as find_task, refit,
 };

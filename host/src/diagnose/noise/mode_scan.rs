@@ -48,6 +48,7 @@ pub(super) fn scan(all: &[Vec<Band>], torque: f64, stamps: f64) -> Option<(TwoMa
                         f_hz,
                         damping_ratio,
                         inertia_share,
+                        load: 0.0,
                     };
                     best = Some((mode, gain));
                 }
@@ -72,6 +73,7 @@ impl Shape {
             f_hz: 1.0,
             damping_ratio,
             inertia_share,
+            load: 0.0,
         };
         let low = 1.0 / reach;
         let step = (reach - low) / (ENTRIES - 1) as f64;

@@ -1,9 +1,12 @@
 //! `torsional_resonance`: a lightly damped mode that torque noise excites.
 //!
 //! The spectrum of the innovations along time is a (1 - t) + g t |Z0 / Z|^2, with t the share that torque noise has in what the
-//! filter expects, a and g the levels of stamps and torque, and |Z0 / Z|^2 of [`super::two_mass`]. Its lines are exponential, so
+//! filter expects, a and g the levels of stamps and torque, and |Z0 / Z|^2 of [`super::two_mass`], with what shakes the far side in it
+//! where that is worth its number. Its lines are exponential, so
 //! their likelihood is Whittle's, -sum(ln S + P / S) (Whittle, Arkiv foer Matematik 2, 1953). The mode stands at the same Hz in
 //! every recording; tones, which stand alone, are left out before.
+
+use nalgebra::{DMatrix, DVector};
 
 use super::super::board::Board;
 use super::super::kalman::ShaftNoise;
@@ -11,7 +14,7 @@ use super::super::noise_fit::simplex;
 use super::mode_scan::scan;
 use super::odds::{anywhere, normal_above};
 use super::rings::{rings, stretches_of};
-use super::spectral::{Band, SEEN, bands, stretches};
+use super::spectral::{Band, SEEN, bands, held_s, stretches};
 use super::two_mass::TwoMass;
 use super::{NoiseFinding, NoiseParameter};
 use crate::mechanism::Mechanism;
@@ -26,6 +29,14 @@ const MISFIT: f64 = 1.8;
 /// How much larger for each unit of gain, where several recordings show the mode.
 const LOOSER: f64 = 2e-3;
 
+/// Twice the log likelihood ratio that noise on the far side needs.
+const LEAST_SHAKEN: f64 = 30.0;
+/// The twin's name of its density.
+pub const LOAD: &str = "load_psd_n2_m2_s";
+/// Places of logarithms among the numbers of a fit.
+const LOG_TORQUE: usize = 3;
+const LOG_LOAD: usize = 5;
+
 /// A mode that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
@@ -33,8 +44,8 @@ pub struct Mode {
     pub masses: TwoMass,
     /// Levels of torque and stamps with it, over the filter's.
     pub levels: [f64; 2],
-    /// Standard errors of frequency, damping ratio and share.
-    pub errors: [f64; 3],
+    /// Standard errors of frequency, damping ratio and share, and of the density of torque noise on the far side over its own.
+    pub errors: [f64; 4],
     /// Twice the log likelihood ratio against no mode.
     pub gain: f64,
     /// The same of each recording.
@@ -48,22 +59,32 @@ impl Mode {
     #[must_use]
     pub fn finding(&self, board: &Board) -> NoiseFinding {
         let masses = self.masses;
-        let names = ["f_hz", "damping_ratio", "inertia_share"];
-        let values = [masses.f_hz, masses.damping_ratio, masses.inertia_share];
-        let parameters = names.into_iter().zip(values).zip(self.errors);
+        let psd = self.load_psd(board);
+        let names = ["f_hz", "damping_ratio", "inertia_share", LOAD];
+        let values = [masses.f_hz, masses.damping_ratio, masses.inertia_share, psd];
+        let [.., of_load] = self.errors;
+        let errors = self.errors.into_iter().take(3).chain([psd * of_load]);
+        let parameters = names.into_iter().zip(values).zip(errors);
+        let count = if psd > 0.0 { 4 } else { 3 };
+        let behind = if psd > 0.0 {
+            ", which is shaken too"
+        } else {
+            ""
+        };
         NoiseFinding {
             mechanism: Mechanism::TorsionalResonance,
             parameters: parameters
+                .take(count)
                 .map(|((name, value), standard_error)| NoiseParameter {
                     name,
                     value,
                     standard_error,
                 })
                 .collect(),
-            delta_bic: self.gain - 3.0 * (board.edges() as f64).ln(),
+            delta_bic: self.gain - count as f64 * (board.edges() as f64).ln(),
             p_value: anywhere(normal_above(self.gain.sqrt()), self.places),
             text: format!(
-                "torque noise excites a mode at {:.4} Hz, damping ratio {:.3}, with {:.0} % of the inertia behind the spring",
+                "torque noise excites a mode at {:.4} Hz, damping ratio {:.3}, with {:.0} % of the inertia behind the spring{behind}",
                 masses.f_hz,
                 masses.damping_ratio,
                 100.0 * masses.inertia_share
@@ -74,6 +95,15 @@ impl Mode {
             runner_up: None,
             busy: None,
         }
+    }
+}
+
+impl Mode {
+    /// Density of the torque noise on the far side, N^2 m^2 s, in the first recording.
+    fn load_psd(&self, board: &Board) -> f64 {
+        let bench = &board.benches[0];
+        let near = self.levels[0] * (bench.noise.acceleration + bench.noise.load);
+        self.masses.load * near * bench.law.inertia.powi(2)
     }
 }
 
@@ -95,7 +125,7 @@ pub fn find(board: &Board, left: &[Vec<f64>]) -> Option<Mode> {
         if *gain < LEAST_GAIN {
             return true;
         }
-        let count = stretches_of(bench.seen.seconds(), &mode.masses);
+        let count = stretches_of(held_s(bench), &mode.masses);
         rings(&stretches(bench, white, count), &mode, *gain)
     });
     shown.then_some(mode)
@@ -175,6 +205,7 @@ fn of_numbers(x: &[f64]) -> (TwoMass, f64, f64) {
         f_hz: x[0].exp(),
         damping_ratio: x[1].exp().min(0.7),
         inertia_share: share.clamp(1e-4, 0.97),
+        load: x.get(LOG_LOAD).map_or(0.0, |log| log.exp()),
     };
     (mode, x[3].exp(), x[4].exp())
 }
@@ -206,7 +237,10 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
         most[1],
     ];
     let scales = [first.damping_ratio, 0.4, 0.4, 0.1, 0.1];
-    let place = |x: &[f64]| -> Vec<f64> { (0..5).map(|i| start[i] + scales[i] * x[i]).collect() };
+    let place = |x: &[f64]| -> Vec<f64> {
+        let known = (0..5).map(|i| start[i] + scales[i] * x[i]);
+        known.chain(x.get(LOG_LOAD).copied()).collect()
+    };
     let of = |x: &[f64]| {
         let (mode, torque, stamps) = of_numbers(&place(x));
         sum(torque, stamps, Some(&mode))
@@ -219,7 +253,13 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
     } else {
         narrow
     };
-    let best = place(&simplex(&of, &near, 0.3));
+    let stiff = simplex(&of, &near, 0.3);
+    let shaken = shaken(&of, &stiff);
+    let best = place(if of(&stiff) - of(&shaken) > LEAST_SHAKEN {
+        &shaken
+    } else {
+        &stiff
+    });
     let (mode, with_torque, with_stamps) = of_numbers(&best);
     let gains: Vec<(f64, f64)> = all
         .iter()
@@ -263,6 +303,16 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
     })
 }
 
+/// The numbers of a mode with a far side that is shaken too, the logarithm of by how much more last.
+fn shaken(of: &dyn Fn(&[f64]) -> f64, without: &[f64]) -> Vec<f64> {
+    let tried = [-2.0, 1.0, 4.0].map(|log: f64| {
+        let start: Vec<f64> = without.iter().copied().chain([log]).collect();
+        simplex(of, &simplex(of, &start, 1.0), 0.5)
+    });
+    let best = tried.into_iter().min_by(|a, b| of(a).total_cmp(&of(b)));
+    best.unwrap_or_else(|| without.to_vec())
+}
+
 fn nearest(bands: &[Band], f_hz: f64) -> Option<&Band> {
     let at = bands.partition_point(|band| band.f_hz < f_hz);
     bands.get(at)
@@ -299,28 +349,41 @@ fn off(all: &[Vec<Band>], [from_hz, until_hz]: [f64; 2], expected: &dyn Fn(&Band
     sum / (count + 6.0 * count.sqrt()).max(1.0)
 }
 
-/// Standard errors of frequency, damping ratio and share, from Fisher's information of the lines.
-fn errors(all: &[Vec<Band>], best: &[f64]) -> Option<[f64; 3]> {
+/// Standard errors of frequency, damping ratio and share, and of the far side's noise over its own, from Fisher's information of the
+/// lines.
+fn errors(all: &[Vec<Band>], best: &[f64]) -> Option<[f64; 4]> {
     const STEP: f64 = 1e-4;
     let at = |x: &[f64], band: &Band| {
         let (mode, torque, stamps) = of_numbers(x);
         expected(band, torque, stamps, Some(&mode)).ln()
     };
-    let mut information = nalgebra::Matrix5::<f64>::zeros();
+    let count = best.len();
+    let mut information = DMatrix::<f64>::zeros(count, count);
     for band in all.iter().flatten() {
         let here = at(best, band);
-        let slopes: nalgebra::Vector5<f64> = nalgebra::Vector5::from_fn(|i, _| {
+        let slopes = DVector::from_fn(count, |i, _| {
             let mut there = best.to_vec();
             there[i] += STEP;
             (at(&there, band) - here) / STEP
         });
-        information += band.lines * slopes * slopes.transpose();
+        information += band.lines * &slopes * slopes.transpose();
     }
     let covariance = information.try_inverse()?;
     let (mode, ..) = of_numbers(best);
     let share = mode.inertia_share;
     let scales = [mode.f_hz, mode.damping_ratio, share * (1.0 - share)];
-    let errors: [f64; 3] = std::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt() * scales[i]);
+    let error = |i: usize| covariance[(i, i)].max(0.0).sqrt();
+    // The density is a product with the level.
+    let of_load = if count > LOG_LOAD {
+        let both = covariance[(LOG_LOAD, LOG_LOAD)] + covariance[(LOG_TORQUE, LOG_TORQUE)];
+        (both + 2.0 * covariance[(LOG_LOAD, LOG_TORQUE)])
+            .max(0.0)
+            .sqrt()
+    } else {
+        0.0
+    };
+    let [f, damping, share] = scales;
+    let errors = [f * error(0), damping * error(1), share * error(2), of_load];
     errors
         .iter()
         .all(|error| error.is_finite())

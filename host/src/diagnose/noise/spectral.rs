@@ -13,6 +13,8 @@ pub const BAND: f64 = 2e-3;
 const LINE: f64 = 22.0;
 /// Largest change of speed, over it, at which noise has one spectrum.
 const HELD: f64 = 0.05;
+/// Part of a recording in which its speed is to be held.
+const PART: f64 = 0.3;
 /// Fastest frequency over the rate of edges.
 const FASTEST: f64 = 0.2;
 
@@ -38,33 +40,56 @@ pub struct Band {
     pub damping: f64,
 }
 
-/// Bands of what is left of a recording; none where its speed is not held.
+/// Bands of what is left of a recording while its speed is held; none where it is not.
 #[must_use]
 pub fn bands(bench: &Bench, white: &[f64]) -> Vec<Band> {
-    if held(bench) {
-        within(bench, white, 0..white.len(), &rhythms(bench, white))
-    } else {
-        Vec::new()
-    }
+    held(bench).map_or_else(Vec::new, |edges| {
+        within(bench, white, edges, &rhythms(bench, white))
+    })
 }
 
 /// The same of stretches of equal length, one after another.
 #[must_use]
 pub fn stretches(bench: &Bench, white: &[f64], count: usize) -> Vec<Vec<Band>> {
-    if !held(bench) {
+    let Some(edges) = held(bench) else {
         return Vec::new();
-    }
+    };
     let orders = rhythms(bench, white);
-    let at = |part: usize| part * white.len() / count.max(1);
+    let at = |part: usize| edges.start + part * edges.len() / count.max(1);
     (0..count)
         .map(|part| within(bench, white, at(part)..at(part + 1), &orders))
         .collect()
 }
 
-/// Whether a recording's speed is held.
-fn held(bench: &Bench) -> bool {
+/// For how long a recording's speed is held, s.
+#[must_use]
+pub fn held_s(bench: &Bench) -> f64 {
+    let times_s = &bench.seen.times_s;
+    held(bench).map_or(0.0, |edges| times_s[edges.end - 1] - times_s[edges.start])
+}
+
+/// The longest run of edges at one speed, where that is a good part of a recording.
+fn held(bench: &Bench) -> Option<Range<usize>> {
+    let speeds = &bench.seen.speeds;
+    let alike =
+        |low: f64, high: f64| low * high > 0.0 && high - low < HELD * high.abs().max(low.abs());
     let [low, high] = bench.seen.speed_range();
-    low * high > 0.0 && high - low < HELD * high.abs().max(low.abs())
+    if alike(low, high) {
+        return Some(0..speeds.len());
+    }
+    // From each edge on as far as it goes, then on from where it ended: a run that is held all along is found whole.
+    let (mut longest, mut from) = (0..0, 0);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (at, speed) in speeds.iter().enumerate() {
+        (low, high) = (low.min(*speed), high.max(*speed));
+        if !alike(low, high) {
+            (from, low, high) = (at, *speed, *speed);
+        }
+        if at + 1 - from > longest.len() {
+            longest = from..at + 1;
+        }
+    }
+    (longest.len() as f64 > PART * speeds.len() as f64).then_some(longest)
 }
 
 /// Bands of some edges, without the rhythms of these orders.
@@ -91,7 +116,7 @@ fn within(bench: &Bench, white: &[f64], edges: Range<usize>, orders: &[f64]) -> 
     let spectrum = Spectrum::of(numbers, length, cell, most);
     let speed2 = seen.speeds[edges].iter().map(|w| w * w).sum::<f64>() / count;
     let floor = bench.noise.stamp_s * bench.noise.stamp_s * speed2 / rate;
-    let damping = bench.law.damping(first, seen.mean_speed()) + bench.noise.forgets_per_s;
+    let damping = bench.law.damping(first, speed2.sqrt()) + bench.noise.forgets_per_s;
     // Every other entry: the spectrum is twice as fine as the recording is long.
     let lines: Vec<(f64, f64)> = (2..spectrum.powers.len())
         .step_by(2)
@@ -105,7 +130,7 @@ fn within(bench: &Bench, white: &[f64], edges: Range<usize>, orders: &[f64]) -> 
         .collect();
     let mut lines = without_tones(&lines);
     // Rhythms of the turn, as ripple that a mode answers more than a stiff shaft, are smeared as the speed wanders.
-    let turns_a_second = seen.turns() / seen.seconds();
+    let turns_a_second = speed2.sqrt() / TAU;
     let wander = (bench.noise.acceleration / (2.0 * damping.max(1e-9))).sqrt() / speed2.sqrt();
     let smeared = (3.0 * wander).clamp(6e-3, 0.03);
     for order in orders {
