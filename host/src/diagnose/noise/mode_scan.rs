@@ -6,6 +6,7 @@ use super::two_mass::TwoMass;
 
 const DAMPINGS: [f64; 3] = [0.007, 0.02, 0.05];
 const SHARES: [f64; 4] = [0.02, 0.1, 0.3, 0.6];
+const LOADS: [f64; 2] = [0.0, 10.0];
 
 /// The mode of a grid that explains most, its gain and how many were tried.
 pub(super) fn scan(all: &[Vec<Band>], torque: f64, stamps: f64) -> Option<(TwoMass, f64, f64)> {
@@ -26,8 +27,8 @@ pub(super) fn scan(all: &[Vec<Band>], torque: f64, stamps: f64) -> Option<(TwoMa
     let mut places = 0.0;
     for damping_ratio in DAMPINGS {
         let reach = if damping_ratio < 0.01 { 1.2_f64 } else { 1.6 };
-        for inertia_share in SHARES {
-            let shape = Shape::new(damping_ratio, inertia_share, reach);
+        for (inertia_share, load) in SHARES.iter().flat_map(|s| LOADS.map(|load| (*s, load))) {
+            let shape = Shape::new(damping_ratio, inertia_share, load, reach);
             let mut f_hz = 1.5 * low;
             while f_hz < 0.9 * high {
                 let mut gain = 0.0;
@@ -48,7 +49,7 @@ pub(super) fn scan(all: &[Vec<Band>], torque: f64, stamps: f64) -> Option<(TwoMa
                         f_hz,
                         damping_ratio,
                         inertia_share,
-                        load: 0.0,
+                        load,
                     };
                     best = Some((mode, gain));
                 }
@@ -67,13 +68,13 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(damping_ratio: f64, inertia_share: f64, reach: f64) -> Self {
+    fn new(damping_ratio: f64, inertia_share: f64, load: f64, reach: f64) -> Self {
         const ENTRIES: usize = 1500;
         let mode = TwoMass {
             f_hz: 1.0,
             damping_ratio,
             inertia_share,
-            load: 0.0,
+            load,
         };
         let low = 1.0 / reach;
         let step = (reach - low) / (ENTRIES - 1) as f64;

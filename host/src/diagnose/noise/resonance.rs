@@ -7,6 +7,7 @@
 //! every recording; tones, which stand alone, are left out before.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::super::board::Board;
 use super::super::kalman::ShaftNoise;
@@ -33,7 +34,10 @@ const LOOSER: f64 = 2e-3;
 const LEAST_SHAKEN: f64 = 30.0;
 /// The twin's name of its density.
 pub const LOAD: &str = "load_psd_n2_m2_s";
-/// Places of logarithms among the numbers of a fit.
+/// Standard deviation of the logit of a share, before anything is known of it.
+const SHARES: f64 = 3.0;
+/// Places of logarithms and the share's logit among the numbers of a fit.
+const LOGIT_SHARE: usize = 2;
 const LOG_TORQUE: usize = 3;
 const LOG_LOAD: usize = 5;
 
@@ -242,8 +246,9 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
         known.chain(x.get(LOG_LOAD).copied()).collect()
     };
     let of = |x: &[f64]| {
-        let (mode, torque, stamps) = of_numbers(&place(x));
-        sum(torque, stamps, Some(&mode))
+        let numbers = place(x);
+        let (mode, torque, stamps) = of_numbers(&numbers);
+        sum(torque, stamps, Some(&mode)) + unlikely(&numbers)
     };
     let near = simplex(&of, &[0.0; 5], 1.0);
     // From the other side too: a broad mode of the grid covers a narrow one.
@@ -303,14 +308,27 @@ fn search(all: &[Vec<Band>]) -> Option<Mode> {
     })
 }
 
+/// Twice the logarithm by which a share is unlikely beforehand: a side that is shaken itself hardly says how heavy it is.
+fn unlikely(numbers: &[f64]) -> f64 {
+    if numbers.len() > LOG_LOAD {
+        (numbers[LOGIT_SHARE] / SHARES).powi(2)
+    } else {
+        0.0
+    }
+}
+
 /// The numbers of a mode with a far side that is shaken too, the logarithm of by how much more last.
-fn shaken(of: &dyn Fn(&[f64]) -> f64, without: &[f64]) -> Vec<f64> {
-    let tried = [-2.0, 1.0, 4.0].map(|log: f64| {
-        let start: Vec<f64> = without.iter().copied().chain([log]).collect();
-        simplex(of, &simplex(of, &start, 1.0), 0.5)
+fn shaken(of: &(dyn Fn(&[f64]) -> f64 + Sync), without: &[f64]) -> Vec<f64> {
+    let first = vec![0.0; without.len()];
+    let starts =
+        [without, &first].map(|start| [-2.0, 1.0, 4.0].map(|log| [start, &[log]].concat()));
+    let each = starts.as_flattened().par_iter();
+    let tried = each.map(|start| {
+        let there = simplex(of, &simplex(of, start, 1.0), 0.5);
+        (of(&there), there)
     });
-    let best = tried.into_iter().min_by(|a, b| of(a).total_cmp(&of(b)));
-    best.unwrap_or_else(|| without.to_vec())
+    let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or_else(|| without.to_vec(), |best| best.1)
 }
 
 fn nearest(bands: &[Band], f_hz: f64) -> Option<&Band> {
@@ -367,6 +385,9 @@ fn errors(all: &[Vec<Band>], best: &[f64]) -> Option<[f64; 4]> {
             (at(&there, band) - here) / STEP
         });
         information += band.lines * &slopes * slopes.transpose();
+    }
+    if count > LOG_LOAD {
+        information[(LOGIT_SHARE, LOGIT_SHARE)] += SHARES.powi(-2);
     }
     let covariance = information.try_inverse()?;
     let (mode, ..) = of_numbers(best);
