@@ -71,3 +71,33 @@ fn another_mode_than_the_twins_is_named() {
     let f_hz = &one.parameters["f_hz"];
     assert!((f_hz.value - 120.0).abs() < 2.0, "{f_hz:?}");
 }
+
+/// The load shakes it too, or alone: that is in the numbers, also where the twin has the mode and no load that shakes it.
+#[test]
+fn what_shakes_the_far_side_is_named_with_the_mode() {
+    let longer = RIG.replace("seconds = 1.6", "seconds = 8");
+    let stronger = LOAD.replace("1e-11", "2e-10");
+    let mode = MODE.replace("120", "70");
+    for (seed, load, psd, told) in [
+        (6, LOAD, 1e-11, ""),
+        (7, stronger.as_str(), 2e-10, ""),
+        (8, LOAD, 1e-11, mode.as_str()),
+    ] {
+        let rig = format!(
+            "seed = {seed}\n{longer}{CONSTANT}{}",
+            TORQUE.replace("12", "11")
+        );
+        let said = of(&format!("{rig}{mode}{load}"), &format!("{rig}{told}"));
+        let [one] = &said.findings[..] else {
+            panic!("{:?}", said.findings);
+        };
+        assert_eq!(one.mechanism, Mechanism::TorsionalResonance);
+        for (name, value) in [("f_hz", 70.0), ("load_psd_n2_m2_s", psd)] {
+            let own = &one.parameters[name];
+            let [low, high] = own.ci95.unwrap();
+            let half = 0.5 * (high - low);
+            assert!((own.value - value).abs() < 2.0 * half, "{name} {own:?}");
+            assert!(half < 0.5 * value, "{name} {own:?}");
+        }
+    }
+}

@@ -110,3 +110,22 @@ fn a_level_that_drifts_on_one_channel_is_found_there_and_known_there() {
         assert_eq!(said.verdict, Verdict::Complete, "{:?}", said.findings);
     }
 }
+
+/// A speed step passes elsewhere in time and angle where the speed is another by two parts in a hundred: that is not linear, whether the
+/// twin has no drift, half of it, twice as much, or the other way.
+#[test]
+fn a_drift_is_found_where_the_speed_steps() {
+    let steps = "[drive]\nsteps = [{ t_s = 0, r_min = 300 }, { t_s = 1.4, r_min = 600 }]\n";
+    let rig = RIG.replace("[drive.constant]\nr_min = 300\n", steps);
+    let drift = |fraction: f64| format!("[speed_drift]\nfraction = {fraction}\ntau_s = 1.0\n");
+    for (seed, told) in [(21, 0.0), (22, 0.01), (23, 0.04), (24, -0.02)] {
+        let truth = twin(&format!("seed = {seed}\n{rig}{}", drift(0.02)));
+        let told = twin(&format!("{rig}{}", drift(told)));
+        let said = diagnose(&[recorded(&truth, &told)], &mut |_, _| {}).unwrap();
+        explained(&said.diagnosis, 1);
+        for (name, value) in [("fraction", 0.02), ("tau_s", 1.0)] {
+            let own = &said.diagnosis.findings[0].parameters[name];
+            assert!((own.value / value - 1.0).abs() < 0.01, "{name} {own:?}");
+        }
+    }
+}
