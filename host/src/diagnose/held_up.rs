@@ -82,7 +82,10 @@ pub fn explored(
     let other = rig.first().and_then(|one| one.twin.capture_latency);
     if let Some((f_hz, busy_s)) = other.and_then(|other| other.task_hz.zip(other.busy_s)) {
         let text = &mut refit.finding.text;
-        *text += &format!("; the twin's does {f_hz:.3} times for {}", si(busy_s, "s"));
+        *text += &format!(
+            "; the twin's does {f_hz:.3} times a second for {}",
+            si(busy_s, "s")
+        );
     }
     Ok(Held {
         explored,

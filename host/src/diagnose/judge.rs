@@ -48,7 +48,7 @@ pub struct HeldRatios {
 #[must_use]
 pub fn fit(judged: &Judged<'_>) -> (Fit, HeldRatios) {
     let whiteness = |board: &Board, model: &Model| leftovers(board, model).1;
-    let ((before_p, after_p), ((was, is), (noise, (held_out, ratios)))) = rayon::join(
+    let ((before_p, after_p), ((was, is), (noise, (mut held_out, ratios)))) = rayon::join(
         || {
             rayon::join(
                 || whiteness(judged.given, judged.before),
@@ -67,19 +67,26 @@ pub fn fit(judged: &Judged<'_>) -> (Fit, HeldRatios) {
             )
         },
     );
+    // Noise that is not what a twin declares is guessed; what is left holds all of it.
+    let mut benches = judged.again.benches.iter();
+    let guessed = benches.any(|bench| bench.declared != Some(bench.noise));
+    let floor = |noise: f64, left: f64| Some(if guessed { noise.min(left) } else { noise });
+    if let (Some(noise), Some(left)) = (held_out.floor_rad, held_out.rms_after_rad) {
+        held_out.floor_rad = floor(noise, left);
+    }
     let fit = Fit {
         rms_before_rad: Some(was.fast_rad()),
         rms_after_rad: Some(is.fast_rad()),
-        floor_rad: Some(noise.fast_rad()),
+        floor_rad: floor(noise.fast_rad(), is.fast_rad()),
         slow: Band {
             rms_before_rad: Some(was.slow_rad()),
             rms_after_rad: Some(is.slow_rad()),
-            floor_rad: Some(noise.slow_rad()),
+            floor_rad: floor(noise.slow_rad(), is.slow_rad()),
         },
         edge_to_edge: Band {
             rms_before_rad: Some(was.steps_rad()),
             rms_after_rad: Some(is.steps_rad()),
-            floor_rad: Some(noise.steps_rad()),
+            floor_rad: floor(noise.steps_rad(), is.steps_rad()),
         },
         whiteness_p_before: Some(before_p),
         whiteness_p: Some(after_p),

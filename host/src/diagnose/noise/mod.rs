@@ -10,6 +10,8 @@ mod flat;
 mod jitter;
 mod latency;
 mod levels;
+mod mode_fit;
+mod mode_likelihood;
 mod mode_scan;
 mod odds;
 mod own;
@@ -25,8 +27,9 @@ mod two_mass;
 use super::board::{Board, Model};
 use crate::mechanism::Mechanism;
 
+pub use mode_fit::Mode;
 pub use own::{is_own, own_columns};
-pub use resonance::{LOAD, Mode};
+pub use resonance::LOAD;
 pub use task::{
     Busy, DOUBT, Refit, Task, absent, account, agrees, confirm, find as find_task, refit,
 };

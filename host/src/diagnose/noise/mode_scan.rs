@@ -1,6 +1,6 @@
 //! A coarse search for a torsional mode: every frequency of a grid, a few damping ratios and shares of the inertia.
 
-use super::resonance::cost;
+use super::mode_likelihood::cost;
 use super::spectral::Band;
 use super::two_mass::TwoMass;
 

@@ -3,7 +3,8 @@
 //! declared leave goes away with levels of the recording's own.
 
 use super::super::noise_fit::simplex;
-use super::resonance::{Mode, cost, misfit};
+use super::mode_fit::Mode;
+use super::mode_likelihood::{cost, misfit};
 use super::spectral::Band;
 use super::two_mass::TwoMass;
 

@@ -43,7 +43,7 @@ pub fn absent(rig: &[Recorded], board: &Board, left: &[Vec<f64>]) -> Option<Nois
         delta_bic: -2.0 * gain,
         p_value: gain.exp(),
         text: format!(
-            "no task holds up captures here; the twin's does {f_hz:.3} times for {}",
+            "no task holds up captures here; the twin's does {f_hz:.3} times a second for {}",
             si(busy_s, "s")
         ),
         frequencies_hz: vec![f_hz],
