@@ -190,6 +190,7 @@ fn ranges_hold_numbers_and_units_are_those_of_the_names() {
                 "N m" => "n_m",
                 "N m s" => "n_m_s",
                 "N m s^2" => "n_m_s2",
+                "N^2 m^2 s" => "n2_m2_s",
                 "N m/rad" => "n_m_rad",
                 "rad/s" => "rad_s",
                 "Hz" => "hz",

@@ -10,9 +10,8 @@ use super::stamps::Stamps;
 const TURNS: usize = 6;
 /// Standard errors of the busy time that are no change any more.
 const NEAR: f64 = 0.03;
-/// Busy times over the first guess that are tried in the first turn, and standard errors around the last one in the others.
-const FIRST: [f64; 2] = [0.3, 1.5];
-const AROUND: f64 = 8.0;
+/// Busy times over the last one that are tried: single edges decide between them, so that a likelihood that is narrow may be another's.
+const AROUND: [f64; 2] = [0.3, 1.5];
 /// Busy times that are tried at once, and times that they are narrowed down.
 const TRIED: usize = 24;
 const NARROWED: usize = 5;
@@ -36,18 +35,16 @@ pub struct Fitted {
 #[must_use]
 pub fn fitted(rows: &mut [Stamps<'_>], first: Busy) -> Option<Fitted> {
     let mut task = first;
-    let mut range = [FIRST[0] * task.busy_s, FIRST[1] * task.busy_s];
     let mut busy_error = 0.0;
     let mut errors = None;
     for _ in 0..TURNS {
         let before = (task.busy_s, busy_error);
-        (task.busy_s, busy_error) = busy(rows, &task, range)?;
+        (task.busy_s, busy_error) = busy(rows, &task)?;
         errors = lined(rows, &mut task);
         errors?;
         for (number, row) in rows.iter_mut().enumerate() {
             row.clear(&task, number);
         }
-        range = [-AROUND, AROUND].map(|far| far.mul_add(busy_error, task.busy_s));
         let near = |now: f64, before: f64| (now - before).abs() < NEAR * busy_error;
         if near(task.busy_s, before.0) && near(busy_error, before.1) {
             break;
@@ -78,9 +75,10 @@ fn gain(rows: &[Stamps<'_>], near: &[Vec<usize>], task: &Busy) -> f64 {
 
 /// How long it blocks, and the standard error of that: mean and deviation of the likelihood, which does not bend evenly, as single edges
 /// at the beginning of the busy time decide it.
-fn busy(rows: &[Stamps<'_>], task: &Busy, range: [f64; 2]) -> Option<(f64, f64)> {
+fn busy(rows: &[Stamps<'_>], task: &Busy) -> Option<(f64, f64)> {
     let (least, most) = (1e-3 * task.busy_s, 0.9 / task.f_hz);
-    let (mut low, mut high) = (range[0].max(least), range[1].min(most));
+    let [low, high] = AROUND.map(|part| part * task.busy_s);
+    let (mut low, mut high) = (low.max(least), high.min(most));
     let mut known = None;
     for _ in 0..NARROWED {
         let step = (high - low) / (TRIED - 1) as f64;
