@@ -10,7 +10,7 @@ use super::spectral::Band;
 use super::two_mass::TwoMass;
 
 /// Twice the log likelihood ratio that a mode needs, in all recordings and in each that can show it.
-const LEAST_GAIN: f64 = 40.0;
+pub(super) const LEAST_GAIN: f64 = 40.0;
 const LEAST_EACH: f64 = 4.0;
 /// Torque noise's share below which a recording shows no mode.
 const SHOWS: f64 = 0.2;
@@ -101,12 +101,12 @@ pub(super) fn search(all: &[Vec<Band>]) -> Option<Mode> {
     } else {
         narrow
     };
-    let stiff = simplex(&of, &near, 0.3);
-    let shaken = shaken(&of, &stiff);
-    let best = place(if of(&stiff) - of(&shaken) > LEAST_SHAKEN {
+    let unshaken = simplex(&of, &near, 0.3);
+    let shaken = shaken(&of, &unshaken);
+    let best = place(if of(&unshaken) - of(&shaken) > LEAST_SHAKEN {
         &shaken
     } else {
-        &stiff
+        &unshaken
     });
     let (mode, with_torque, with_stamps) = of_numbers(&best);
     let gains: Vec<(f64, f64)> = all

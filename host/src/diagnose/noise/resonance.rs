@@ -5,7 +5,7 @@
 
 use super::super::board::Board;
 use super::super::kalman::ShaftNoise;
-use super::mode_fit::{MISFIT, Mode, search};
+use super::mode_fit::{LEAST_GAIN, MISFIT, Mode, search};
 use super::mode_likelihood::off;
 use super::odds::{anywhere, normal_above};
 use super::rings::{rings, stretches_of};
@@ -15,8 +15,6 @@ use crate::mechanism::Mechanism;
 
 /// The twin's name of the density of torque noise on the far side.
 pub const LOAD: &str = "load_psd_n2_m2_s";
-/// Twice the log likelihood ratio of a recording from which on it shows a mode.
-const LEAST_GAIN: f64 = 40.0;
 
 impl Mode {
     /// As a finding.
