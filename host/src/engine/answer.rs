@@ -1,0 +1,58 @@
+//! What the engine says: the diagnosis, the mismatch map before and after, and each finding's cell.
+
+use serde::Serialize;
+
+use super::effect::Effect;
+use crate::diagnose::diagnosis::Diagnosis;
+
+/// An answer; its JSON is that of a diagnosis with the map and the cells beside it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Answer {
+    /// Verdict, findings, fit.
+    #[serde(flatten)]
+    pub diagnosis: Diagnosis,
+    /// How much of the residual each site explains following each carrier, as the twin was given and with the findings.
+    pub map: Map,
+    /// The cells of each finding, in the findings' order, with their sizes; empty where it is counted or is noise.
+    pub cells: Vec<Vec<Sized>>,
+    /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
+    pub shares: Vec<Option<f64>>,
+    /// Angle residual along time, for plots.
+    #[serde(skip)]
+    pub curves: Vec<Curve>,
+}
+
+/// An effect with its sizes.
+#[derive(Clone, Debug, Serialize)]
+pub struct Sized {
+    /// It.
+    pub effect: Effect,
+    /// Its sizes: one, or of cosine and sine.
+    pub sizes: Vec<f64>,
+}
+
+/// The mismatch map: fall of the sum of squares a number, site by carrier; none where a cell can't be.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Map {
+    /// Rows.
+    pub sites: Vec<&'static str>,
+    /// Columns.
+    pub carriers: Vec<&'static str>,
+    /// With the twin as given.
+    pub before: Vec<Vec<Option<f64>>>,
+    /// With the findings.
+    pub after: Vec<Vec<Option<f64>>>,
+}
+
+/// Residual of a recording along time, less its mean over a turn.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The recording's file.
+    pub file: String,
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// With the twin as given, rad.
+    pub before_rad: Vec<f64>,
+    /// With the findings, rad.
+    pub after_rad: Vec<f64>,
+}

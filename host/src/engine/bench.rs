@@ -1,0 +1,175 @@
+//! A recording beside its twin: the residual, its noise, and the filter that makes both white.
+
+use super::course::Course;
+use super::declared::{self, Declared};
+use super::effect::{Effect, Scene};
+use super::filter::Noise;
+use super::noise::{self, Free};
+use super::plant::{Gains, Here, Law, Leaps, Plant};
+use super::record::Record;
+use crate::twin::Twin;
+
+/// One recording with its twin.
+#[derive(Clone, Debug)]
+pub struct Bench {
+    /// The edges.
+    pub record: Record,
+    /// The twin.
+    pub twin: Twin,
+    /// Errors of its disc as the recording counts edges, rad.
+    pub disc: Vec<f64>,
+    /// Where the shaft was.
+    pub course: Course,
+    /// Its law.
+    pub plant: Plant,
+    /// What the twin says of each edge.
+    pub declared: Declared,
+    /// The filter's steps.
+    pub leaps: Leaps,
+    /// The gains for the present noise.
+    pub gains: Gains,
+    /// 1 / deviation of each innovation, 1/rad.
+    pub scales: Vec<f64>,
+    /// Weight of each edge: less where it is far out.
+    pub weights: Vec<f64>,
+    /// Grid angles less all that the twin says, rad.
+    pub residual: Vec<f64>,
+}
+
+impl Bench {
+    /// Compares a recording with its twin.
+    #[must_use]
+    pub fn new(record: Record, twin: &Twin, errors: &[f64], noise: &Noise) -> Self {
+        let disc = declared::of_recorded(errors, record.edges);
+        let law = Law::of(twin);
+        let off: Vec<f64> = (0..record.len())
+            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
+            .collect();
+        let mut course = Course::new(&record, &off);
+        let mut plant = Plant::new(law.clone(), &course);
+        let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
+        // Once more about the course without what shifts edges.
+        course = Course::new(&record, &declared.off);
+        plant = Plant::new(law, &course);
+        declared = Declared::new(&record, twin, &disc, &course, &plant);
+        let leaps = Leaps::of(&plant, &course);
+        let gains = leaps.filter(0..record.len(), noise);
+        let residual = (0..record.len())
+            .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])
+            .collect();
+        Self {
+            scales: gains.scales(),
+            weights: vec![1.0; record.len()],
+            twin: twin.clone(),
+            record,
+            disc,
+            course,
+            plant,
+            declared,
+            leaps,
+            gains,
+            residual,
+        }
+    }
+
+    /// Goes by another noise.
+    pub fn set_noise(&mut self, noise: &Noise) {
+        self.gains = self.leaps.filter(0..self.record.len(), noise);
+        self.scales = self.gains.scales();
+    }
+
+    /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it.
+    pub fn decide_ties(&mut self) {
+        const EDGES: usize = 12;
+        let mut white = self.residual.clone();
+        self.gains.whiten(&mut white);
+        let count = self.record.len();
+        for tie in self.declared.ties.clone() {
+            let after = self.course.time_s.partition_point(|time| *time <= tie.at_s);
+            let first = after.saturating_sub(1);
+            if after == 0 || after >= count {
+                continue;
+            }
+            let until_s = tie.at_s + tie.step_s;
+            let push = |here: Here| {
+                if here.inside_s < tie.at_s {
+                    0.0
+                } else if here.inside_s < until_s {
+                    tie.push
+                } else {
+                    tie.lasting
+                }
+            };
+            let breaks = [tie.at_s, until_s];
+            let answer = |until: usize| {
+                self.plant
+                    .response_over(first..until, &self.course, push, |_| 0.0, &breaks)
+            };
+            let mut short = answer((after + EDGES).min(count));
+            self.gains.whiten_from(first, &mut short);
+            let here = white[first..].iter().zip(&short);
+            let gain: f64 = here
+                .map(|(white, other)| white * white - (white - other).powi(2))
+                .sum();
+            if gain > 0.0 {
+                let mut long = answer(count);
+                self.residual[first..]
+                    .iter_mut()
+                    .zip(&long)
+                    .for_each(|(rest, by)| *rest -= by);
+                self.gains.whiten_from(first, &mut long);
+                white[first..]
+                    .iter_mut()
+                    .zip(&long)
+                    .for_each(|(white, by)| *white -= by);
+            }
+        }
+    }
+
+    /// A row of angles, white and weighed.
+    #[must_use]
+    pub fn white(&self, angles: &[f64]) -> Vec<f64> {
+        let mut white = angles.to_vec();
+        self.gains.whiten(&mut white);
+        white
+            .iter_mut()
+            .zip(&self.weights)
+            .for_each(|(white, weight)| *white *= weight);
+        white
+    }
+
+    /// The transposed of [`Self::white`].
+    #[must_use]
+    pub fn score(&self, white: &[f64]) -> Vec<f64> {
+        let mut score: Vec<f64> = white
+            .iter()
+            .zip(&self.weights)
+            .map(|(white, weight)| white * weight)
+            .collect();
+        self.gains.transposed(&mut score);
+        score
+    }
+
+    /// What an effect does to each edge, rad, for unit of each size.
+    #[must_use]
+    pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
+        let asked = declared::Asked::of(&self.twin);
+        effect.columns(&Scene {
+            record: &self.record,
+            course: &self.course,
+            plant: &self.plant,
+            asked: &asked,
+        })
+    }
+}
+
+/// The noise that fits several benches best beside residual angles.
+#[must_use]
+pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free) -> (Noise, f64) {
+    let leaps: Vec<&Leaps> = benches.iter().map(|bench| &bench.leaps).collect();
+    let tick_s = benches
+        .iter()
+        .map(|bench| bench.record.tick_s)
+        .fold(0.0, f64::max);
+    noise::fit(&leaps, rest, tick_s / 12_f64.sqrt(), start, free)
+}

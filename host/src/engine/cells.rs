@@ -1,0 +1,340 @@
+//! Cells of the map that have no frequency: few, and evaluated as they are.
+
+use super::effect::{Carrier, Effect, On, Site};
+use super::lsq::{Basis, dot};
+use super::model::{Board, Fit};
+use super::scan::Candidate;
+
+/// Instants at which steps are tried.
+const INSTANTS: usize = 32;
+/// Shares of the longest recording that settling is tried with.
+const SETTLINGS: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
+/// Shares of the top speed that Stribeck's is looked for at.
+const STRIBECK: [f64; 5] = [0.05, 0.1, 0.2, 0.35, 0.6];
+/// Widths of bumps, edges.
+const WIDTHS: [f64; 10] = [0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0, 384.0];
+
+/// A board's channels.
+fn channels(board: &Board) -> u8 {
+    board
+        .benches
+        .iter()
+        .map(|bench| bench.record.channels())
+        .max()
+        .unwrap_or(1)
+}
+
+/// Groups of effects that are tried as they are.
+#[must_use]
+pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
+    let channels = channels(board);
+    let classes = board
+        .benches
+        .iter()
+        .map(|bench| bench.record.classes)
+        .max()
+        .unwrap_or(1);
+    let one = |site: Site, carrier: Carrier| vec![Effect::new(site, carrier)];
+    let on = |channel: Option<u8>, rises: Option<bool>| On { channel, rises };
+    let each = |make: &dyn Fn(u8) -> Effect, from: u8| -> Vec<Effect> {
+        (from..channels).map(make).collect()
+    };
+    let mut all: Vec<Vec<Effect>> = Vec::new();
+    let mut group = |effects: Vec<Effect>| {
+        if effects.len() > 1 {
+            all.extend(effects.iter().map(|effect| vec![*effect]));
+            if effects.len() > 2 {
+                for left_out in 0..effects.len() {
+                    let mut some = effects.clone();
+                    some.remove(left_out);
+                    all.push(some);
+                }
+            }
+        }
+        if !effects.is_empty() {
+            all.push(effects);
+        }
+    };
+    let steady = |site: Site| Effect::new(site, Carrier::Steady);
+    if classes > 1 {
+        group(each(&|c| steady(Site::Disc(on(Some(c), Some(false)))), 0));
+        group(each(&|c| steady(Site::Stamp(on(Some(c), Some(true)))), 0));
+        if channels > 1 {
+            group(each(&|c| steady(Site::Stamp(on(Some(c), Some(false)))), 0));
+            group(vec![steady(Site::Disc(on(None, Some(false))))]);
+            group(vec![steady(Site::Stamp(on(None, Some(true))))]);
+            group(each(&|c| steady(Site::Disc(on(Some(c), None))), 1));
+            group(each(&|c| steady(Site::Stamp(on(Some(c), None))), 1));
+        }
+    }
+    if board
+        .benches
+        .iter()
+        .any(|bench| !bench.course.reversals_s.is_empty())
+    {
+        all.push(one(Site::Disc(On::ALL), Carrier::Direction));
+        if channels > 1 {
+            all.extend(
+                (0..channels).map(|c| one(Site::Disc(on(Some(c), None)), Carrier::Direction)),
+            );
+        }
+    }
+    let power = |p: f64| Effect::new(Site::Torque, Carrier::Power(p));
+    let top = board
+        .benches
+        .iter()
+        .map(|bench| bench.course.top())
+        .fold(0.0, f64::max);
+    for some in [
+        vec![0.0],
+        vec![1.0],
+        vec![2.0],
+        vec![0.0, 1.0],
+        vec![0.0, 2.0],
+        vec![1.0, 2.0],
+        vec![0.0, 1.0, 2.0],
+    ] {
+        all.push(some.into_iter().map(power).collect());
+    }
+    for share in STRIBECK {
+        let stribeck = Effect::new(Site::Torque, Carrier::Stribeck(share * top));
+        all.push(vec![stribeck]);
+        all.push(vec![power(0.0), stribeck]);
+        all.push(vec![power(0.0), power(1.0), stribeck]);
+    }
+    let longest = board.seconds();
+    let driven = board.benches.iter().any(|bench| {
+        bench.plant.law.stiffness + bench.plant.law.viscous > 0.0
+            && bench.twin.speed_loop().is_none()
+    });
+    if driven {
+        all.push(one(Site::Drive, Carrier::Time));
+        all.extend(
+            SETTLINGS.map(|share| one(Site::Drive, Carrier::Settling(0.0, share * longest))),
+        );
+    }
+    if classes > 1 {
+        let mut sites = vec![None];
+        if channels > 1 {
+            sites.extend((0..channels).map(Some));
+        }
+        for channel in sites {
+            let site = Site::Level(on(channel, None));
+            for share in [0.05, 0.2, 0.5] {
+                for from in [0.0, 0.25, 0.5] {
+                    all.push(one(
+                        site,
+                        Carrier::Settling(from * longest, share * longest),
+                    ));
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants.
+#[must_use]
+pub fn loads(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+    let Some(longest) = board
+        .benches
+        .iter()
+        .max_by(|a, b| a.record.seconds().total_cmp(&b.record.seconds()))
+    else {
+        return Vec::new();
+    };
+    let (first, last) = (
+        longest.record.time_s[0],
+        longest.record.time_s[longest.record.len() - 1],
+    );
+    let instants: Vec<f64> = (0..INSTANTS)
+        .map(|at| {
+            if at == 0 {
+                f64::NEG_INFINITY
+            } else {
+                first + (last - first) * at as f64 / INSTANTS as f64
+            }
+        })
+        .collect();
+    use rayon::prelude::*;
+    let steps: Vec<Vec<f64>> = instants
+        .par_iter()
+        .map(|from| {
+            let effect = Effect::new(Site::Torque, Carrier::Window(*from, f64::INFINITY));
+            let mut column = board.columns(&effect).swap_remove(0);
+            basis.clear(&mut column);
+            column
+        })
+        .collect();
+    let scores: Vec<f64> = steps.iter().map(|column| dot(column, &fit.left)).collect();
+    let pairs: Vec<(usize, usize)> = (0..INSTANTS)
+        .flat_map(|a| (a..INSTANTS).map(move |b| (a, b)))
+        .collect();
+    let products: Vec<f64> = pairs
+        .par_iter()
+        .map(|(a, b)| dot(&steps[*a], &steps[*b]))
+        .collect();
+    let own = |at: usize| products[pairs.partition_point(|pair| *pair < (at, at))];
+    let mut best: Vec<(f64, Effect)> = Vec::new();
+    for (&(a, b), product) in pairs.iter().zip(&products) {
+        if a == b {
+            if own(a) > 0.0 && a > 0 {
+                best.push((
+                    scores[a].powi(2) / own(a),
+                    Effect::new(Site::Torque, Carrier::Window(instants[a], f64::INFINITY)),
+                ));
+            }
+            continue;
+        }
+        let square = own(a) + own(b) - 2.0 * product;
+        if square > 1e-9 * (own(a) + own(b)) && square > 0.0 {
+            let gain = (scores[a] - scores[b]).powi(2) / square;
+            best.push((
+                gain,
+                Effect::new(Site::Torque, Carrier::Window(instants[a], instants[b])),
+            ));
+        }
+    }
+    best.sort_by(|a, b| b.0.total_cmp(&a.0));
+    best.truncate(2);
+    let step = (last - first) / INSTANTS as f64;
+    best.into_iter()
+        .map(|(gain, effect)| nearest(board, fit, basis, effect, gain, step))
+        .collect()
+}
+
+/// The best nearby value of knobs, by halving.
+fn nearest(
+    board: &Board,
+    fit: &Fit,
+    basis: &Basis,
+    effect: Effect,
+    gain: f64,
+    step: f64,
+) -> Candidate {
+    let mut best = Candidate {
+        effects: vec![effect],
+        gain,
+    };
+    let mut step = 0.5 * step;
+    let least = board
+        .reach(&effect)
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+        * 0.3;
+    while step > least {
+        for knob in 0..effect.knobs().len() {
+            for side in [-1.0, 1.0] {
+                let mut knobs = best.effects[0].knobs();
+                if !knobs[knob].is_finite() {
+                    continue;
+                }
+                knobs[knob] += side * step;
+                let moved = effect.with_knobs(&knobs);
+                let gain = basis.gain(&board.columns(&moved), &fit.left);
+                if gain > best.gain {
+                    best = Candidate {
+                        effects: vec![moved],
+                        gain,
+                    };
+                }
+            }
+        }
+        step *= 0.5;
+    }
+    best
+}
+
+/// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
+#[must_use]
+pub fn bumps(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+    let Some(first) = board.benches.first() else {
+        return Vec::new();
+    };
+    let (edges, classes) = (first.record.edges as usize, first.record.classes);
+    if edges < 32 {
+        return Vec::new();
+    }
+    let mut fold = vec![0.0; edges];
+    let mut weight = vec![0.0; edges];
+    let mut from = 0;
+    for bench in &board.benches {
+        let until = from + bench.record.len();
+        for (at, score) in bench.score(&fit.left[from..until]).into_iter().enumerate() {
+            fold[bench.record.slot(at)] += score;
+            weight[bench.record.slot(at)] += bench.scales[at].powi(2);
+        }
+        from = until;
+    }
+    let channels = channels(board);
+    let mut sites = vec![On::ALL];
+    if classes > 1 {
+        sites.extend([true, false].map(|rises| On {
+            channel: None,
+            rises: Some(rises),
+        }));
+        if channels > 1 {
+            for channel in 0..channels {
+                sites.push(On {
+                    channel: Some(channel),
+                    rises: None,
+                });
+                sites.extend([true, false].map(|rises| On {
+                    channel: Some(channel),
+                    rises: Some(rises),
+                }));
+            }
+        }
+    }
+    let step = first.record.step_rad();
+    let mut found: Vec<(f64, Effect)> = Vec::new();
+    for on in sites {
+        for width in WIDTHS {
+            if width * 6.0 > edges as f64 {
+                continue;
+            }
+            let reach = (3.0 * width).ceil() as i64;
+            let mut best = (0.0, 0);
+            let stride = (0.5 * width).floor().max(1.0) as usize;
+            for middle in (0..edges).step_by(stride) {
+                let (mut sum, mut square) = (0.0, 0.0);
+                for by in -reach..=reach {
+                    let slot = (middle as i64 + by).rem_euclid(edges as i64) as usize;
+                    if on.has(super::record::change(slot % classes as usize, classes)) {
+                        let bump = (-0.5 * (by as f64 / width).powi(2)).exp();
+                        sum += bump * fold[slot];
+                        square += bump * bump * weight[slot];
+                    }
+                }
+                if square > 0.0 && sum * sum / square > best.0 {
+                    best = (sum * sum / square, middle);
+                }
+            }
+            let carrier = Carrier::Bump(best.1 as f64 * step, width * step);
+            found.push((best.0, Effect::new(Site::Disc(on), carrier)));
+        }
+    }
+    use rayon::prelude::*;
+    let mut exact: Vec<Candidate> = found
+        .into_par_iter()
+        .map(|(_, effect)| Candidate {
+            gain: basis.gain(&board.columns(&effect), &fit.left),
+            effects: vec![effect],
+        })
+        .collect();
+    exact.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    exact.truncate(2);
+    exact
+        .into_iter()
+        .map(|one| {
+            nearest(
+                board,
+                fit,
+                basis,
+                one.effects[0],
+                one.gain,
+                one.effects[0].knobs()[1],
+            )
+        })
+        .collect()
+}

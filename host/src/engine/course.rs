@@ -1,0 +1,119 @@
+//! Where the shaft is between and at edges, as the edges themselves have it: the angle that torques are evaluated at.
+
+use super::record::Record;
+
+/// Angles and speeds along a recording.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// Time of each edge, s.
+    pub time_s: Vec<f64>,
+    /// Angle of the shaft there, rad.
+    pub angle: Vec<f64>,
+    /// Speed there, rad/s, negative in reverse.
+    pub speed: Vec<f64>,
+    /// When it turns round, s.
+    pub reversals_s: Vec<f64>,
+}
+
+impl Course {
+    /// Of a recording, whose edges are off the grid by known angles, rad.
+    #[must_use]
+    pub fn new(record: &Record, off: &[f64]) -> Self {
+        let angle: Vec<f64> = (0..record.len())
+            .map(|at| record.grid_rad(at) - off[at])
+            .collect();
+        let speed = speeds(record, &angle);
+        let mut course = Self {
+            time_s: record.time_s.clone(),
+            angle,
+            speed,
+            reversals_s: Vec::new(),
+        };
+        course.reversals_s = (1..course.len())
+            .filter(|&at| record.way[at] != record.way[at - 1])
+            .map(|at| course.still_s(at))
+            .collect();
+        course
+    }
+
+    /// Edges.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Angle and speed at a share of the interval that ends at an edge: a cubic through both ends.
+    #[must_use]
+    #[inline]
+    pub fn within(&self, at: usize, share: f64) -> (f64, f64) {
+        let h = self.time_s[at] - self.time_s[at - 1];
+        if h <= 0.0 {
+            return (self.angle[at], self.speed[at]);
+        }
+        let way = self.angle[at] - self.angle[at - 1];
+        let (v0, v1) = (self.speed[at - 1], self.speed[at]);
+        // Hermite's cubic, its slopes held to what the way between allows.
+        let (b, c) = (h * v0, h * v1);
+        let s = share;
+        let (s2, s3) = (s * s, s * s * s);
+        let angle = self.angle[at - 1]
+            + way * (3.0 * s2 - 2.0 * s3)
+            + b * (s3 - 2.0 * s2 + s)
+            + c * (s3 - s2);
+        let speed =
+            (way * 6.0 * (s - s2) + b * (3.0 * s2 - 4.0 * s + 1.0) + c * (3.0 * s2 - 2.0 * s)) / h;
+        (angle, speed)
+    }
+
+    /// When it stands still within the interval that ends at an edge, s.
+    fn still_s(&self, at: usize) -> f64 {
+        let (v0, v1) = (self.speed[at - 1].abs(), self.speed[at].abs());
+        let share = if v0 + v1 > 0.0 { v0 / (v0 + v1) } else { 0.5 };
+        self.time_s[at - 1] + share * (self.time_s[at] - self.time_s[at - 1])
+    }
+
+    /// Greatest speed either way, rad/s.
+    #[must_use]
+    pub fn top(&self) -> f64 {
+        self.speed
+            .iter()
+            .fold(0.0, |top, speed| speed.abs().max(top))
+    }
+
+    /// Mean of the size of the speed over time, rad/s.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        let way: f64 = self
+            .angle
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .sum();
+        let time = self.time_s.last().unwrap_or(&0.0) - self.time_s.first().unwrap_or(&0.0);
+        way / time.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Speeds from the angles of edges one line apart: half of it to either side, within one direction.
+fn speeds(record: &Record, angle: &[f64]) -> Vec<f64> {
+    let reach = ((record.classes as usize) / 2).max(1);
+    let last = record.len().saturating_sub(1);
+    (0..record.len())
+        .map(|at| {
+            let way = record.way[at];
+            let mut from = at;
+            while from > 0 && at - from < reach && record.way[from - 1] == way {
+                from -= 1;
+            }
+            let mut until = at;
+            while until < last && until - at < reach && record.way[until + 1] == way {
+                until += 1;
+            }
+            let h = record.time_s[until] - record.time_s[from];
+            if h > 0.0 {
+                (angle[until] - angle[from]) / h
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,335 @@
+//! What a twin says of each edge: the angle by which it is off the grid, and the shaft's answer to everything that pushes it.
+
+use std::f64::consts::TAU;
+
+use super::course::Course;
+use super::effect::{Carrier, Effect, Growth, On, Scene, Site};
+use super::plant::{Here, Law, Plant, sign};
+use super::record::Record;
+use super::speed_loop::{self, Tie};
+use crate::twin::{Bearing, CaptureLatency, Channel, Drive, Ripple, SpeedDrift, Twin};
+
+/// What a twin says of a recording.
+#[derive(Clone, Debug)]
+pub struct Declared {
+    /// Disc, level, play and delays: the grid angle of each edge less the shaft's at its time, rad.
+    pub off: Vec<f64>,
+    /// What drive, torques and friction do to the angle, rad, less a straight way.
+    pub response: Vec<f64>,
+    /// Samples of a speed loop that may have seen an edge or not.
+    pub ties: Vec<Tie>,
+}
+
+/// The twin's disc: errors of all edges of the grid as the recording counts them, rad.
+pub type Disc = Vec<f64>;
+
+/// A twin's effects that are sums of cells, each with its sizes.
+#[must_use]
+pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
+    let nominal = twin.drive.nominal_rad_s().abs();
+    let law = Law::of(twin);
+    let damping = law.viscous + law.stiffness;
+    let wave = |amplitude: f64, phase: f64| vec![amplitude * phase.sin(), amplitude * phase.cos()];
+    // The torque of a relative swing of the speed.
+    let size = |turning: f64, torque: Option<f64>, fraction: Option<f64>| {
+        torque.unwrap_or_else(|| {
+            fraction.unwrap_or(0.0) * nominal * turning.hypot(damping) * law.inertia
+        })
+    };
+    let mut all = Vec::new();
+    let of_order = |ripple: &Ripple| {
+        let torque = size(
+            ripple.order * nominal,
+            ripple.torque_n_m,
+            ripple.speed_fraction,
+        );
+        (
+            Effect::new(Site::Torque, Carrier::Order(ripple.order)),
+            wave(torque, ripple.phase_rad),
+        )
+    };
+    all.extend(twin.ripple.iter().chain(&twin.gear_mesh).map(of_order));
+    for Bearing {
+        order,
+        phase_rad,
+        torque_n_m,
+        speed_fraction,
+        runout_rad,
+    } in &twin.bearing
+    {
+        let (site, amplitude) = match runout_rad {
+            Some(runout) => (Site::Disc(On::ALL), *runout),
+            None => (
+                Site::Torque,
+                size(order * nominal, *torque_n_m, *speed_fraction),
+            ),
+        };
+        all.push((
+            Effect::new(site, Carrier::Order(*order)),
+            wave(amplitude, *phase_rad),
+        ));
+    }
+    for tone in &twin.torque_tone {
+        let torque = size(TAU * tone.f_hz, tone.torque_n_m, tone.speed_fraction);
+        all.push((
+            Effect::new(Site::Torque, Carrier::Tone(tone.f_hz)),
+            wave(torque, tone.phase_rad),
+        ));
+    }
+    for load in &twin.load_step {
+        let until_s = load.until_s.unwrap_or(f64::INFINITY);
+        all.push((
+            Effect::new(Site::Torque, Carrier::Window(load.from_s, until_s)),
+            vec![load.torque_n_m],
+        ));
+    }
+    let on = |channel: Option<Channel>| On {
+        channel: channel.map(|channel| channel as u8),
+        rises: None,
+    };
+    for ripple in &twin.threshold_ripple {
+        let effect = Effect::new(Site::Level(on(ripple.channel)), Carrier::Tone(ripple.f_hz));
+        all.push((effect, wave(ripple.angle_rad, ripple.phase_rad)));
+    }
+    for drift in &twin.threshold_drift {
+        let effect = Effect::new(
+            Site::Level(on(drift.channel)),
+            Carrier::Settling(drift.from_s, drift.tau_s),
+        );
+        all.push((effect, vec![drift.angle_rad]));
+    }
+    if let Some(play) = &twin.hysteresis {
+        all.push((
+            Effect::new(Site::Disc(on(play.channel)), Carrier::Direction),
+            vec![play.angle_rad],
+        ));
+    }
+    if let Some(play) = &twin.backlash {
+        all.push((
+            Effect::new(Site::Disc(On::ALL), Carrier::Direction),
+            vec![play.gap_rad],
+        ));
+    }
+    let delays = twin.edge_delay.unwrap_or_default();
+    let skew = twin.channel_skew.unwrap_or_default();
+    let each = [
+        (delays.a, skew.a_s),
+        (delays.b, skew.b_s),
+        (delays.c, skew.c_s),
+    ];
+    for (channel, (delay, skew_s)) in (0..).zip(each) {
+        for (rises, delay_s) in [
+            (true, delay.rise_s + skew_s),
+            (false, delay.fall_s + skew_s),
+        ] {
+            if delay_s != 0.0 {
+                let on = On {
+                    channel: Some(channel),
+                    rises: Some(rises),
+                };
+                all.push((Effect::new(Site::Stamp(on), Carrier::Steady), vec![delay_s]));
+            }
+        }
+    }
+    match twin.speed_drift {
+        Some(SpeedDrift {
+            fraction_per_s: Some(rate),
+            ..
+        }) => {
+            all.push((Effect::new(Site::Drive, Carrier::Time), vec![rate]));
+        }
+        Some(SpeedDrift {
+            fraction: Some(fraction),
+            tau_s: Some(tau_s),
+            ..
+        }) => {
+            all.push((
+                Effect::new(Site::Drive, Carrier::Settling(0.0, tau_s)),
+                vec![fraction],
+            ));
+        }
+        _ => {}
+    }
+    debug_assert!(
+        all.iter()
+            .all(|(effect, _)| effect.growth == Growth::Constant)
+    );
+    all
+}
+
+/// Speed that a twin's drive asks for along time, without its drift: straight between points.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    points: Vec<(f64, f64)>,
+}
+
+impl Asked {
+    /// Of a twin.
+    #[must_use]
+    pub fn of(twin: &Twin) -> Self {
+        let rad_s = |r_min: f64| r_min * (TAU / 60.0);
+        let points = match &twin.drive {
+            Drive::Constant { r_min }
+            | Drive::RunDown { r_min, .. }
+            | Drive::SpeedLoop { r_min, .. } => vec![(0.0, rad_s(*r_min))],
+            Drive::Ramp {
+                from_r_min,
+                to_r_min,
+                over_s,
+            } => vec![(0.0, rad_s(*from_r_min)), (*over_s, rad_s(*to_r_min))],
+            Drive::Steps(steps) => {
+                let mut points: Vec<(f64, f64)> = Vec::new();
+                for step in steps {
+                    if let Some(&(_, before)) = points.last() {
+                        points.push((step.t_s, before));
+                    }
+                    points.push((
+                        if points.is_empty() { 0.0 } else { step.t_s },
+                        rad_s(step.r_min),
+                    ));
+                }
+                points
+            }
+        };
+        Self { points }
+    }
+
+    /// Speed at a time, rad/s, and its rate, rad/s^2; `inside_s` says on which side of a jump.
+    #[must_use]
+    pub fn at(&self, time_s: f64, inside_s: f64) -> (f64, f64) {
+        let next = self.points.partition_point(|(t, _)| *t <= inside_s);
+        let before = next.checked_sub(1).map(|at| self.points[at]);
+        match (before, self.points.get(next).copied()) {
+            (None, Some((_, speed))) | (Some((_, speed)), None) => (speed, 0.0),
+            (Some((from, one)), Some((until, other))) => {
+                let rate = (other - one) / (until - from);
+                (one + rate * (time_s - from), rate)
+            }
+            (None, None) => (0.0, 0.0),
+        }
+    }
+}
+
+/// Instants at which a twin's drive jumps, s.
+#[must_use]
+pub fn knots(twin: &Twin) -> Vec<f64> {
+    match &twin.drive {
+        Drive::Ramp { over_s, .. } => vec![*over_s],
+        Drive::Steps(steps) => steps.iter().skip(1).map(|step| step.t_s).collect(),
+        Drive::RunDown { off_s, .. } => vec![*off_s],
+        _ => Vec::new(),
+    }
+}
+
+/// The disc's errors as a recording of so many edges counts them.
+#[must_use]
+pub fn of_recorded(errors: &[f64], edges: i64) -> Disc {
+    // Of a pulse a tooth only the rise is seen.
+    let every = (errors.len() / edges.max(1) as usize).max(1);
+    errors.iter().copied().step_by(every).collect()
+}
+
+impl Declared {
+    /// What a twin says of a recording; `disc` is its errors.
+    #[must_use]
+    pub fn new(record: &Record, twin: &Twin, disc: &[f64], course: &Course, plant: &Plant) -> Self {
+        let asked = Asked::of(twin);
+        let scene = Scene {
+            record,
+            course,
+            plant,
+            asked: &asked,
+        };
+        let mut off: Vec<f64> = (0..record.len())
+            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
+            .collect();
+        let (mut response, ties) = drive(twin, &scene);
+        for (effect, sizes) in effects(twin) {
+            let into = match effect.site {
+                Site::Torque | Site::Drive => &mut response,
+                _ => &mut off,
+            };
+            for (column, size) in effect.columns(&scene).iter().zip(&sizes) {
+                for (into, by) in into.iter_mut().zip(column) {
+                    *into += size * by;
+                }
+            }
+        }
+        late(twin, record, course, &mut off);
+        Self {
+            off,
+            response,
+            ties,
+        }
+    }
+}
+
+/// What a declared task holds up, as far as its busy time is known: a stamp at its end was anywhere in it, in the middle at best.
+fn late(twin: &Twin, record: &Record, course: &Course, off: &mut [f64]) {
+    if let Some(CaptureLatency {
+        mean_s: Some(mean_s),
+        ..
+    }) = twin.capture_latency
+    {
+        for at in 0..record.len() {
+            off[at] -= course.speed[at] * mean_s;
+        }
+    }
+}
+
+/// What drive and friction do to the angle.
+fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
+    let law = &scene.plant.law;
+    let mut breaks = knots(twin);
+    breaks.extend(&scene.course.reversals_s);
+    breaks.sort_by(f64::total_cmp);
+    // Friction about the course: its value there, less what the linear damping already has of it.
+    let friction = |here: Here| {
+        let (at, slope) = law.friction(here.speed);
+        slope * here.speed - at
+    };
+    if let Some(looped) = twin.speed_loop() {
+        let samples = speed_loop::along(&looped, scene.record, twin);
+        let rate_hz = looped.rate_hz;
+        let until = scene.course.time_s.last().copied().unwrap_or(0.0);
+        breaks.extend(
+            (0..)
+                .map(|k| f64::from(k) / rate_hz)
+                .take_while(|t| *t <= until),
+        );
+        breaks.sort_by(f64::total_cmp);
+        let push = |here: Here| {
+            let at = (here.inside_s * rate_hz).floor().max(0.0) as usize;
+            samples
+                .push
+                .get(at)
+                .or(samples.push.last())
+                .copied()
+                .unwrap_or(0.0)
+                + friction(here)
+        };
+        return (
+            scene.plant.response(scene.course, push, |_| 0.0, &breaks),
+            samples.ties,
+        );
+    }
+    let push = |here: Here| {
+        let mut push = friction(here);
+        if here.inside_s < law.off_s {
+            let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
+            let towards = if asked == 0.0 {
+                sign(rate)
+            } else {
+                sign(asked)
+            };
+            // It balances friction at the speed asked for.
+            let against = law.friction(asked).0.abs() * towards;
+            push += rate + (law.viscous + law.stiffness) * asked + against;
+        }
+        push
+    };
+    (
+        scene.plant.response(scene.course, push, |_| 0.0, &breaks),
+        Vec::new(),
+    )
+}

@@ -1,0 +1,235 @@
+//! The Kalman filter of a shaft whose course is free: innovations, likelihood, and the same filter for any regressor.
+//!
+//! State: angle, speed, a slow drift of the acceleration, the torque that is held over the present step of a noise grid, and, where the
+//! twin has a mode, angle and speed of the swing. An edge shows the angle at its time with the error of its stamp. The gains depend on
+//! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
+//! Trans. Information Theory 11, 1965).
+
+/// Numbers of a state.
+pub const STATES: usize = 6;
+/// Of a stiff shaft the last two are left out.
+pub const STIFF: usize = 4;
+/// Places in a state.
+pub const ANGLE: usize = 0;
+/// Speed of the near side.
+pub const SPEED: usize = 1;
+/// Acceleration of a slow drift.
+pub const DRIFT: usize = 2;
+/// Acceleration held over a step of the noise grid.
+pub const HELD: usize = 3;
+/// Angle of the swing against the common motion.
+pub const SWING: usize = 4;
+/// Its speed.
+pub const SWINGS: usize = 5;
+
+/// A square matrix.
+pub type Square<const N: usize> = [[f64; N]; N];
+
+/// Sizes of the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Density of the acceleration noise, (rad/s^2)^2 s.
+    pub torque: f64,
+    /// RMS error of a stamp, s.
+    pub stamp_s: f64,
+    /// Density of the drift of the acceleration, (rad/s^3)^2 s.
+    pub drift: f64,
+    /// RMS error of an edge's angle that is none of the others, rad.
+    pub angle_rad: f64,
+}
+
+/// From one edge to the next: what stays of the state, and what noise of unit size adds.
+#[derive(Clone, Debug)]
+pub struct Leap<const N: usize> {
+    /// Transition.
+    pub way: Square<N>,
+    /// Covariance for unit torque noise.
+    pub torque: Square<N>,
+    /// Covariance for unit drift.
+    pub drift: Square<N>,
+    /// Speed at the edge, rad/s.
+    pub speed: f64,
+    /// Whether nothing is known of the state.
+    pub fresh: bool,
+    /// RMS error of this stamp beside the others', s.
+    pub doubt_s: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Gain<const N: usize> {
+    way: Square<N>,
+    gain: [f64; N],
+    /// 1 / deviation of the innovation; 0 where the edge only sets the filter.
+    scale: f64,
+    fresh: bool,
+}
+
+/// Gains along a row of edges.
+#[derive(Clone, Debug)]
+pub struct Filter<const N: usize> {
+    gains: Vec<Gain<N>>,
+}
+
+/// Edges after a fresh start that only set the filter.
+const SETTLES: usize = 2;
+/// Variance of an angle of which nothing is known, rad^2.
+const ANYWHERE: f64 = 1e2;
+
+impl<const N: usize> Filter<N> {
+    /// The gains for a noise.
+    #[must_use]
+    pub fn new(leaps: &[Leap<N>], noise: &Noise) -> Self {
+        let top = leaps
+            .iter()
+            .map(|leap| leap.speed.abs())
+            .fold(0.0, f64::max);
+        let span: f64 = leaps.iter().map(|leap| leap.way[ANGLE][SPEED]).sum();
+        let mut start = [[0.0; N]; N];
+        start[ANGLE][ANGLE] = ANYWHERE;
+        start[SPEED][SPEED] = top * top;
+        if noise.drift > 0.0 {
+            // As fast as any speed of the recording in a hundredth of it.
+            start[DRIFT][DRIFT] = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
+        }
+        if N > SWINGS {
+            start[SWINGS][SWINGS] = 1e-2 * top * top;
+            start[SWING][SWING] = 1e-6;
+        }
+        let mut p = start;
+        let mut settling = 0;
+        let gains = leaps.iter().enumerate().map(|(at, leap)| {
+            let fresh = at == 0 || leap.fresh;
+            if fresh {
+                p = start;
+                settling = SETTLES + usize::from(noise.drift > 0.0);
+            } else {
+                p = through(&leap.way, &p);
+                for row in 0..N {
+                    for column in 0..N {
+                        p[row][column] += noise.torque * leap.torque[row][column]
+                            + noise.drift * leap.drift[row][column];
+                    }
+                }
+            }
+            let own = leap.speed
+                * leap.speed
+                * (noise.stamp_s * noise.stamp_s + leap.doubt_s * leap.doubt_s)
+                + noise.angle_rad * noise.angle_rad
+                + 1e-30;
+            let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
+            let gain = p[ANGLE].map(|of| of * inverse);
+            let row = p[ANGLE];
+            for at in 0..N {
+                for other in at..N {
+                    p[at][other] = if at == ANGLE {
+                        own * gain[other]
+                    } else {
+                        p[at][other] - gain[at] * row[other]
+                    };
+                    p[other][at] = p[at][other];
+                }
+            }
+            let scale = if settling > 0 {
+                settling -= 1;
+                0.0
+            } else {
+                inverse.sqrt()
+            };
+            Gain {
+                way: leap.way,
+                gain,
+                scale,
+                fresh,
+            }
+        });
+        Self {
+            gains: gains.collect(),
+        }
+    }
+
+    /// Innovations of a row of angles over their deviations, in place; 0 where an edge only sets the filter.
+    pub fn whiten(&self, angles: &mut [f64]) {
+        self.whiten_from(0, angles);
+    }
+
+    /// The same of a row that begins at an edge, nothing before.
+    pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
+        let mut state = [0.0; N];
+        for (angle, step) in angles.iter_mut().zip(&self.gains[first..]) {
+            state = if step.fresh {
+                [0.0; N]
+            } else {
+                times(&step.way, &state)
+            };
+            let innovation = *angle - state[ANGLE];
+            for (state, gain) in state.iter_mut().zip(&step.gain) {
+                *state += gain * innovation;
+            }
+            *angle = innovation * step.scale;
+        }
+    }
+
+    /// The transposed of [`Self::whiten`], in place.
+    pub fn transposed(&self, white: &mut [f64]) {
+        let mut state = [0.0; N];
+        for (value, step) in white.iter_mut().zip(&self.gains).rev() {
+            let taken: f64 = step
+                .gain
+                .iter()
+                .zip(&state)
+                .map(|(gain, of)| gain * of)
+                .sum();
+            let innovation = *value * step.scale + taken;
+            *value = innovation;
+            if step.fresh {
+                state = [0.0; N];
+                continue;
+            }
+            state[ANGLE] -= innovation;
+            state = back(&step.way, &state);
+        }
+    }
+
+    /// 1 / deviation of each innovation, 1/rad; 0 where an edge only sets the filter.
+    pub fn scales(&self) -> impl Iterator<Item = f64> + '_ {
+        self.gains.iter().map(|step| step.scale)
+    }
+}
+
+/// A matrix times a state.
+#[inline(always)]
+pub fn times<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
+    way.map(|row| row.iter().zip(state).map(|(a, b)| a * b).sum())
+}
+
+/// A transposed matrix times a state.
+#[inline(always)]
+pub fn back<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
+    let mut end = [0.0; N];
+    for (row, value) in way.iter().zip(state) {
+        for (end, of) in end.iter_mut().zip(row) {
+            *end += of * value;
+        }
+    }
+    end
+}
+
+/// F P F'.
+#[must_use]
+pub fn through<const N: usize>(way: &Square<N>, p: &Square<N>) -> Square<N> {
+    let mut half = [[0.0; N]; N];
+    for row in 0..N {
+        for column in 0..N {
+            half[row][column] = (0..N).map(|k| way[row][k] * p[k][column]).sum();
+        }
+    }
+    let mut end = [[0.0; N]; N];
+    for row in 0..N {
+        for column in row..N {
+            let sum: f64 = (0..N).map(|k| half[row][k] * way[column][k]).sum();
+            end[row][column] = sum;
+            end[column][row] = sum;
+        }
+    }
+    end
+}

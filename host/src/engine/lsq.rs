@@ -1,0 +1,192 @@
+//! Least squares on whitened rows: sizes, their covariance, and what a further regressor would explain.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// Whitened regressors of a model and the residual beside it.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Sizes, one a column.
+    pub sizes: Vec<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+    /// Sum of the squares left.
+    pub rss: f64,
+    /// What is left, row by row.
+    pub left: Vec<f64>,
+}
+
+/// Share of a column that has to be its own, beside the others, as a square.
+const OWN: f64 = 1e-11;
+
+/// Fits columns to a row of numbers. A column that is none of its own beside those before it gets the size 0 and no variance.
+#[must_use]
+pub fn solve(columns: &[&[f64]], target: &[f64]) -> Solution {
+    let count = columns.len();
+    let norms: Vec<f64> = columns
+        .iter()
+        .map(|column| dot(column, column).sqrt())
+        .collect();
+    let mut gram = DMatrix::zeros(count, count);
+    let mut right = DVector::zeros(count);
+    let pairs: Vec<(usize, usize)> = (0..count)
+        .flat_map(|a| (a..count).map(move |b| (a, b)))
+        .collect();
+    use rayon::prelude::*;
+    let products: Vec<f64> = pairs
+        .par_iter()
+        .map(|&(a, b)| {
+            if norms[a] > 0.0 && norms[b] > 0.0 {
+                dot(columns[a], columns[b]) / (norms[a] * norms[b])
+            } else {
+                0.0
+            }
+        })
+        .collect();
+    for (&(a, b), product) in pairs.iter().zip(products) {
+        gram[(a, b)] = product;
+        gram[(b, a)] = product;
+    }
+    for at in 0..count {
+        if norms[at] > 0.0 {
+            right[at] = dot(columns[at], target) / norms[at];
+        }
+    }
+    let used = independent(&gram);
+    let mut sizes = vec![0.0; count];
+    let mut covariance = DMatrix::zeros(count, count);
+    let kept = DMatrix::from_fn(used.len(), used.len(), |a, b| gram[(used[a], used[b])]);
+    if let Some(cholesky) = Cholesky::new(kept) {
+        let of = DVector::from_fn(used.len(), |at, _| right[used[at]]);
+        let solved = cholesky.solve(&of);
+        let inverse = cholesky.inverse();
+        for (a, &at) in used.iter().enumerate() {
+            sizes[at] = solved[a] / norms[at];
+            for (b, &other) in used.iter().enumerate() {
+                covariance[(at, other)] = inverse[(a, b)] / (norms[at] * norms[other]);
+            }
+        }
+    }
+    let mut left = target.to_vec();
+    for (column, size) in columns.iter().zip(&sizes) {
+        if *size != 0.0 {
+            left.iter_mut()
+                .zip(*column)
+                .for_each(|(left, of)| *left -= size * of);
+        }
+    }
+    let rss = dot(&left, &left);
+    Solution {
+        sizes,
+        covariance,
+        rss,
+        left,
+    }
+}
+
+/// Columns that are of their own beside those before them, going by their products: pivots of a Cholesky decomposition.
+fn independent(gram: &DMatrix<f64>) -> Vec<usize> {
+    let count = gram.nrows();
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let mut used: Vec<usize> = Vec::new();
+    for at in 0..count {
+        let mut row = Vec::with_capacity(used.len());
+        let mut own = gram[(at, at)];
+        for (k, &other) in used.iter().enumerate() {
+            let before: f64 = row.iter().zip(&rows[k]).map(|(a, b)| a * b).sum();
+            let value = (gram[(at, other)] - before) / rows[k][k];
+            own -= value * value;
+            row.push(value);
+        }
+        if own > OWN {
+            row.push(own.sqrt());
+            rows.push(row);
+            used.push(at);
+        }
+    }
+    used
+}
+
+/// An orthonormal basis of columns, to take them off others.
+#[derive(Clone, Debug, Default)]
+pub struct Basis {
+    columns: Vec<Vec<f64>>,
+}
+
+impl Basis {
+    /// Of columns.
+    #[must_use]
+    pub fn of(columns: &[&[f64]]) -> Self {
+        let mut basis = Self::default();
+        for column in columns {
+            basis.add(column.to_vec());
+        }
+        basis
+    }
+
+    /// Adds one, unless it is nothing of its own.
+    pub fn add(&mut self, mut column: Vec<f64>) {
+        let whole = dot(&column, &column);
+        self.clear(&mut column);
+        self.clear(&mut column);
+        let own = dot(&column, &column);
+        if whole > 0.0 && own > OWN * whole {
+            let scale = own.sqrt().recip();
+            column.iter_mut().for_each(|value| *value *= scale);
+            self.columns.push(column);
+        }
+    }
+
+    /// Takes what is of the basis off a column.
+    pub fn clear(&self, column: &mut [f64]) {
+        for one in &self.columns {
+            let by = dot(one, column);
+            column
+                .iter_mut()
+                .zip(one)
+                .for_each(|(value, of)| *value -= by * of);
+        }
+    }
+
+    /// By how much the sum of squares falls with more columns beside the basis; `target` is clear of it.
+    #[must_use]
+    pub fn gain(&self, columns: &[Vec<f64>], target: &[f64]) -> f64 {
+        let mut beside = Self {
+            columns: Vec::new(),
+        };
+        let mut gain = 0.0;
+        for column in columns {
+            let mut column = column.clone();
+            let whole = dot(&column, &column);
+            self.clear(&mut column);
+            beside.clear(&mut column);
+            let own = dot(&column, &column);
+            if whole > 0.0 && own > 1e-7 * whole {
+                let scale = own.sqrt().recip();
+                column.iter_mut().for_each(|value| *value *= scale);
+                gain += dot(&column, target).powi(2);
+                beside.columns.push(column);
+            }
+        }
+        gain
+    }
+}
+
+/// Sum of products.
+#[must_use]
+#[inline]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // Four sums, so that they do not wait for each other.
+    let (mut sums, mut at) = ([0.0; 4], 0);
+    let whole = a.len().min(b.len());
+    while at + 4 <= whole {
+        for k in 0..4 {
+            sums[k] += a[at + k] * b[at + k];
+        }
+        at += 4;
+    }
+    let mut sum = sums[0] + sums[1] + sums[2] + sums[3];
+    for k in at..whole {
+        sum += a[k] * b[k];
+    }
+    sum
+}

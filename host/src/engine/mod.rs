@@ -1,0 +1,26 @@
+//! The diagnosis as one engine: edges to course to map to search to judge.
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)]
+
+pub mod answer;
+pub mod bench;
+pub mod cells;
+pub mod course;
+pub mod declared;
+pub mod effect;
+pub mod events;
+pub mod filter;
+pub mod lsq;
+pub mod model;
+pub mod name;
+pub mod noise;
+pub mod pattern;
+pub mod plant;
+pub mod record;
+pub mod scan;
+pub mod search;
+mod speed_loop;
+pub mod stamps;

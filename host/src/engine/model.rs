@@ -1,0 +1,548 @@
+//! A model: effects beside what the twins declare, with all their numbers, fitted together to all recordings.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::bench::{self, Bench};
+use super::effect::{Carrier, Effect, Growth, Site};
+use super::filter::Noise;
+use super::lsq::{self, Solution};
+use super::noise::Free;
+use super::pattern::Pattern;
+
+/// All recordings of a rig beside their twins.
+#[derive(Clone, Debug)]
+pub struct Board {
+    /// One a recording.
+    pub benches: Vec<Bench>,
+    /// The noise of all.
+    pub noise: Noise,
+    /// What of the noise is not said.
+    pub free: Free,
+    /// The disc's pattern, where it is part of what is fitted.
+    pub pattern: Option<Pattern>,
+}
+
+/// An effect in a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// It.
+    pub effect: Effect,
+    /// Its sizes.
+    pub sizes: Vec<f64>,
+    /// Whether it is no finding: what nobody knows of any rig.
+    pub nuisance: bool,
+    /// Terms of one group are one finding.
+    pub group: usize,
+}
+
+/// A model as fitted.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Its effects.
+    pub terms: Vec<Term>,
+}
+
+/// A fit.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The model with its numbers.
+    pub model: Model,
+    /// Columns of sizes and knobs, white, all recordings in a row.
+    pub columns: Vec<Vec<f64>>,
+    /// Of each column its term, and which of its numbers: sizes first, then knobs.
+    pub of: Vec<(usize, usize)>,
+    /// Covariance of the numbers, in the order of the columns.
+    pub covariance: DMatrix<f64>,
+    /// What is left, white, all recordings in a row.
+    pub left: Vec<f64>,
+    /// Sum of its squares.
+    pub rss: f64,
+}
+
+/// Rounds of re-linearisation at the most.
+const ROUNDS: usize = 8;
+/// Sum of squares that is no gain.
+const NO_GAIN: f64 = 0.02;
+
+impl Model {
+    /// Effects of a group.
+    #[must_use]
+    pub fn effects(&self, group: usize) -> Vec<Effect> {
+        self.terms
+            .iter()
+            .filter(|term| term.group == group)
+            .map(|term| term.effect)
+            .collect()
+    }
+
+    /// Sizes and knobs of a group.
+    #[must_use]
+    pub fn numbers(&self, group: usize) -> usize {
+        self.effects(group)
+            .iter()
+            .map(|effect| effect.sizes() + effect.knobs().len())
+            .sum()
+    }
+
+    /// Groups that are findings, in the order in which they were found.
+    #[must_use]
+    pub fn groups(&self) -> Vec<usize> {
+        let mut groups: Vec<usize> = self
+            .terms
+            .iter()
+            .filter(|term| !term.nuisance)
+            .map(|term| term.group)
+            .collect();
+        groups.dedup();
+        groups
+    }
+
+    /// The same without a group.
+    #[must_use]
+    pub fn without(&self, group: usize) -> Self {
+        Self {
+            terms: self
+                .terms
+                .iter()
+                .filter(|term| term.group != group)
+                .cloned()
+                .collect(),
+        }
+    }
+}
+
+impl Fit {
+    /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
+    #[must_use]
+    pub fn loss(&self, group: usize) -> f64 {
+        let mut target = self.left.clone();
+        for (column, (term, number)) in self.columns.iter().zip(&self.of) {
+            let term = &self.model.terms[*term];
+            if term.group == group && *number < term.sizes.len() {
+                target
+                    .iter_mut()
+                    .zip(column)
+                    .for_each(|(target, of)| *target += term.sizes[*number] * of);
+            }
+        }
+        let others: Vec<&[f64]> = self
+            .columns
+            .iter()
+            .zip(&self.of)
+            .filter(|(_, (term, _))| self.model.terms[*term].group != group)
+            .map(|(column, _)| column.as_slice())
+            .collect();
+        (lsq::solve(&others, &target).rss - self.rss).max(0.0)
+    }
+}
+
+impl Board {
+    /// Of recordings beside their twins, in the noise that fits them so.
+    #[must_use]
+    pub fn new(benches: Vec<Bench>) -> Self {
+        let tick_s = benches
+            .iter()
+            .map(|bench| bench.record.tick_s)
+            .fold(0.0, f64::max);
+        let noise = Noise {
+            torque: 1.0,
+            stamp_s: tick_s,
+            drift: 0.0,
+            angle_rad: 0.0,
+        };
+        let known = benches.iter().all(|bench| {
+            let errors = &bench.twin.errors;
+            *errors != crate::twin::Errors::default() || !bench.twin.local_defect.is_empty()
+        });
+        let pattern = if known { None } else { Pattern::new(&benches) };
+        let mut board = Self {
+            benches,
+            noise,
+            free: Free {
+                torque: true,
+                drift: false,
+                stamp: true,
+            },
+            pattern: None,
+        };
+        let looped = board
+            .benches
+            .iter()
+            .any(|bench| !bench.declared.ties.is_empty());
+        board.fit_noise(&Model::default());
+        if looped {
+            board.benches.iter_mut().for_each(Bench::decide_ties);
+            board.fit_noise(&Model::default());
+        }
+        board.pattern = pattern;
+        if board.pattern.is_some() {
+            board.size_up(&Model::default());
+        }
+        board
+    }
+
+    /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave; twice, as each bears on
+    /// the other.
+    pub fn size_up(&mut self, model: &Model) {
+        for _ in 0..3 {
+            let Some(mut pattern) = self.pattern.take() else {
+                return;
+            };
+            let predicted = self.predicted(model);
+            let rest: Vec<Vec<f64>> = self
+                .benches
+                .iter()
+                .zip(&predicted)
+                .map(|(bench, predicted)| {
+                    bench
+                        .residual
+                        .iter()
+                        .zip(predicted)
+                        .map(|(all, of)| all - of)
+                        .collect()
+                })
+                .collect();
+            // Its worth goes by the present noise.
+            if let Some(fresh) = Pattern::new(&self.benches) {
+                pattern = fresh;
+            }
+            let white = self.white(&rest);
+            pattern.size_up(&self.benches, &white);
+            let errors = pattern.errors(&self.benches, &white);
+            let left: Vec<Vec<f64>> = self
+                .benches
+                .iter()
+                .zip(&rest)
+                .map(|(bench, rest)| {
+                    (0..rest.len())
+                        .map(|at| rest[at] - errors[bench.record.slot(at)])
+                        .collect()
+                })
+                .collect();
+            let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
+            self.set_noise(noise);
+            self.pattern = Some(pattern);
+        }
+    }
+
+    #[must_use]
+    pub fn edges(&self) -> usize {
+        self.benches.iter().map(|bench| bench.record.len()).sum()
+    }
+
+    /// Length of the longest recording, s.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.benches
+            .iter()
+            .map(|bench| bench.record.seconds())
+            .fold(0.0, f64::max)
+    }
+
+    /// Angles of all recordings, white, in a row.
+    #[must_use]
+    pub fn white(&self, angles: &[Vec<f64>]) -> Vec<f64> {
+        let each: Vec<Vec<f64>> = self
+            .benches
+            .par_iter()
+            .zip(angles)
+            .map(|(bench, angles)| bench.white(angles))
+            .collect();
+        self.beside_pattern(each.concat())
+    }
+
+    /// A white row without what the disc's pattern explains.
+    fn beside_pattern(&self, white: Vec<f64>) -> Vec<f64> {
+        match &self.pattern {
+            Some(pattern) => pattern.taken_off(&self.benches, white),
+            None => white,
+        }
+    }
+
+    /// The residuals, white, in a row.
+    #[must_use]
+    pub fn target(&self) -> Vec<f64> {
+        let each: Vec<Vec<f64>> = self
+            .benches
+            .par_iter()
+            .map(|bench| bench.white(&bench.residual))
+            .collect();
+        self.beside_pattern(each.concat())
+    }
+
+    /// Columns of an effect for unit of each size, white, in a row.
+    #[must_use]
+    pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
+        let each: Vec<Vec<Vec<f64>>> = self
+            .benches
+            .par_iter()
+            .map(|bench| {
+                let raw = bench.columns(effect);
+                raw.iter().map(|column| bench.white(column)).collect()
+            })
+            .collect();
+        (0..effect.sizes())
+            .map(|size| {
+                self.beside_pattern(
+                    each.iter()
+                        .flat_map(|of| of[size].iter().copied())
+                        .collect(),
+                )
+            })
+            .collect()
+    }
+
+    /// What a model says of each edge, rad, for each recording.
+    #[must_use]
+    pub fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
+        self.benches
+            .par_iter()
+            .map(|bench| {
+                let mut sum = vec![0.0; bench.record.len()];
+                for term in &model.terms {
+                    for (column, size) in bench.columns(&term.effect).iter().zip(&term.sizes) {
+                        sum.iter_mut()
+                            .zip(column)
+                            .for_each(|(sum, of)| *sum += size * of);
+                    }
+                }
+                sum
+            })
+            .collect()
+    }
+
+    /// Steps of an effect's knobs that hardly change it: what two of them are apart by to be told apart.
+    #[must_use]
+    pub fn reach(&self, effect: &Effect) -> Vec<f64> {
+        let seconds = self.seconds();
+        let longest = self
+            .benches
+            .iter()
+            .max_by(|a, b| a.record.turns().total_cmp(&b.record.turns()));
+        let turns = longest.map_or(1.0, |bench| {
+            let places = &bench.record.place;
+            let (least, most) = (
+                places.iter().min().copied().unwrap_or(0),
+                places.iter().max().copied().unwrap_or(1),
+            );
+            (most - least).max(1) as f64 / bench.record.edges as f64
+        });
+        let interval = seconds
+            / self
+                .benches
+                .iter()
+                .map(|bench| bench.record.len())
+                .max()
+                .unwrap_or(1) as f64;
+        let mut reach = match effect.carrier {
+            Carrier::Order(_) => vec![1.0 / turns],
+            Carrier::Tone(_) => vec![1.0 / seconds],
+            Carrier::Chirp(..) => vec![1.0 / seconds, 2.0 / (seconds * seconds)],
+            Carrier::Bump(_, sigma) => vec![sigma, 0.5 * sigma],
+            Carrier::Window(..) => vec![3.0 * interval; 2],
+            Carrier::Settling(_, tau) => vec![0.3 * tau, 0.3 * tau],
+            Carrier::Power(_) => vec![0.2],
+            Carrier::Stribeck(speed) => vec![0.2 * speed],
+            Carrier::Steady | Carrier::Time | Carrier::Direction => Vec::new(),
+        };
+        match effect.growth {
+            Growth::Constant => {}
+            Growth::Even(_) => reach.push(0.3 / seconds),
+            Growth::Speed(_) => reach.push(0.2),
+            Growth::Modulated(..) => reach.extend([1.0 / seconds, 0.2, 0.3]),
+        }
+        reach
+    }
+
+    /// Knobs that are fitted: an instant beyond a recording's ends is none.
+    fn fitted(&self, effect: &Effect) -> Vec<usize> {
+        let knobs = effect.knobs();
+        let last = self
+            .benches
+            .iter()
+            .filter_map(|bench| bench.record.time_s.last())
+            .fold(0.0, |a: f64, b| a.max(*b));
+        let first = self
+            .benches
+            .iter()
+            .filter_map(|bench| bench.record.time_s.first())
+            .fold(f64::INFINITY, |a: f64, b| a.min(*b));
+        (0..knobs.len())
+            .filter(|&at| match effect.carrier {
+                Carrier::Window(..) => knobs[at] > first && knobs[at] < last,
+                // Without a start it settles from the first edge on.
+                Carrier::Settling(from, _) => at == 1 || from > first,
+                Carrier::Order(order) => order.fract() != 0.0,
+                _ => true,
+            })
+            .collect()
+    }
+
+    /// Fits all numbers of a model, from where they are.
+    #[must_use]
+    pub fn fit(&self, model: &Model) -> Fit {
+        let target = self.target();
+        let mut now = self.linear(model, &target);
+        for _ in 0..ROUNDS {
+            if now
+                .of
+                .iter()
+                .all(|(term, number)| *number < now.model.terms[*term].effect.sizes())
+            {
+                break;
+            }
+            let Some(better) = self.step(&now, &target) else {
+                break;
+            };
+            let gain = now.rss - better.rss;
+            now = better;
+            if gain < NO_GAIN {
+                break;
+            }
+        }
+        now
+    }
+
+    /// Sizes for knobs as they are, with the columns of small changes of the knobs.
+    fn linear(&self, model: &Model, target: &[f64]) -> Fit {
+        let mut columns = Vec::new();
+        let mut of = Vec::new();
+        for (at, term) in model.terms.iter().enumerate() {
+            for (number, column) in self.columns(&term.effect).into_iter().enumerate() {
+                columns.push(column);
+                of.push((at, number));
+            }
+        }
+        let by_size: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let Solution {
+            sizes, rss, left, ..
+        } = lsq::solve(&by_size, target);
+        let mut model = model.clone();
+        for ((term, number), size) in of.iter().zip(&sizes) {
+            model.terms[*term].sizes[*number] = *size;
+        }
+        // What a small change of each knob does, at these sizes.
+        let mut more = Vec::new();
+        for (at, term) in model.terms.iter().enumerate() {
+            let (knobs, reach) = (term.effect.knobs(), self.reach(&term.effect));
+            for knob in self.fitted(&term.effect) {
+                let step = 0.02 * reach[knob];
+                let side = |by: f64| {
+                    let mut knobs = knobs.clone();
+                    knobs[knob] += by;
+                    let mut sum: Vec<f64> = vec![0.0; target.len()];
+                    for (column, size) in self
+                        .columns(&term.effect.with_knobs(&knobs))
+                        .iter()
+                        .zip(&term.sizes)
+                    {
+                        sum.iter_mut()
+                            .zip(column)
+                            .for_each(|(sum, of)| *sum += size * of);
+                    }
+                    sum
+                };
+                let (above, below) = (side(step), side(-step));
+                let slope = above
+                    .iter()
+                    .zip(&below)
+                    .map(|(a, b)| (a - b) / (2.0 * step))
+                    .collect();
+                more.push((slope, (at, term.effect.sizes() + knob)));
+            }
+        }
+        for (column, place) in more {
+            columns.push(column);
+            of.push(place);
+        }
+        let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let covariance = lsq::solve(&all, target).covariance;
+        Fit {
+            model,
+            columns,
+            of,
+            covariance,
+            left,
+            rss,
+        }
+    }
+
+    /// A step of Gauss and Newton, shortened until it helps; none where it does not.
+    fn step(&self, now: &Fit, target: &[f64]) -> Option<Fit> {
+        let all: Vec<&[f64]> = now.columns.iter().map(Vec::as_slice).collect();
+        let by = lsq::solve(&all, &now.left).sizes;
+        let mut share = 1.0;
+        for _ in 0..5 {
+            let mut model = now.model.clone();
+            for (at, term) in model.terms.iter_mut().enumerate() {
+                let reach = self.reach(&term.effect);
+                let mut knobs = term.effect.knobs();
+                for ((_, number), by) in now.of.iter().zip(&by).filter(|((term, _), _)| *term == at)
+                {
+                    if let Some(knob) = number.checked_sub(term.effect.sizes()) {
+                        knobs[knob] += (share * by).clamp(-reach[knob], reach[knob]);
+                    }
+                }
+                let moved = term.effect.with_knobs(&knobs);
+                if possible(&moved) {
+                    term.effect = moved;
+                }
+            }
+            let next = self.linear(&model, target);
+            if next.rss < now.rss {
+                return Some(next);
+            }
+            share *= 0.3;
+        }
+        None
+    }
+
+    /// Fits the noise to what a model leaves.
+    pub fn fit_noise(&mut self, model: &Model) {
+        if self.pattern.is_some() {
+            return self.size_up(model);
+        }
+        let predicted = self.predicted(model);
+        let rest: Vec<Vec<f64>> = self
+            .benches
+            .iter()
+            .zip(&predicted)
+            .map(|(bench, predicted)| {
+                bench
+                    .residual
+                    .iter()
+                    .zip(predicted)
+                    .map(|(all, of)| all - of)
+                    .collect()
+            })
+            .collect();
+        let (noise, _) = bench::fit_noise(&self.benches, &rest, self.noise, self.free);
+        self.set_noise(noise);
+    }
+
+    /// Goes by another noise.
+    pub fn set_noise(&mut self, noise: Noise) {
+        self.noise = noise;
+        self.benches
+            .par_iter_mut()
+            .for_each(|bench| bench.set_noise(&noise));
+    }
+}
+
+/// Whether an effect can be evaluated at all.
+fn possible(effect: &Effect) -> bool {
+    match effect.carrier {
+        Carrier::Order(a) | Carrier::Tone(a) | Carrier::Stribeck(a) => a > 0.0,
+        Carrier::Bump(_, sigma) => sigma > 1e-9 && sigma < 1.5,
+        Carrier::Settling(_, tau) => tau > 0.0,
+        Carrier::Window(from, until) => until > from,
+        _ => true,
+    }
+}
+
+/// Whether a site moves the shaft.
+#[must_use]
+pub const fn pushes(site: Site) -> bool {
+    matches!(site, Site::Torque | Site::Drive)
+}

@@ -1,0 +1,170 @@
+//! The noise that makes a residual most likely: torque noise, stamps and a slow drift, by the likelihood of the innovations.
+
+use argmin::core::{CostFunction, Executor, State};
+use argmin::solver::neldermead::NelderMead;
+
+use super::filter::Noise;
+use super::plant::Leaps;
+
+/// Edges that the noise is fitted on at the most: parts from all over say as much.
+const EDGES_MOST: usize = 12_000;
+/// Innovations beyond so many deviations count as if they were linear: they are events, not noise.
+const FAR: f64 = 4.0;
+
+/// Which sizes of the noise are free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Free {
+    /// Torque noise.
+    pub torque: bool,
+    /// Drift of the acceleration.
+    pub drift: bool,
+    /// Stamps.
+    pub stamp: bool,
+}
+
+struct Problem<'a> {
+    leaps: &'a [&'a Leaps],
+    rest: &'a [Vec<f64>],
+    parts: Vec<(usize, std::ops::Range<usize>)>,
+    start: Noise,
+    least_stamp_s: f64,
+    free: Free,
+}
+
+impl Problem<'_> {
+    fn noise(&self, logs: &[f64]) -> Noise {
+        let mut logs = logs.iter();
+        let mut noise = self.start;
+        let mut next = |free: bool, was: f64| {
+            if free {
+                logs.next().map_or(was, |log| log.exp())
+            } else {
+                was
+            }
+        };
+        noise.torque = next(self.free.torque, noise.torque);
+        let over = next(self.free.stamp, 0.0);
+        if self.free.stamp {
+            noise.stamp_s = self.least_stamp_s.hypot(over);
+        }
+        noise.drift = next(self.free.drift, noise.drift);
+        noise
+    }
+
+    fn cost_of(&self, noise: &Noise) -> f64 {
+        use rayon::prelude::*;
+        let each: Vec<f64> = self
+            .parts
+            .par_iter()
+            .map(|(bench, range)| {
+                let filter = self.leaps[*bench].filter(range.clone(), noise);
+                let mut white = self.rest[*bench][range.clone()].to_vec();
+                filter.whiten(&mut white);
+                let scales = filter.scales();
+                let each = white.iter().zip(scales).filter(|(_, scale)| *scale > 0.0);
+                each.map(|(white, scale)| huber(*white) - 2.0 * scale.ln())
+                    .sum::<f64>()
+            })
+            .collect();
+        let sum: f64 = each.iter().sum();
+        if sum.is_finite() { sum } else { f64::MAX / 1e6 }
+    }
+}
+
+impl CostFunction for Problem<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, logs: &Vec<f64>) -> Result<f64, argmin::core::Error> {
+        Ok(self.cost_of(&self.noise(logs)))
+    }
+}
+
+/// Square of an innovation, straight where it is far out.
+#[must_use]
+pub fn huber(white: f64) -> f64 {
+    let size = white.abs();
+    if size < FAR {
+        size * size
+    } else {
+        FAR * (2.0 * size - FAR)
+    }
+}
+
+/// Parts of a recording that the noise is fitted on.
+fn parts(edges: usize, most: usize) -> Vec<std::ops::Range<usize>> {
+    const PARTS: usize = 3;
+    if edges <= most {
+        return std::iter::once(0..edges).collect();
+    }
+    let length = most / PARTS;
+    let gap = (edges - length) / (PARTS - 1);
+    (0..PARTS).map(|at| at * gap..at * gap + length).collect()
+}
+
+/// Fits the noise to residual angles of recordings of one rig. Returns it with twice the negative logarithm of the likelihood.
+#[must_use]
+pub fn fit(
+    leaps: &[&Leaps],
+    rest: &[Vec<f64>],
+    least_stamp_s: f64,
+    start: Noise,
+    free: Free,
+) -> (Noise, f64) {
+    let edges: usize = rest.iter().map(Vec::len).sum();
+    let parts = rest.iter().enumerate().flat_map(|(bench, rest)| {
+        let most = (EDGES_MOST * rest.len() / edges.max(1)).max(600);
+        parts(rest.len(), most)
+            .into_iter()
+            .map(move |range| (bench, range))
+    });
+    let problem = Problem {
+        leaps,
+        rest,
+        parts: parts.collect(),
+        start,
+        least_stamp_s,
+        free,
+    };
+    let over = (start.stamp_s.powi(2) - least_stamp_s.powi(2))
+        .max(1e-2 * least_stamp_s.powi(2))
+        .sqrt();
+    let mut first = Vec::new();
+    if free.torque {
+        first.push(start.torque.max(1e-30).ln());
+    }
+    if free.stamp {
+        first.push(over.ln());
+    }
+    if free.drift {
+        first.push(start.drift.max(1e-30).ln());
+    }
+    if first.is_empty() {
+        let cost = problem.cost_of(&start);
+        return (start, cost);
+    }
+    let mut corners = vec![first.clone()];
+    for at in 0..first.len() {
+        let mut corner = first.clone();
+        corner[at] += 1.5;
+        corners.push(corner);
+    }
+    let Ok(solver) = NelderMead::new(corners).with_sd_tolerance(0.05) else {
+        return (start, f64::INFINITY);
+    };
+    let run = Executor::new(problem, solver)
+        .configure(|state| state.max_iters(120))
+        .run();
+    match run {
+        Ok(ended) => {
+            let best = ended.state().get_best_param().cloned().unwrap_or(first);
+            let cost = ended.state().get_best_cost();
+            let noise = match ended.problem().problem.as_ref() {
+                Some(problem) => problem.noise(&best),
+                None => start,
+            };
+            (noise, cost)
+        }
+        Err(_) => (start, f64::INFINITY),
+    }
+}

@@ -1,0 +1,100 @@
+//! What a declared speed loop did, from the very edges that it saw.
+
+use quadcal::edge::Direction;
+
+use super::record::Record;
+use crate::twin::{SeenSpeed, SpeedLoop, Twin};
+
+/// What a loop did.
+#[derive(Clone, Debug, Default)]
+pub struct Along {
+    /// Acceleration from each sample on, rad/s^2.
+    pub push: Vec<f64>,
+    /// Samples that may have come just before or just after an edge.
+    pub ties: Vec<Tie>,
+}
+
+/// A sample that may have seen an edge or not.
+#[derive(Clone, Copy, Debug)]
+pub struct Tie {
+    /// When, s.
+    pub at_s: f64,
+    /// Time to the next sample, s.
+    pub step_s: f64,
+    /// Change of the acceleration over that time if it was the other way, rad/s^2.
+    pub push: f64,
+    /// What stays of it in the loop's integral, rad/s^2.
+    pub lasting: f64,
+}
+
+/// Deviations of a stamp within which a sample may have missed an edge.
+const NEAR: f64 = 4.0;
+
+/// A loop along the edges that it saw.
+#[must_use]
+pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin) -> Along {
+    let clock_hz = twin.timer.clock_hz as f64;
+    let mut seen = SeenSpeed::new(clock_hz, record.step_rad(), own.timeout_s, Some(0));
+    let until = record.time_s.last().copied().unwrap_or(0.0);
+    let count = (until * own.rate_hz).floor() as usize + 1;
+    let late_s = NEAR * twin.timer.jitter_s;
+    let mut integral = own.start;
+    let mut edge = 0;
+    let mut last: Option<i64> = None;
+    let mut out = Along::default();
+    for sample in 0..count {
+        let now_s = sample as f64 / own.rate_hz;
+        let now = (now_s * clock_hz).floor();
+        let mut before = own.target_rad_s;
+        let mut newest = f64::NEG_INFINITY;
+        while edge < record.len() && record.time_s[edge] <= now_s {
+            let place = record.place[edge];
+            let steps = last.map_or(1, |last| place.abs_diff(last).max(1) as u32);
+            let way = if record.way[edge] > 0.0 {
+                Direction::Forward
+            } else {
+                Direction::Reverse
+            };
+            newest = record.time_s[edge];
+            before = seen.at(now).unwrap_or(own.target_rad_s);
+            seen.edge((newest * clock_hz).round() as u64, way, steps);
+            last = Some(place);
+            edge += 1;
+        }
+        let speed = seen.at(now).unwrap_or(own.target_rad_s);
+        // A stamp is rounded down: the edge came up to a tick later.
+        let missed = now_s - newest < 1.0 / clock_hz + late_s;
+        let soon = edge < record.len() && record.time_s[edge] - now_s < late_s;
+        if missed || soon {
+            let change = if missed {
+                speed - before
+            } else {
+                next_speed(record, edge) - speed
+            };
+            // Seen, its speed was taken off; not seen, it was not.
+            let sign = if missed { 1.0 } else { -1.0 };
+            out.ties.push(Tie {
+                at_s: now_s,
+                step_s: 1.0 / own.rate_hz,
+                push: sign * own.gains.kp * change,
+                lasting: sign * own.gains.ki * change / own.rate_hz,
+            });
+        }
+        let miss = own.target_rad_s - speed;
+        let asked = own.gains.kp * miss + integral;
+        let given = asked.clamp(-own.limit, own.limit);
+        if given == asked || miss * asked < 0.0 {
+            integral += own.gains.ki / own.rate_hz * miss;
+        }
+        out.push.push(given);
+    }
+    out
+}
+
+/// Speed that an edge shows, rad/s.
+fn next_speed(record: &Record, at: usize) -> f64 {
+    let before = at.saturating_sub(1);
+    let h = record.time_s[at] - record.time_s[before];
+    let way = (record.place[at] - record.place[before]) as f64 * record.step_rad();
+    if h > 0.0 { way / h } else { 0.0 }
+}

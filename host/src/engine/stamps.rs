@@ -1,0 +1,165 @@
+//! Stamps noisier than the twin declares: white jitter, or a one-sided latency, which is skewed.
+
+use std::collections::BTreeMap;
+
+use super::filter::Noise;
+use super::model::{Board, Fit};
+use super::noise::{self, Free};
+use super::plant::Leaps;
+use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
+use crate::mechanism::Mechanism;
+use crate::report::si;
+
+/// Twice the logarithm of a likelihood ratio from which on stamps are worse than declared.
+const SURE: f64 = 25.0;
+/// Square of an innovation cubed, of normal noise.
+const CUBED: f64 = 15.0;
+
+/// Jitter or latency on top of what all twins declare; none where one says nothing of its noise.
+#[must_use]
+pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
+    let says =
+        |bench: &super::bench::Bench| bench.twin.noise.is_some() || bench.twin.timer.jitter_s > 0.0;
+    if !board.benches.iter().all(says) || board.pattern.is_some() {
+        return None;
+    }
+    let first = board.benches.first()?;
+    let tick2 = first.record.tick_s.powi(2) / 12.0;
+    let late = first
+        .twin
+        .capture_latency
+        .and_then(|latency| latency.mean_s)
+        .unwrap_or(0.0);
+    let declared2 = tick2 + first.twin.timer.jitter_s.powi(2) + late * late;
+    let predicted = board.predicted(&fit.model);
+    let rest: Vec<Vec<f64>> = board
+        .benches
+        .iter()
+        .zip(&predicted)
+        .map(|(bench, predicted)| {
+            bench
+                .residual
+                .iter()
+                .zip(predicted)
+                .map(|(all, of)| all - of)
+                .collect()
+        })
+        .collect();
+    let leaps: Vec<&Leaps> = board.benches.iter().map(|bench| &bench.leaps).collect();
+    let fitted = |stamp_s: f64, stamp: bool| {
+        let start = Noise {
+            stamp_s,
+            ..board.noise
+        };
+        noise::fit(
+            &leaps,
+            &rest,
+            tick2.sqrt(),
+            start,
+            Free {
+                torque: true,
+                drift: false,
+                stamp,
+            },
+        )
+    };
+    let (_, given) = fitted(declared2.sqrt(), false);
+    let (best, free) = fitted(board.noise.stamp_s, true);
+    let gain = given - free;
+    if gain < SURE || best.stamp_s * best.stamp_s < declared2 {
+        return None;
+    }
+    let added2 = best.stamp_s * best.stamp_s - declared2;
+    // Curvature of the likelihood over the stamp's logarithm.
+    let cost = |factor: f64| {
+        noise::fit(
+            &leaps,
+            &rest,
+            0.0,
+            Noise {
+                stamp_s: best.stamp_s * factor,
+                ..best
+            },
+            Free {
+                torque: false,
+                drift: false,
+                stamp: false,
+            },
+        )
+        .1
+    };
+    let by: f64 = 0.02;
+    let curve = (cost(1.0 + by) + cost(1.0 - by) - 2.0 * cost(1.0)) / (by * by);
+    let relative = if curve > 0.0 {
+        (2.0 / curve).sqrt()
+    } else {
+        0.1
+    };
+    // Late captures are behind: their cube has a sign.
+    let (mut sum, mut square) = (0.0, 0.0);
+    let mut from = 0;
+    for bench in &board.benches {
+        for at in 0..bench.record.len() {
+            let size = (bench.course.speed[at] * bench.scales[at] * added2.sqrt()).powi(3);
+            sum -= size * fit.left[from + at].powi(3);
+            square += size * size;
+        }
+        from += bench.record.len();
+    }
+    // In deviations: what is seen, and what a latency of this size would show.
+    let (seen, expected) = (sum / (CUBED * square).sqrt(), 2.0 * (square / CUBED).sqrt());
+    let late = seen > 0.5 * expected;
+    let apart = (2.0 * seen - expected).abs() * expected;
+    let (mechanism, other) = if late {
+        (Mechanism::CaptureLatency, Mechanism::TimestampJitter)
+    } else {
+        (Mechanism::TimestampJitter, Mechanism::CaptureLatency)
+    };
+    let (name, value) = if late {
+        ("mean_s", added2.sqrt())
+    } else {
+        (
+            "jitter_s",
+            (best.stamp_s.powi(2) - tick2).max(added2).sqrt(),
+        )
+    };
+    let error = relative * best.stamp_s * best.stamp_s / value;
+    let text = if late {
+        format!(
+            "every capture late by an exponential latency of mean {}: skewed, not only spread",
+            si(value, "s")
+        )
+    } else {
+        format!(
+            "stamps spread by {} RMS, {} more than declared",
+            si(value, "s"),
+            si(added2.sqrt(), "s")
+        )
+    };
+    let parameter = Parameter {
+        value,
+        unit: "s".to_owned(),
+        ci95: Some([value - 1.96 * error, value + 1.96 * error]),
+    };
+    Some(Finding {
+        mechanism,
+        text,
+        confidence: 1.0 / (1.0 + (-0.5 * apart).exp()),
+        parameters: BTreeMap::from([(name.to_owned(), parameter)]),
+        place: Place {
+            speed_exponent: Some(1.0),
+            ..Place::default()
+        },
+        evidence: Evidence {
+            delta_bic: gain - (board.edges() as f64).ln(),
+            p_value: (-0.5 * gain).exp(),
+            held_out_rms_ratio: None,
+            runner_up: Some(RunnerUp {
+                mechanism: other,
+                delta_bic: apart,
+            }),
+        },
+        look_alikes: if apart < 6.0 { vec![other] } else { Vec::new() },
+        next_recording: None,
+    })
+}
