@@ -1,4 +1,4 @@
-//! The accuracy that the README claims, on a fixed sample of seeds. `accuracy --seeds 200 --check` sweeps more.
+//! The accuracy that docs/accuracy.md claims, on a fixed sample of seeds. `accuracy --seeds 200 --check` sweeps more.
 #![allow(missing_docs)]
 
 use quadcal_host_tests::accuracy::{RunErrors, Scenario, median, order_ratios, run};

@@ -273,7 +273,7 @@ fn every_field_of_the_json_is_described() {
         fields(&serde_json::from_str(line).unwrap(), &mut names);
     }
     assert!(names.len() > 50, "{names:?}");
-    let described = include_str!("../doc/device-json.md");
+    let described = include_str!("../../docs/device-json.md");
     for name in names {
         assert!(
             described.contains(&format!("`{name}`")),

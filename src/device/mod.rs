@@ -22,8 +22,8 @@
 //! The capture interrupt reads the timer and the levels and puts the sample into a queue, nothing else; it may break into everything.
 //! All the rest is the main loop's, so nothing is shared but the queue. Between two looks into it lies one call of
 //! [`Device::serve`] and one of [`Device::poll`]: a slice of solving takes fewer than 20,000 instructions of a Cortex-M4, 120 us at 168
-//! MHz, getting ready to learn 10,000 edges once 44,000; the queue holds the edges of that time at the highest speed to learn at. A control loop in an interrupt of its own
-//! gets what [`Workbench::push`] hands out by way of a cell. Solving takes some 2,500 slices; a main loop that comes round once a
+//! MHz. To prepare for learning takes about twice as long, once (`docs/cost.md`). The queue holds the edges of that time at the highest
+//! speed to learn at. A control loop in an interrupt of its own gets what [`Workbench::push`] hands out by way of a cell. Solving takes some 2,500 slices; a main loop that comes round once a
 //! millisecond is done in 3 s, with numbers of edges that have no small divisors in up to a minute.
 //!
 //! ```no_run

@@ -31,7 +31,7 @@ Examples:
   ... --bin trial -- --folder trial --misses           keeps trial/open, trial/sealed, trial/answers
   ... --bin trial -- --open trial/open --sealed trial/sealed --case case-0012 --misses
   ... --bin trial -- --case case-0012 --again 20       luck or bias: the case 20 times more, with other noise
-  ... --bin trial -- --markdown host/doc/blind-trial.md
+  ... --bin trial -- --markdown docs/blind-trial.md
   ... --bin trial -- --speed
 
 Exit codes:

@@ -1,5 +1,5 @@
-//! Counts what one edge costs in instructions, stage by stage, in QEMU: `cargo qemu --bin edge_cost`. The table in
-//! the library's head has the result.
+//! Counts what one edge costs in instructions, stage by stage, in QEMU: `cargo qemu --bin edge_cost`. `docs/cost.md` has
+//! the result.
 //!
 //! The edges are those of an encoder of 2500 lines with an index, at 600 r/min and 84 MHz, each moved by up to 12 % of a
 //! step; one edge in 10 000 is the index. They are made outside the counted loops. What an empty loop over the same

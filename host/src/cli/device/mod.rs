@@ -40,7 +40,7 @@ Examples:
 
 PORT is a serial port, unix:PATH or tcp:HOST:PORT; QUADCAL_PORT names it once for all. Reading needs
 no key. What changes the device needs its key: --key-file, or QUADCAL_KEY with 64 hexadecimal
-digits. Fields of the JSON: host/doc/device-json.md.
+digits. Fields of the JSON: docs/device-json.md.
 
 ";
 

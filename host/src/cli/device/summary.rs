@@ -1,4 +1,4 @@
-//! The results of device commands as JSON. Fields are described in `host/doc/device-json.md`, which a test holds to these.
+//! The results of device commands as JSON. Fields are described in `docs/device-json.md`, which a test holds to these.
 
 use quadcal::recalibrate::{Figures, Stage};
 use quadcal::units::RAD_PER_TURN32;

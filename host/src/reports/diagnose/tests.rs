@@ -6,7 +6,7 @@ use super::*;
 use crate::mechanism::Mechanism;
 use crate::reports::diagnose::example::{complete, full};
 
-const DOC: &str = include_str!("../../../doc/diagnose-json.md");
+const DOC: &str = include_str!("../../../../docs/diagnose-json.md");
 
 fn page(diagnosed: &Diagnosed) -> String {
     let footer = Footer {
