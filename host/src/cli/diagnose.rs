@@ -9,9 +9,10 @@ mod staged;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::diagnose::run::{self, DiagnoseError, Diagnosed};
+use crate::engine::{self, answer::Answer};
 use crate::mechanism::Mechanism;
 use crate::report::Report;
 use crate::reports;
@@ -81,6 +82,9 @@ pub struct Diagnose {
         conflicts_with_all = ["recordings", "twins", "write_twin"]
     )]
     mechanisms: Option<Option<Mechanism>>,
+    /// Engine: the one that is, or the new one while it grows (text and JSON only)
+    #[arg(long, value_enum, default_value_t = Engine::Old, hide = true)]
+    engine: Engine,
     #[command(flatten)]
     reading: ReadingArgs,
     /// Write the twin with the findings in it; of several recordings the others' get a number (new-2.toml)
@@ -90,6 +94,15 @@ pub struct Diagnose {
     report: ReportArg,
     #[command(flatten)]
     json: JsonArg,
+}
+
+/// Which engine diagnoses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Engine {
+    /// `crate::diagnose`.
+    Old,
+    /// `crate::engine`.
+    New,
 }
 
 /// A name of a file, as a twin may come with a list beside it.
@@ -114,6 +127,12 @@ impl Diagnose {
         };
         let rig = named.read(globals)?;
         let mut progress = Progress::share("Diagnosing", globals);
+        if self.engine == Engine::New {
+            let answer =
+                engine::diagnose::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
+            drop(progress);
+            return self.write_answer(&answer);
+        }
         let diagnosed = run::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
         drop(progress);
         self.write(&diagnosed)
@@ -152,6 +171,19 @@ impl Diagnose {
             text.push("Written", file.path.display());
         }
         Target::Stdout.write(text.to_string().as_bytes())
+    }
+
+    /// Writes what the new engine says.
+    fn write_answer(&self, answer: &Answer) -> Result<(), Failure> {
+        let mut staged = Staged::default();
+        if let Some(target) = &self.json.json {
+            staged.add(target.clone(), &target.json_of(answer)?)?;
+        }
+        staged.commit()?;
+        if self.json.json.as_ref() == Some(&Target::Stdout) {
+            return Ok(());
+        }
+        Target::Stdout.write(facts::facts(&answer.diagnosis).to_string().as_bytes())
     }
 
     /// Refuses outputs that would take each other's place, or an input's.

@@ -1,0 +1,180 @@
+//! What holds on turns that it was not fitted on, and how well.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::lsq::dot;
+use super::model::{Board, Fit};
+
+/// Blocks that are left out in turn.
+const BLOCKS: usize = 4;
+/// Share of each recording that is held out for the figures of the fit: its last part.
+const HELD_OUT: f64 = 0.3;
+
+/// Products of a fit's columns and target over some rows.
+#[derive(Clone, Debug)]
+struct Products {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+}
+
+/// Rows of a fit in parts, to fit some and judge on others.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// Products of each part; what belongs to no turn is in all fits.
+    parts: Vec<Products>,
+    always: Products,
+    /// The fit's own numbers as its columns have them: sizes, and no change of the knobs.
+    sizes: DVector<f64>,
+    of: Vec<(usize, usize)>,
+}
+
+/// Rows of each part of each recording, by the ends of recordings in a stacked row.
+fn parts(board: &Board, bounds: &[f64]) -> Vec<Vec<std::ops::Range<usize>>> {
+    let mut all = vec![Vec::new(); bounds.len() - 1];
+    let mut from = 0;
+    for bench in &board.benches {
+        let count = bench.record.len();
+        let at = |share: f64| from + (share * count as f64).round() as usize;
+        for (part, pair) in bounds.windows(2).enumerate() {
+            all[part].push(at(pair[0])..at(pair[1]));
+        }
+        from += count;
+    }
+    all
+}
+
+impl Parts {
+    /// Of a fit: blocks over time, or the part that is fitted and the part that is held out.
+    #[must_use]
+    fn new(board: &Board, fit: &Fit, bounds: &[f64]) -> Self {
+        let sizes = DVector::from_iterator(
+            fit.of.len(),
+            fit.of.iter().map(|(term, number)| {
+                fit.model.terms[*term]
+                    .sizes
+                    .get(*number)
+                    .copied()
+                    .unwrap_or(0.0)
+            }),
+        );
+        let mut target = fit.left.clone();
+        for (column, size) in fit.columns.iter().zip(sizes.iter()) {
+            if *size != 0.0 {
+                target
+                    .iter_mut()
+                    .zip(column)
+                    .for_each(|(target, of)| *target += size * of);
+            }
+        }
+        let over = |ranges: &[std::ops::Range<usize>]| {
+            let count = fit.columns.len();
+            let product = |a: &[f64], b: &[f64]| {
+                ranges
+                    .iter()
+                    .map(|range| dot(&a[range.clone()], &b[range.clone()]))
+                    .sum::<f64>()
+            };
+            Products {
+                gram: DMatrix::from_fn(count, count, |a, b| {
+                    product(&fit.columns[a], &fit.columns[b])
+                }),
+                right: DVector::from_fn(count, |a, _| product(&fit.columns[a], &target)),
+                square: product(&target, &target),
+            }
+        };
+        let edges = board.edges();
+        Self {
+            parts: parts(board, bounds)
+                .iter()
+                .map(|ranges| over(ranges))
+                .collect(),
+            always: over(std::slice::from_ref(&(edges..target.len()))),
+            sizes,
+            of: fit.of.clone(),
+        }
+    }
+
+    /// Blocks over time.
+    #[must_use]
+    pub fn blocks(board: &Board, fit: &Fit) -> Self {
+        let bounds: Vec<f64> = (0..=BLOCKS).map(|at| at as f64 / BLOCKS as f64).collect();
+        Self::new(board, fit, &bounds)
+    }
+
+    /// The part that is fitted and the part that is held out.
+    #[must_use]
+    pub fn held_out(board: &Board, fit: &Fit) -> Self {
+        Self::new(board, fit, &[0.0, 1.0 - HELD_OUT, 1.0])
+    }
+
+    /// Numbers as some parts alone have them, of some columns; the others are 0.
+    fn fitted(&self, on: impl Fn(usize) -> bool, columns: &[usize]) -> DVector<f64> {
+        let count = self.sizes.len();
+        let mut gram = self.always.gram.clone();
+        let mut right = self.always.right.clone();
+        for (_, part) in self.parts.iter().enumerate().filter(|(at, _)| on(*at)) {
+            gram += &part.gram;
+            right += &part.right;
+        }
+        let norms: Vec<f64> = columns
+            .iter()
+            .map(|&at| gram[(at, at)].sqrt().max(f64::MIN_POSITIVE))
+            .collect();
+        // A little stiffness, so that what this part can't tell stays where it is.
+        let some = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
+            let ridge = if a == b { 1e-9 } else { 0.0 };
+            gram[(columns[a], columns[b])] / (norms[a] * norms[b]) + ridge
+        });
+        let of = DVector::from_fn(columns.len(), |a, _| right[columns[a]] / norms[a]);
+        let mut all = DVector::zeros(count);
+        if let Some(cholesky) = Cholesky::new(some) {
+            let solved = cholesky.solve(&of);
+            for (a, &at) in columns.iter().enumerate() {
+                all[at] = solved[a] / norms[a];
+            }
+        }
+        all
+    }
+
+    /// Sum of squares that numbers leave in a part.
+    fn left(&self, part: usize, sizes: &DVector<f64>) -> f64 {
+        let part = &self.parts[part];
+        (part.square - 2.0 * part.right.dot(sizes) + sizes.dot(&(&part.gram * sizes))).max(0.0)
+    }
+
+    /// Columns of terms that are asked for.
+    fn columns(&self, of: impl Fn(usize) -> bool) -> Vec<usize> {
+        (0..self.of.len()).filter(|&at| of(self.of[at].0)).collect()
+    }
+
+    /// By how much the sum of squares falls on turns that some terms were not fitted on, each block foretold by the others.
+    #[must_use]
+    pub fn foretold(&self, fit: &Fit, group: usize) -> f64 {
+        let all = self.columns(|_| true);
+        let others = self.columns(|term| fit.model.terms[term].group != group);
+        (0..self.parts.len())
+            .map(|block| {
+                let with = self.fitted(|at| at != block, &all);
+                let without = self.fitted(|at| at != block, &others);
+                self.left(block, &without) - self.left(block, &with)
+            })
+            .sum()
+    }
+
+    /// Squares left in the held-out part: with nuisances alone, with everything fitted before it, and with everything fitted on it.
+    #[must_use]
+    pub fn judged(&self, fit: &Fit) -> [f64; 3] {
+        let all = self.columns(|_| true);
+        let nuisances = self.columns(|term| fit.model.terms[term].nuisance);
+        let last = self.parts.len() - 1;
+        let none = self.fitted(|at| at != last, &nuisances);
+        let early = self.fitted(|at| at != last, &all);
+        let late = self.fitted(|at| at == last, &all);
+        [
+            self.left(last, &none),
+            self.left(last, &early),
+            self.left(last, &late),
+        ]
+    }
+}
