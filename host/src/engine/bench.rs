@@ -52,7 +52,8 @@ impl Bench {
         course = Course::new(&record, &declared.off);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
-        let leaps = Leaps::of(&plant, &course);
+        let mut leaps = Leaps::of(&plant, &course);
+        leaps.jolt(&declared::jolts(twin, &course, &plant));
         let gains = leaps.filter(0..record.len(), noise);
         let residual = (0..record.len())
             .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])

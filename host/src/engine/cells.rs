@@ -11,8 +11,124 @@ const INSTANTS: usize = 32;
 const SETTLINGS: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
 /// Shares of the top speed that Stribeck's is looked for at.
 const STRIBECK: [f64; 5] = [0.05, 0.1, 0.2, 0.35, 0.6];
+/// Bumps that are looked at closely.
+const BUMPS: usize = 2;
 /// Widths of bumps, edges.
 const WIDTHS: [f64; 10] = [0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0, 384.0];
+
+/// White columns of the cells that are always tried: they hang on the noise alone, so they are worked out once for many looks.
+#[derive(Clone, Debug)]
+pub struct Bank {
+    groups: Vec<Vec<Effect>>,
+    effects: Vec<Effect>,
+    columns: Vec<Vec<f64>>,
+    instants: Vec<f64>,
+    steps: Vec<Vec<f64>>,
+    bumps: Vec<(On, f64, f64)>,
+}
+
+impl Bank {
+    /// Of a board.
+    #[must_use]
+    pub fn new(board: &Board) -> Self {
+        use rayon::prelude::*;
+        let groups = steady(board);
+        let mut effects: Vec<Effect> = Vec::new();
+        for effect in groups.iter().flatten() {
+            if !effects.contains(effect) {
+                effects.push(*effect);
+            }
+        }
+        let columns = effects
+            .par_iter()
+            .map(|effect| board.columns(effect).swap_remove(0))
+            .collect();
+        let instants = instants(board);
+        let steps = instants
+            .par_iter()
+            .map(|from| {
+                board
+                    .columns(&Effect::new(
+                        Site::Torque,
+                        Carrier::Window(*from, f64::INFINITY),
+                    ))
+                    .swap_remove(0)
+            })
+            .collect();
+        Self {
+            groups,
+            effects,
+            columns,
+            instants,
+            steps,
+            bumps: kinds_of_bumps(board),
+        }
+    }
+
+    /// What each group explains beside a fit.
+    #[must_use]
+    pub fn candidates(&self, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+        use rayon::prelude::*;
+        let cleared: Vec<Vec<f64>> = self
+            .columns
+            .par_iter()
+            .map(|column| {
+                let mut column = column.clone();
+                basis.clear(&mut column);
+                column
+            })
+            .collect();
+        let none = Basis::default();
+        self.groups
+            .par_iter()
+            .map(|effects| {
+                let at = effects
+                    .iter()
+                    .filter_map(|effect| self.effects.iter().position(|own| own == effect));
+                let at: Vec<usize> = at.collect();
+                // What is none of its own beside the model says nothing.
+                let own = at.iter().all(|&at| {
+                    dot(&cleared[at], &cleared[at])
+                        > 1e-7 * dot(&self.columns[at], &self.columns[at])
+                });
+                let columns: Vec<&[f64]> = at.iter().map(|&at| cleared[at].as_slice()).collect();
+                let gain = if own {
+                    none.gain(&columns, &fit.left)
+                } else {
+                    0.0
+                };
+                Candidate {
+                    effects: effects.clone(),
+                    gain,
+                }
+            })
+            .collect()
+    }
+}
+
+/// Instants at which steps are tried, from before the recording on.
+fn instants(board: &Board) -> Vec<f64> {
+    let longest = board
+        .benches
+        .iter()
+        .max_by(|a, b| a.record.seconds().total_cmp(&b.record.seconds()));
+    let Some(longest) = longest else {
+        return Vec::new();
+    };
+    let (first, last) = (
+        longest.record.time_s[0],
+        longest.record.time_s[longest.record.len() - 1],
+    );
+    (0..INSTANTS)
+        .map(|at| {
+            if at == 0 {
+                f64::NEG_INFINITY
+            } else {
+                first + (last - first) * at as f64 / INSTANTS as f64
+            }
+        })
+        .collect()
+}
 
 /// A board's channels.
 fn channels(board: &Board) -> u8 {
@@ -135,37 +251,18 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
 
 /// Torques that come at one instant and go at another: the best of all pairs of a grid of instants.
 #[must_use]
-pub fn loads(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
-    let Some(longest) = board
-        .benches
-        .iter()
-        .max_by(|a, b| a.record.seconds().total_cmp(&b.record.seconds()))
-    else {
-        return Vec::new();
-    };
-    let (first, last) = (
-        longest.record.time_s[0],
-        longest.record.time_s[longest.record.len() - 1],
-    );
-    let instants: Vec<f64> = (0..INSTANTS)
-        .map(|at| {
-            if at == 0 {
-                f64::NEG_INFINITY
-            } else {
-                first + (last - first) * at as f64 / INSTANTS as f64
-            }
-        })
-        .collect();
+pub fn loads(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
     use rayon::prelude::*;
-    let steps: Vec<Vec<f64>> = instants
-        .par_iter()
-        .map(|from| {
-            let effect = Effect::new(Site::Torque, Carrier::Window(*from, f64::INFINITY));
-            let mut column = board.columns(&effect).swap_remove(0);
-            basis.clear(&mut column);
-            column
-        })
-        .collect();
+    let instants = &bank.instants;
+    if instants.len() < 3 {
+        return Vec::new();
+    }
+    let cleared = bank.steps.par_iter().map(|column| {
+        let mut column = column.clone();
+        basis.clear(&mut column);
+        column
+    });
+    let steps: Vec<Vec<f64>> = cleared.collect();
     let scores: Vec<f64> = steps.iter().map(|column| dot(column, &fit.left)).collect();
     let pairs: Vec<(usize, usize)> = (0..INSTANTS)
         .flat_map(|a| (a..INSTANTS).map(move |b| (a, b)))
@@ -197,7 +294,7 @@ pub fn loads(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
     }
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
     best.truncate(2);
-    let step = (last - first) / INSTANTS as f64;
+    let step = instants[2] - instants[1];
     best.into_iter()
         .map(|(gain, effect)| nearest(board, fit, basis, effect, gain, step))
         .collect()
@@ -245,36 +342,23 @@ fn nearest(
     best
 }
 
-/// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
-#[must_use]
-pub fn bumps(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+/// Kinds of bumps that are looked for: the edges that they are on, and their width, rad, with the squares of a unit one.
+fn kinds_of_bumps(board: &Board) -> Vec<(On, f64, f64)> {
     let Some(first) = board.benches.first() else {
         return Vec::new();
     };
-    let (edges, classes) = (first.record.edges as usize, first.record.classes);
-    if edges < 32 {
+    let edges = first.record.edges as f64;
+    if edges < 32.0 {
         return Vec::new();
     }
-    let mut fold = vec![0.0; edges];
-    let mut weight = vec![0.0; edges];
-    let mut from = 0;
-    for bench in &board.benches {
-        let until = from + bench.record.len();
-        for (at, score) in bench.score(&fit.left[from..until]).into_iter().enumerate() {
-            fold[bench.record.slot(at)] += score;
-            weight[bench.record.slot(at)] += bench.scales[at].powi(2);
-        }
-        from = until;
-    }
-    let channels = channels(board);
     let mut sites = vec![On::ALL];
-    if classes > 1 {
+    if first.record.classes > 1 {
         sites.extend([true, false].map(|rises| On {
             channel: None,
             rises: Some(rises),
         }));
-        if channels > 1 {
-            for channel in 0..channels {
+        if channels(board) > 1 {
+            for channel in 0..channels(board) {
                 sites.push(On {
                     channel: Some(channel),
                     rises: None,
@@ -286,55 +370,78 @@ pub fn bumps(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
             }
         }
     }
+    let widths = WIDTHS
+        .into_iter()
+        .filter(|width| width * 6.0 <= edges)
+        .map(|width| width * first.record.step_rad());
+    let kinds: Vec<(On, f64)> = widths
+        .flat_map(|width| sites.iter().map(move |on| (*on, width)))
+        .collect();
+    use rayon::prelude::*;
+    kinds
+        .into_par_iter()
+        .map(|(on, width)| {
+            // A unit one is worth the same wherever it is.
+            let column = board
+                .columns(&Effect::new(Site::Disc(on), Carrier::Bump(3.0, width)))
+                .swap_remove(0);
+            (on, width, dot(&column, &column))
+        })
+        .collect()
+}
+
+/// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
+#[must_use]
+pub fn bumps(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+    let Some(first) = board.benches.first() else {
+        return Vec::new();
+    };
+    let (edges, classes) = (first.record.edges, first.record.classes);
+    let mut fold = vec![0.0; edges as usize];
+    let mut from = 0;
+    for bench in &board.benches {
+        let until = from + bench.record.len();
+        for (at, score) in bench.score(&fit.left[from..until]).into_iter().enumerate() {
+            fold[bench.record.slot(at)] += score;
+        }
+        from = until;
+    }
     let step = first.record.step_rad();
-    let mut found: Vec<(f64, Effect)> = Vec::new();
-    for on in sites {
-        for width in WIDTHS {
-            if width * 6.0 > edges as f64 {
-                continue;
-            }
-            let reach = (3.0 * width).ceil() as i64;
+    use rayon::prelude::*;
+    let mut found: Vec<(f64, Effect)> = bank
+        .bumps
+        .par_iter()
+        .filter(|(.., square)| *square > 0.0)
+        .map(|(on, width, square)| {
+            let width_edges = width / step;
+            let reach = (3.0 * width_edges).ceil() as i64;
             let mut best = (0.0, 0);
-            let stride = (0.5 * width).floor().max(1.0) as usize;
+            let stride = (0.5 * width_edges).floor().max(1.0) as usize;
             for middle in (0..edges).step_by(stride) {
-                let (mut sum, mut square) = (0.0, 0.0);
+                let mut sum = 0.0;
                 for by in -reach..=reach {
-                    let slot = (middle as i64 + by).rem_euclid(edges as i64) as usize;
+                    let slot = (middle + by).rem_euclid(edges) as usize;
                     if on.has(super::record::change(slot % classes as usize, classes)) {
-                        let bump = (-0.5 * (by as f64 / width).powi(2)).exp();
-                        sum += bump * fold[slot];
-                        square += bump * bump * weight[slot];
+                        sum += (-0.5 * (by as f64 / width_edges).powi(2)).exp() * fold[slot];
                     }
                 }
-                if square > 0.0 && sum * sum / square > best.0 {
+                if sum * sum / square > best.0 {
                     best = (sum * sum / square, middle);
                 }
             }
-            let carrier = Carrier::Bump(best.1 as f64 * step, width * step);
-            found.push((best.0, Effect::new(Site::Disc(on), carrier)));
-        }
-    }
-    use rayon::prelude::*;
-    let mut exact: Vec<Candidate> = found
-        .into_par_iter()
-        .map(|(_, effect)| Candidate {
-            gain: basis.gain(&board.columns(&effect), &fit.left),
-            effects: vec![effect],
+            (
+                best.0,
+                Effect::new(Site::Disc(*on), Carrier::Bump(best.1 as f64 * step, *width)),
+            )
         })
         .collect();
-    exact.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    exact.truncate(2);
-    exact
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.truncate(BUMPS);
+    found
         .into_iter()
-        .map(|one| {
-            nearest(
-                board,
-                fit,
-                basis,
-                one.effects[0],
-                one.gain,
-                one.effects[0].knobs()[1],
-            )
+        .map(|(_, effect)| {
+            let gain = basis.gain(&board.columns(&effect), &fit.left);
+            nearest(board, fit, basis, effect, gain, effect.knobs()[1])
         })
         .collect()
 }

@@ -277,6 +277,48 @@ fn late(twin: &Twin, record: &Record, course: &Course, off: &mut [f64]) {
     }
 }
 
+/// Part of the speed by which it changes over an interval from which on its course within is in doubt.
+const SUDDEN: f64 = 0.3;
+
+/// Changes of the speed, rad/s, that the torques' size leaves open where the course within an interval is not known: at a reversal, and
+/// wherever the speed changes much from edge to edge.
+#[must_use]
+pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, f64)> {
+    let law = &plant.law;
+    let waves: Vec<(f64, f64)> = effects(twin)
+        .into_iter()
+        .filter_map(|(effect, sizes)| match (effect.site, effect.carrier) {
+            (Site::Torque, Carrier::Order(order)) => {
+                Some((order, sizes[0].hypot(sizes[1]) / law.inertia))
+            }
+            _ => None,
+        })
+        .collect();
+    let mut jolts = Vec::new();
+    for at in 1..course.len() {
+        let (v0, v1) = (course.speed[at - 1], course.speed[at]);
+        let h = course.time_s[at] - course.time_s[at - 1];
+        if (v1 - v0).abs() < SUDDEN * v0.abs().max(v1.abs()) {
+            continue;
+        }
+        // How far a cubic and a straight way differ.
+        let apart = (v1 - v0).abs() * h / 12.0;
+        let waves: f64 = waves
+            .iter()
+            .map(|(order, size)| size * (order * apart).min(1.0))
+            .sum();
+        let friction = if v0 * v1 < 0.0 {
+            0.3 * law.friction(0.5 * (v0.abs() + v1.abs())).0
+        } else {
+            0.0
+        };
+        if waves + friction > 0.0 {
+            jolts.push((at, (waves + friction) * h));
+        }
+    }
+    jolts
+}
+
 /// What drive and friction do to the angle.
 fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
     let law = &scene.plant.law;

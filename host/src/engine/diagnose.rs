@@ -4,10 +4,11 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::answer::{Answer, Curve, Map, Sized};
 use super::bench::Bench;
+use super::cells::Bank;
 use super::effect::{Carrier, Effect};
 use super::filter::Noise;
 use super::judge::Parts;
-use super::model::{Board, Fit, Model, Term};
+use super::model::{Board, Fit, Model};
 use super::record::Record;
 use super::{events, name, search, stamps};
 use crate::diagnose::diagnosis::{
@@ -26,7 +27,7 @@ const TURNS_LEAST: f64 = 3.0;
 /// Difference of evidence within which two explanations are alike.
 const ALIKE: f64 = 10.0;
 /// Part of what a finding explains that it has to foretell.
-const FORETELLS: f64 = 0.25;
+const FORETELLS: f64 = 0.6;
 /// Probability of whiteness below which something is left.
 const NOT_WHITE: f64 = 1e-6;
 /// Lags that whiteness is tested over.
@@ -50,9 +51,9 @@ pub fn diagnose(
     let mut board = Board::new(benches);
     let given = board.clone();
     progress(0.15, "Searching");
-    let mut fit = search::search(&mut board);
+    let (mut fit, bank) = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
-    let alike = swapped(&mut board, &mut fit);
+    let alike = swapped(&mut board, &bank, &mut fit);
     progress(0.85, "Judging");
     Ok(answer(rig, &given, &board, &fit, &alike))
 }
@@ -80,7 +81,44 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         drift: 0.0,
         angle_rad: 0.0,
     };
-    Ok(Bench::new(record, &one.twin, &errors, &noise))
+    let bench = Bench::new(record, &one.twin, &errors, &noise);
+    Ok(match whole_turns(&bench) {
+        Some(record) => Bench::new(record, &one.twin, &errors, &noise),
+        None => bench,
+    })
+}
+
+/// A recording of one channel whose count is whole turns off after a reversal, which its edges alone do not show: the twin's course does.
+fn whole_turns(bench: &Bench) -> Option<Record> {
+    const NEAR: usize = 12;
+    if bench.record.classes > 2 {
+        return None;
+    }
+    let mut record = bench.record.clone();
+    let mut turned = false;
+    for at in 1..record.len() {
+        if record.way[at] == record.way[at - 1] {
+            continue;
+        }
+        let middle = |range: std::ops::Range<usize>| {
+            let mut some: Vec<f64> = bench.residual[range].to_vec();
+            some.sort_by(f64::total_cmp);
+            some.get(some.len() / 2).copied()
+        };
+        let (Some(before), Some(after)) = (
+            middle(at.saturating_sub(NEAR)..at),
+            middle(at..(at + NEAR).min(record.len())),
+        ) else {
+            continue;
+        };
+        let turns = ((after - before) / std::f64::consts::TAU).round() as i64;
+        if turns != 0 {
+            let by = turns * record.edges;
+            record.place[at..].iter_mut().for_each(|place| *place -= by);
+            turned = true;
+        }
+    }
+    turned.then_some(record)
 }
 
 /// What a finding may be as well.
@@ -92,7 +130,7 @@ struct Alike {
 }
 
 /// Puts a better explanation in the place of a finding where there is one, and lists those that are as good.
-fn swapped(board: &mut Board, fit: &mut Fit) -> Vec<Alike> {
+fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     let mut all = Vec::new();
     for group in fit.model.groups() {
         let own = fit.model.effects(group);
@@ -101,7 +139,7 @@ fn swapped(board: &mut Board, fit: &mut Fit) -> Vec<Alike> {
         let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
         let mut others: Vec<(Mechanism, f64)> = Vec::new();
         let mut better: Option<(f64, Vec<Effect>)> = None;
-        for candidate in search::candidates(board, &rest) {
+        for candidate in search::candidates(board, bank, &rest) {
             let here = search::evidence(board, candidate.gain, candidate.numbers());
             if here > worth + 2.0 && better.as_ref().is_none_or(|(most, _)| here > *most) {
                 better = Some((here, candidate.effects.clone()));
@@ -116,12 +154,7 @@ fn swapped(board: &mut Board, fit: &mut Fit) -> Vec<Alike> {
         }
         if let Some((_, effects)) = better {
             let mut model = rest.model.clone();
-            model.terms.extend(effects.iter().map(|effect| Term {
-                effect: *effect,
-                sizes: vec![0.0; effect.sizes()],
-                nuisance: false,
-                group,
-            }));
+            model.add(&effects, group);
             let tried = board.fit(&model);
             let numbers = model.numbers(group);
             if search::evidence(board, rest.rss - tried.rss, numbers) > worth + 2.0 {
@@ -232,7 +265,23 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .collect();
         findings.push((finding, sized, Some(loss / total)));
     }
-    if let Some(stamps) = stamps::find(board, fit) {
+    let stamps = stamps::find(board, fit);
+    // A latency is skewed, and has long tails of its own.
+    let late = stamps
+        .as_ref()
+        .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
+    if !late && heavy_tails(fit) {
+        let text =
+            "innovations come in bursts or with heavy tails: noise that is not the same throughout";
+        findings.push((
+            Finding {
+                text: text.to_owned(),
+                ..unknown()
+            },
+            Vec::new(),
+            None,
+        ));
+    } else if let Some(stamps) = stamps {
         findings.push((stamps, Vec::new(), None));
     }
     let happened: Vec<_> = rig
@@ -293,6 +342,26 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         shares,
         curves: curves(rig, given, board, fit),
     }
+}
+
+/// Whether innovations are far out more often than normal noise lets them be, and not at one place alone.
+fn heavy_tails(fit: &Fit) -> bool {
+    // Deviations that are far, the share of normal noise beyond them, and how many times as many are too many.
+    const FAR: f64 = 3.5;
+    const SHARE: f64 = 4.65e-4;
+    const TIMES: f64 = 4.0;
+    const LEAST: f64 = 12.0;
+    const BLOCKS: usize = 20;
+    let count = fit.left.len();
+    let mut far = [0.0; BLOCKS];
+    for (at, white) in fit.left.iter().enumerate() {
+        if white.abs() > FAR {
+            far[at * BLOCKS / count] += 1.0;
+        }
+    }
+    let all: f64 = far.iter().sum();
+    let most = far.iter().copied().fold(0.0, f64::max);
+    all > TIMES * SHARE * count as f64 + LEAST && most < 0.5 * all
 }
 
 /// Something that is none of the cells.

@@ -295,14 +295,12 @@ impl Effect {
     #[must_use]
     pub fn knobs(&self) -> Vec<f64> {
         let mut knobs = match self.carrier {
-            Carrier::Order(a) | Carrier::Tone(a) | Carrier::Power(a) | Carrier::Stribeck(a) => {
-                vec![a]
-            }
+            Carrier::Order(a) | Carrier::Tone(a) | Carrier::Stribeck(a) => vec![a],
             Carrier::Chirp(a, b)
             | Carrier::Bump(a, b)
             | Carrier::Window(a, b)
             | Carrier::Settling(a, b) => vec![a, b],
-            Carrier::Steady | Carrier::Time | Carrier::Direction => Vec::new(),
+            Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
         };
         match self.growth {
             Growth::Constant => {}
@@ -320,7 +318,6 @@ impl Effect {
         let carrier = match self.carrier {
             Carrier::Order(a) => Carrier::Order(next(a)),
             Carrier::Tone(a) => Carrier::Tone(next(a)),
-            Carrier::Power(a) => Carrier::Power(next(a)),
             Carrier::Stribeck(a) => Carrier::Stribeck(next(a)),
             Carrier::Chirp(a, b) => Carrier::Chirp(next(a), next(b)),
             Carrier::Bump(a, b) => Carrier::Bump(next(a), next(b)),

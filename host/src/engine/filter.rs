@@ -47,6 +47,8 @@ pub struct Leap<const N: usize> {
     pub torque: Square<N>,
     /// Covariance for unit drift.
     pub drift: Square<N>,
+    /// RMS change of the speed in the middle of the interval that its course leaves open, rad/s.
+    pub jolt: f64,
     /// Speed at the edge, rad/s.
     pub speed: f64,
     /// Whether nothing is known of the state.
@@ -108,6 +110,14 @@ impl<const N: usize> Filter<N> {
                     for column in 0..N {
                         p[row][column] += noise.torque * leap.torque[row][column]
                             + noise.drift * leap.drift[row][column];
+                    }
+                }
+            }
+            if leap.jolt > 0.0 && !fresh {
+                let by = [0.5 * leap.way[ANGLE][SPEED] * leap.jolt, leap.jolt];
+                for (row, one) in by.iter().enumerate() {
+                    for (column, other) in by.iter().enumerate() {
+                        p[row][column] += one * other;
                     }
                 }
             }

@@ -149,13 +149,13 @@ impl Basis {
 
     /// By how much the sum of squares falls with more columns beside the basis; `target` is clear of it.
     #[must_use]
-    pub fn gain(&self, columns: &[Vec<f64>], target: &[f64]) -> f64 {
+    pub fn gain<C: AsRef<[f64]>>(&self, columns: &[C], target: &[f64]) -> f64 {
         let mut beside = Self {
             columns: Vec::new(),
         };
         let mut gain = 0.0;
         for column in columns {
-            let mut column = column.clone();
+            let mut column = column.as_ref().to_vec();
             let whole = dot(&column, &column);
             self.clear(&mut column);
             beside.clear(&mut column);

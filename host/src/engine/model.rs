@@ -61,11 +61,21 @@ pub struct Fit {
 }
 
 /// Rounds of re-linearisation at the most.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 5;
 /// Sum of squares that is no gain.
 const NO_GAIN: f64 = 0.02;
 
 impl Model {
+    /// Adds effects that are one finding.
+    pub fn add(&mut self, effects: &[Effect], group: usize) {
+        self.terms.extend(effects.iter().map(|effect| Term {
+            effect: *effect,
+            sizes: vec![0.0; effect.sizes()],
+            nuisance: false,
+            group,
+        }));
+    }
+
     /// Effects of a group.
     #[must_use]
     pub fn effects(&self, group: usize) -> Vec<Effect> {
@@ -342,9 +352,8 @@ impl Board {
             Carrier::Bump(_, sigma) => vec![sigma, 0.5 * sigma],
             Carrier::Window(..) => vec![3.0 * interval; 2],
             Carrier::Settling(_, tau) => vec![0.3 * tau, 0.3 * tau],
-            Carrier::Power(_) => vec![0.2],
             Carrier::Stribeck(speed) => vec![0.2 * speed],
-            Carrier::Steady | Carrier::Time | Carrier::Direction => Vec::new(),
+            Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
         };
         match effect.growth {
             Growth::Constant => {}

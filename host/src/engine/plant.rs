@@ -326,6 +326,7 @@ impl Plant {
                     way,
                     torque,
                     drift,
+                    jolt: 0.0,
                     speed: course.speed[at],
                     fresh: false,
                     doubt_s: 0.0,
@@ -579,6 +580,16 @@ impl Leaps {
         match plant.law.mode {
             None => Self::Stiff(plant.leaps(course)),
             Some(_) => Self::Sprung(plant.leaps(course)),
+        }
+    }
+
+    /// Leaves open how the speed changed within intervals, rad/s.
+    pub fn jolt(&mut self, jolts: &[(usize, f64)]) {
+        for (at, jolt) in jolts {
+            match self {
+                Self::Stiff(leaps) => leaps[*at].jolt = *jolt,
+                Self::Sprung(leaps) => leaps[*at].jolt = *jolt,
+            }
         }
     }
 

@@ -289,7 +289,8 @@ impl Scores {
                 *power += here / floor;
             }
         }
-        let mut order: Vec<usize> = (2..count.saturating_sub(1))
+        // Fewer than two cycles are no rhythm.
+        let mut order: Vec<usize> = (4..count.saturating_sub(1))
             .filter(|&at| power[at] >= power[at - 1] && power[at] >= power[at + 1])
             .collect();
         order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));

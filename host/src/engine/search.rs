@@ -1,14 +1,18 @@
 //! One search: the best cell is added, all numbers are fitted together, what is no longer worth its numbers is dropped, until nothing
 //! changes.
 
-use super::cells;
+use super::cells::{self, Bank};
 use super::effect::{Carrier, Effect, Site};
 use super::lsq::Basis;
-use super::model::{Board, Fit, Model, Term};
+use super::model::{Board, Fit, Model};
 use super::scan::{self, Candidate};
 
 /// Findings at the most.
 const FINDINGS: usize = 7;
+/// Candidates that are fitted with everything else until one is worth it.
+const TRIED: usize = 4;
+/// Part of the best one's evidence that another one has to have to be fitted too.
+const NEARLY: f64 = 0.8;
 /// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
 const SURE: f64 = 12.0;
 
@@ -21,46 +25,29 @@ pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds.
 #[must_use]
 pub fn nuisances(board: &Board) -> Model {
-    let mut terms = Vec::new();
+    let mut model = Model::default();
     let steady = board.benches.iter().any(|bench| {
         bench.plant.law.stiffness + bench.plant.law.viscous > 0.0 && bench.plant.law.mode.is_none()
     });
     if steady {
-        terms.push(Term {
-            effect: Effect::new(Site::Torque, Carrier::Steady),
-            sizes: vec![0.0],
-            nuisance: true,
-            group: usize::MAX,
-        });
+        model.add(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
+        model.terms[0].nuisance = true;
     }
-    Model { terms }
+    model
 }
 
 /// All candidates beside a fit, strongest first.
 #[must_use]
-pub fn candidates(board: &Board, fit: &Fit) -> Vec<Candidate> {
-    use rayon::prelude::*;
-    let sized: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-    let basis = Basis::of(&sized);
+pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
+    let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+    let basis = Basis::of(&columns);
     let mut fit = fit.clone();
     basis.clear(&mut fit.left);
     let fit = &fit;
-    let mut all: Vec<Candidate> = cells::steady(board)
-        .into_par_iter()
-        .map(|effects| {
-            let columns: Vec<Vec<f64>> = effects
-                .iter()
-                .flat_map(|effect| board.columns(effect))
-                .collect();
-            Candidate {
-                gain: basis.gain(&columns, &fit.left),
-                effects,
-            }
-        })
-        .collect();
+    let mut all = bank.candidates(fit, &basis);
     all.extend(scan::spectra(board, fit, &basis));
-    all.extend(cells::loads(board, fit, &basis));
-    all.extend(cells::bumps(board, fit, &basis));
+    all.extend(cells::loads(board, bank, fit, &basis));
+    all.extend(cells::bumps(board, bank, fit, &basis));
     all.sort_by(|a, b| {
         evidence(board, b.gain, b.numbers()).total_cmp(&evidence(board, a.gain, a.numbers()))
     });
@@ -69,51 +56,112 @@ pub fn candidates(board: &Board, fit: &Fit) -> Vec<Candidate> {
 
 /// Searches until nothing is left that is worth its numbers.
 #[must_use]
-pub fn search(board: &mut Board) -> Fit {
-    let mut model = nuisances(board);
-    let mut fit = board.fit(&model);
-    let mut groups = 0;
-    while groups < FINDINGS {
-        let mut found = candidates(board, &fit);
-        found.truncate(6);
-        // The best few, fitted with everything else.
-        let mut best: Option<(f64, Fit)> = None;
-        for candidate in found {
-            if evidence(board, candidate.gain, candidate.numbers()) < 0.5 * SURE {
-                continue;
-            }
-            let mut terms = fit.model.terms.clone();
-            terms.extend(candidate.effects.iter().map(|effect| Term {
-                effect: *effect,
-                sizes: vec![0.0; effect.sizes()],
-                nuisance: false,
-                group: groups,
-            }));
-            let tried = board.fit(&Model { terms });
-            let here = evidence(board, fit.rss - tried.rss, candidate.numbers());
-            if std::env::var("ENGINE_TRACE").is_ok() {
-                println!(
-                    "   try {:?} gain {:.1} fitted {:.1} evidence {here:.1}",
-                    candidate.effects,
-                    candidate.gain,
-                    fit.rss - tried.rss
+pub fn search(board: &mut Board) -> (Fit, Bank) {
+    let bank = Bank::new(board);
+    let mut fit = board.fit(&nuisances(board));
+    let coarse = rounded_alike(board, &fit);
+    for group in 0..FINDINGS {
+        let found = candidates(board, &bank, &fit);
+        // The best one as fitted with everything else, of those that look nearly as good.
+        let most = found
+            .first()
+            .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
+        if std::env::var("ENGINE_TRACE").is_ok() {
+            for candidate in found.iter().take(12) {
+                eprintln!(
+                    "{group} {:.1} {:?}",
+                    evidence(board, candidate.gain, candidate.numbers()),
+                    candidate.effects
                 );
             }
-            if here > SURE && best.as_ref().is_none_or(|(most, _)| here > *most) {
-                best = Some((here, tried));
+            for candidate in found
+                .iter()
+                .filter(|c| matches!(c.effects[0].carrier, Carrier::Bump(..)))
+                .take(4)
+            {
+                eprintln!(
+                    "   bump {:.1} {:?}",
+                    evidence(board, candidate.gain, candidate.numbers()),
+                    candidate.effects
+                );
             }
         }
-        let Some((_, next)) = best else { break };
-        groups += 1;
+        let mut next: Option<(f64, Fit)> = None;
+        let told = found
+            .iter()
+            .filter(|candidate| !coarse || larger_than_rounding(board, candidate, &fit));
+        for candidate in told.take(TRIED) {
+            let here = evidence(board, candidate.gain, candidate.numbers());
+            if here < 0.7 * SURE || here < NEARLY * most {
+                break;
+            }
+            let mut model = fit.model.clone();
+            model.add(&candidate.effects, group);
+            let tried = board.fit(&model);
+            let here = evidence(board, fit.rss - tried.rss, candidate.numbers());
+            if here > SURE && next.as_ref().is_none_or(|(best, _)| here > *best) {
+                next = Some((here, tried));
+            }
+        }
+        let Some((_, next)) = next else { break };
         board.fit_noise(&next.model);
         fit = board.fit(&next.model);
         // What another one has made superfluous.
-        model = dropped(board, &fit);
+        let model = dropped(board, &fit);
         if model.terms.len() < fit.model.terms.len() {
             fit = board.fit(&model);
         }
     }
-    fit
+    (fit, bank)
+}
+
+/// Whether stamps are as coarse as their ticks and rounding hangs together from edge to edge: it is no white noise then.
+fn rounded_alike(board: &Board, fit: &Fit) -> bool {
+    // Lag-one correlation, in its standard errors, and stamps over what rounding alone makes of them.
+    const DEVIATIONS: f64 = 4.0;
+    const ROUNDED: f64 = 1.1;
+    let tick_s = board
+        .benches
+        .iter()
+        .map(|bench| bench.record.tick_s)
+        .fold(0.0, f64::max);
+    let count = board.edges() as f64;
+    let product: f64 = fit
+        .left
+        .iter()
+        .zip(&fit.left[1..])
+        .map(|(a, b)| a * b)
+        .sum();
+    let lag = product / fit.rss.max(f64::MIN_POSITIVE);
+    board.noise.stamp_s < ROUNDED * tick_s / 12_f64.sqrt() && lag.abs() * count.sqrt() > DEVIATIONS
+}
+
+/// Whether a candidate moves edges by more than rounding does.
+fn larger_than_rounding(board: &Board, candidate: &Candidate, fit: &Fit) -> bool {
+    let mut model = fit.model.clone();
+    model.add(&candidate.effects, usize::MAX - 1);
+    let tried = board.fit(&model);
+    let alone = Model {
+        terms: tried
+            .model
+            .terms
+            .iter()
+            .filter(|term| term.group == usize::MAX - 1)
+            .cloned()
+            .collect(),
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (bench, by) in board.benches.iter().zip(board.predicted(&alone)) {
+        let moved = by
+            .iter()
+            .zip(&bench.course.speed)
+            .filter(|(_, speed)| **speed != 0.0);
+        for (by, speed) in moved {
+            sum += (by / speed / bench.record.tick_s).powi(2);
+            count += 1.0;
+        }
+    }
+    sum > count / 12.0
 }
 
 /// A model without groups that are no longer worth their numbers.
