@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use quadcal_blind::draw::Kind;
 use quadcal_host_tests::trial::cases::{Draw, Folders};
@@ -16,6 +16,7 @@ use quadcal_host_tests::trial::luck::luck;
 use quadcal_host_tests::trial::run::Quadcal;
 use quadcal_host_tests::trial::shown::Outcome;
 use quadcal_host_tests::trial::speed::{LIMIT_S, minute};
+use quadcal_host_tests::trial::under_trial::UnderTrial;
 use tempfile::TempDir;
 
 /// Draws blind cases, runs 'quadcal diagnose' on each, and scores its answers against the truth
@@ -79,9 +80,8 @@ struct Options {
     /// Write figures and every case's score as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
-    /// The command under trial; else the quadcal that is built beside this one
-    #[arg(long, value_name = "PROGRAM")]
-    quadcal: Option<PathBuf>,
+    #[command(flatten)]
+    under_trial: UnderTrial,
     /// Time the diagnosis of a minute of 150,000 edges, and do nothing else
     #[arg(long, conflicts_with_all = ["open", "sealed", "answers", "case", "misses", "markdown", "json"])]
     speed: bool,
@@ -89,9 +89,7 @@ struct Options {
 
 fn main() -> Result<ExitCode> {
     let options = Options::parse();
-    let quadcal = Quadcal {
-        program: program(options.quadcal.as_deref())?,
-    };
+    let quadcal = options.under_trial.quadcal()?;
     let temporary = TempDir::new()?;
     let folder = options.folder.as_deref().unwrap_or(temporary.path());
     if options.speed {
@@ -165,24 +163,6 @@ fn draw(options: &Options, folder: &Path) -> Result<Folders> {
     Ok(folders)
 }
 
-/// The command under trial, as an absolute path.
-fn program(given: Option<&Path>) -> Result<PathBuf> {
-    if let Some(path) = given {
-        return real(path);
-    }
-    let own = std::env::current_exe()?;
-    let names = ["quadcal", "quadcal-under-test"];
-    let beside =
-        names.map(|name| own.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)));
-    match beside.into_iter().find(|path| path.is_file()) {
-        Some(path) => Ok(path),
-        None => bail!(
-            "no quadcal beside {}: build it first (cargo build --release), or give --quadcal",
-            own.display()
-        ),
-    }
-}
-
 fn speed(quadcal: &Quadcal, folder: &Path) -> Result<ExitCode> {
     let mut slowest: f64 = 0.0;
     let mut failed = false;
@@ -224,6 +204,7 @@ impl Options {
         if self.again > 0 {
             let _ = write!(text, " --again {}", self.again);
         }
+        text.push_str(&self.under_trial.again());
         if let Some(path) = &self.markdown {
             let _ = write!(text, " --markdown {}", path.display());
         }

@@ -13,3 +13,4 @@ pub mod speed;
 #[cfg(test)]
 mod tests;
 pub mod truth;
+pub mod under_trial;
