@@ -25,6 +25,7 @@ fn a_small_blind_trial_finds_what_it_found_before() {
         cases: CASES,
         seed: SEED,
         kind: None,
+        family: None,
         only: Vec::new(),
         again: 0,
     };

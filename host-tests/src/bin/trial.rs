@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use quadcal_blind::draw::Kind;
+use quadcal_blind::draw::{Family, Kind};
 use quadcal_host_tests::trial::cases::{Draw, Folders};
 use quadcal_host_tests::trial::luck::luck;
 use quadcal_host_tests::trial::run::Quadcal;
@@ -50,6 +50,9 @@ struct Options {
     /// Cases of this kind only
     #[arg(long)]
     kind: Option<Kind>,
+    /// Cases of this family, in place of the kinds
+    #[arg(long, conflicts_with = "kind")]
+    family: Option<Family>,
     /// Cases at work at once
     #[arg(long, value_name = "N", default_value_t = 2)]
     jobs: usize,
@@ -57,7 +60,7 @@ struct Options {
     #[arg(long, value_name = "DIR", conflicts_with = "open")]
     folder: Option<PathBuf>,
     /// Score cases drawn before: their open folder
-    #[arg(long, value_name = "DIR", requires = "sealed", conflicts_with_all = ["cases", "seed", "kind"])]
+    #[arg(long, value_name = "DIR", requires = "sealed", conflicts_with_all = ["cases", "seed", "kind", "family"])]
     open: Option<PathBuf>,
     /// Score cases drawn before: their sealed folder
     #[arg(long, value_name = "DIR", requires = "open")]
@@ -152,6 +155,7 @@ fn draw(options: &Options, folder: &Path) -> Result<Folders> {
         cases: options.cases,
         seed: options.seed,
         kind: options.kind,
+        family: options.family,
         only: options.case.clone(),
         again: options.again,
     };
@@ -197,6 +201,10 @@ impl Options {
         if let Some(kind) = self.kind {
             let name = kind.name().replace('_', "-");
             let _ = write!(text, " --kind {name}");
+        }
+        if let Some(family) = self.family {
+            let name = family.name().replace('_', "-");
+            let _ = write!(text, " --family {name}");
         }
         for case in &self.case {
             let _ = write!(text, " --case {case}");

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use quadcal_blind::draw::{Kind, again, plan};
+use quadcal_blind::draw::{Family, Kind, again, plan};
 use quadcal_blind::write;
 use thiserror::Error;
 
@@ -63,6 +63,8 @@ pub struct Draw {
     pub seed: u64,
     /// Of this kind only.
     pub kind: Option<Kind>,
+    /// Of this family, in place of the kinds.
+    pub family: Option<Family>,
     /// The cases of these names only; all where there are none.
     pub only: Vec<String>,
     /// How often each is recorded again with other noise.
@@ -118,13 +120,15 @@ impl Folders {
     /// # Errors
     /// [`TrialError::Draw`] where one can't be written.
     pub fn draw(&self, draw: &Draw, jobs: usize, done: impl Fn() + Sync) -> Result<(), TrialError> {
-        let plan = plan(draw.cases, draw.seed, draw.kind);
+        let plan = match draw.family {
+            Some(family) => family.plan(draw.cases, draw.seed),
+            None => plan(draw.cases, draw.seed, draw.kind),
+        };
         let repetitions = |place| (0..=draw.again).map(move |repetition| (place, repetition));
         let wanted: Vec<(usize, u64)> = draw.wanted().flat_map(repetitions).collect();
         let each = in_parallel(jobs, wanted.len(), |at| {
             let (place, repetition) = wanted[at];
-            let (kind, number) = plan[place];
-            let case = again(draw.seed, place, kind, number, repetition);
+            let case = again(draw.seed, place, draw.family, plan[place], repetition);
             let name = name(place, repetition);
             write::open_folder(&self.open.join(&name), &case.runs).map_err(TrialError::Draw)?;
             write::sealed(&self.sealed.join(&name), &case.truth).map_err(TrialError::Draw)?;
