@@ -2,6 +2,9 @@
 //! against the sealed truth.
 
 pub mod cases;
+pub mod cell;
+pub mod families;
+pub mod field;
 pub mod figures;
 pub mod interval;
 pub mod luck;
