@@ -3,8 +3,6 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use quadcal_blind::draw::{Family, Kind, again, plan};
 use quadcal_blind::write;
@@ -13,6 +11,7 @@ use thiserror::Error;
 use super::run::Quadcal;
 use super::score::Score;
 use super::truth::Truth;
+use crate::parallel::in_parallel;
 
 /// Why a trial came to nothing. What goes wrong in a single case counts against the command instead.
 #[derive(Debug, Error)]
@@ -198,29 +197,4 @@ fn name(place: usize, repetition: u64) -> String {
         0 => format!("case-{place:04}"),
         _ => format!("case-{place:04}{AGAIN}{repetition:02}"),
     }
-}
-
-/// Results of work on numbers from 0, so many at a time, in order.
-fn in_parallel<T: Send>(jobs: usize, count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let take = || {
-        let mut done = Vec::new();
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            if at >= count {
-                return done;
-            }
-            done.push((at, work(at)));
-        }
-    };
-    let mut all: Vec<(usize, T)> = thread::scope(|scope| {
-        let running: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(take)).collect();
-        let joined = running.into_iter().map(|worker| match worker.join() {
-            Ok(done) => done,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        joined.flatten().collect()
-    });
-    all.sort_by_key(|(at, _)| *at);
-    all.into_iter().map(|(_, result)| result).collect()
 }
