@@ -5,5 +5,6 @@
 pub mod bench;
 pub mod change;
 pub mod judge;
+pub mod plant;
 pub mod sight;
 pub mod tree;
