@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use quadcal_host_tests::real::command::Bench;
 use quadcal_host_tests::real::line::Line;
+use quadcal_host_tests::real::table::RECORDINGS;
 use quadcal_host_tests::real::{flywheel, hall};
 use quadcal_host_tests::trial::run::Quadcal;
 use quadcal_host_tests::trial::under_trial::UnderTrial;
@@ -29,6 +30,12 @@ struct Options {
     /// Recording of a flywheel with six magnets: seconds between pulses, one a line
     #[arg(long, value_name = "PATH")]
     flywheel: Option<PathBuf>,
+    /// Folder of recordings: each of the table that is there is diagnosed, and what is said of it printed
+    #[arg(long, value_name = "DIR")]
+    recordings: Option<PathBuf>,
+    /// Twins of the table say nothing of the drive
+    #[arg(long, requires = "recordings")]
+    no_drive: bool,
     /// Folder to keep twins, answers and reports in; else they are thrown away
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
@@ -47,7 +54,7 @@ fn main() -> Result<ExitCode> {
         arguments,
         folder: folder.to_owned(),
     };
-    let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/recordings");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/recordings");
     let mut met = true;
     let mut show = |lines: Vec<Line>| {
         for line in lines {
@@ -55,10 +62,15 @@ fn main() -> Result<ExitCode> {
             met &= line.met;
         }
     };
-    show(hall::spindle(&bench, &recordings)?);
-    show(hall::hub(&bench, &recordings)?);
+    show(hall::spindle(&bench, &shipped)?);
+    show(hall::hub(&bench, &shipped)?);
     if let Some(path) = &options.flywheel {
         show(flywheel::flywheel(&bench, path)?);
+    }
+    if let Some(recordings) = &options.recordings {
+        for recording in &RECORDINGS {
+            show(recording.diagnose(&bench, recordings, !options.no_drive)?);
+        }
     }
     Ok(ExitCode::from(u8::from(!met)))
 }
