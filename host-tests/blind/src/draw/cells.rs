@@ -53,19 +53,24 @@ const ROWS: [(Follows, Grows); 15] = [
     (Follows::Steady, Grows::WithSpeed),
 ];
 
+/// Step from one number's combination to the next; shares no factor with how many there are.
+const STRIDE: usize = 37;
+
 /// How many there are.
 pub const COUNT: usize = SITES.len() * ROWS.len();
 
+/// Sites and rows of neighbouring numbers differ, so that few cases have many of both.
 fn cell(which: usize) -> (Site, Follows, Grows) {
-    let (follows, grows) = ROWS[which / SITES.len() % ROWS.len()];
+    let which = which * STRIDE % COUNT;
+    let (follows, grows) = ROWS[which / SITES.len()];
     (SITES[which % SITES.len()], follows, grows)
 }
 
-/// Speeds that show the effect of a number.
+/// Speeds that show the effect of a number: at one speed alone, sites and carriers of the catalogue are not told apart.
 pub(super) fn shape(which: usize) -> Shape {
     match cell(which).2 {
         Grows::WithSpeed => Shape::Ramp,
-        _ => Shape::Constant,
+        _ => Shape::TwoSpeeds,
     }
 }
 
