@@ -85,7 +85,12 @@ impl Plant {
             if (more - 1.0).abs() < 0.05 {
                 return Ok(Some(size));
             }
-            size *= more.clamp(1e-3, 1e3);
+            let next = (size * more.clamp(1e-3, 1e3)).max(least(self.mechanism));
+            if next == size {
+                // What shows is the least that a twin can say.
+                return Ok(Some(size));
+            }
+            size = next;
             if size > self.facts.most(self.mechanism) {
                 return Ok(None);
             }
@@ -319,6 +324,14 @@ impl Facts {
             }
             Mechanism::Unknown => {}
         }
+    }
+}
+
+/// The smallest size that a twin can say.
+const fn least(mechanism: Mechanism) -> f64 {
+    match mechanism {
+        Mechanism::TorsionalResonance => 1e-6,
+        _ => 0.0,
     }
 }
 
