@@ -191,7 +191,8 @@ impl Score {
             .map(|(before, after)| [before, after]);
         self.removed = held_out.reducible_removed.or_else(|| {
             let [before, after] = self.held_out_rad?;
-            let reducible = before - held_out.floor_rad?;
+            // Without a floor all of it counts as reducible, which claims the least.
+            let reducible = before - held_out.floor_rad.unwrap_or(0.0);
             (reducible > 0.0).then(|| (before - after) / reducible)
         });
         self.verdict = Some(diagnosis.verdict);
