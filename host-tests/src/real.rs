@@ -6,3 +6,4 @@ pub mod fold;
 pub mod hall;
 pub mod line;
 pub mod run_down;
+pub mod table;

@@ -16,6 +16,7 @@ fn a_twin_is_complete_against_its_own_recording() {
     let folder = tempfile::tempdir().unwrap();
     let bench = Bench {
         program: env!("CARGO_BIN_EXE_quadcal-under-test").into(),
+        arguments: Vec::new(),
         folder: folder.path().to_owned(),
     };
     let recording = folder.path().join("rec.csv");
@@ -62,6 +63,7 @@ fn every_example_is_complete_against_its_own_recording() {
     let folder = tempfile::tempdir().unwrap();
     let bench = Bench {
         program: env!("CARGO_BIN_EXE_quadcal-under-test").into(),
+        arguments: Vec::new(),
         folder: folder.path().to_owned(),
     };
     let (recording, twin) = (

@@ -38,6 +38,7 @@ fn magnets_and_drag_are_found_between_pushes_that_nobody_declared() {
     let folder = tempfile::tempdir().unwrap();
     let bench = Bench {
         program: env!("CARGO_BIN_EXE_quadcal-under-test").into(),
+        arguments: Vec::new(),
         folder: folder.path().to_owned(),
     };
     let rig = bench.write("rig.toml", &rig()).unwrap();

@@ -15,6 +15,7 @@ fn lines(of: fn(&Bench, &Path) -> anyhow::Result<Vec<Line>>) -> Vec<Line> {
     let folder = tempfile::tempdir().unwrap();
     let bench = Bench {
         program: env!("CARGO_BIN_EXE_quadcal-under-test").into(),
+        arguments: Vec::new(),
         folder: folder.path().to_owned(),
     };
     let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/recordings");

@@ -1,6 +1,6 @@
 //! The capture unit: from marks crossed to rows of ticks and levels.
 
-use crate::effect::Effect;
+use crate::effect::{Effect, Site};
 use crate::random::Dice;
 use crate::rig::Rig;
 use crate::turning::{Course, Crossing};
@@ -10,7 +10,7 @@ pub type Row = (u64, u8);
 
 /// Time of each crossing as it would be stamped without any noise, s: delays and blocked captures included.
 #[must_use]
-pub fn arrivals(course: &Course, effects: &[Effect]) -> Vec<f64> {
+pub fn arrivals(course: &Course, rig: &Rig, effects: &[Effect]) -> Vec<f64> {
     course
         .crossings
         .iter()
@@ -19,7 +19,7 @@ pub fn arrivals(course: &Course, effects: &[Effect]) -> Vec<f64> {
             let mut time = crossing.time_s;
             if crossing.class.is_some() {
                 for effect in effects {
-                    time += effect.delay_s(channel, crossing.high);
+                    time += effect.delay_s(channel, crossing.high) + late_s(effect, rig, crossing);
                 }
             }
             effects.iter().fold(time, |time, effect| match effect {
@@ -39,6 +39,17 @@ pub fn arrivals(course: &Course, effects: &[Effect]) -> Vec<f64> {
             })
         })
         .collect()
+}
+
+/// By how much an effect put together makes a stamp late, s.
+fn late_s(effect: &Effect, rig: &Rig, crossing: &Crossing) -> f64 {
+    match effect {
+        Effect::Cell(cell) if cell.site == Site::Stamp && cell.touches(crossing.class) => {
+            let theta = crossing.place as f64 * rig.encoder.step_rad();
+            cell.value(crossing.time_s, crossing.time_s, theta, crossing.speed)
+        }
+        _ => 0.0,
+    }
 }
 
 /// What the random part of an effect adds to a stamp.
@@ -99,7 +110,7 @@ pub fn rows(course: &Course, rig: &Rig, effects: &[Effect], seed: u64) -> (Vec<R
     let mut errors: Vec<Errors> = (effects.iter().zip(10..))
         .map(|(effect, own)| Errors::new(effect, seed ^ own, until))
         .collect();
-    let times = arrivals(course, effects);
+    let times = arrivals(course, rig, effects);
     // Time of arrival, of the stamp, bit to set or toggle, whether its capture is taken.
     let mut changes: Vec<(f64, f64, Change, bool)> = Vec::with_capacity(crossings.len());
     for (crossing, &time) in crossings.iter().zip(&times) {

@@ -17,6 +17,7 @@ pub mod effect;
 pub mod encoder;
 pub mod ideal;
 pub mod motion;
+pub mod pieces;
 pub mod random;
 pub mod rig;
 pub mod step;

@@ -79,6 +79,7 @@ impl<'a> Plant<'a> {
                 (from + rate * time_s, rate)
             }
             Profile::Ramp { to, .. } => (to, 0.0),
+            Profile::Free(pieces) => pieces.at(time_s, self.inside_s),
             Profile::Constant { speed }
             | Profile::RunDown { speed, .. }
             | Profile::Loop { speed, .. } => (speed, 0.0),

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::encoder::Encoder;
+use crate::pieces::Pieces;
 
 /// A torque locked to the shaft: torque sin(order theta + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,8 @@ pub enum Profile {
         /// When it goes off, s.
         off_s: f64,
     },
+    /// Ramps, holds, dwells and reversals.
+    Free(Pieces),
     /// A sampled PI loop that sees the way from edge to edge over the last interval.
     Loop {
         /// The speed asked for.
@@ -61,6 +64,7 @@ impl Profile {
                 speed.abs()
             }
             Self::Ramp { from, to, .. } => from.abs().max(to.abs()),
+            Self::Free(pieces) => pieces.top(),
         }
     }
 
@@ -72,8 +76,51 @@ impl Profile {
                 speed
             }
             Self::Ramp { from, .. } => from,
+            Self::Free(pieces) => pieces.start(),
         }
     }
+
+    /// Whether the speed asked for goes both ways.
+    #[must_use]
+    pub fn reverses(&self) -> bool {
+        match *self {
+            Self::Ramp { from, to, .. } => from * to < 0.0,
+            Self::Free(pieces) => pieces.reverses(),
+            Self::Constant { .. } | Self::RunDown { .. } | Self::Loop { .. } => false,
+        }
+    }
+}
+
+/// What the twin gives of shaft and drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// All of it.
+    Whole,
+    /// The shaft, without the drive.
+    NoDrive,
+    /// The inertia, and nothing else.
+    InertiaOnly,
+}
+
+/// What the noise of a rig is like; sizes are the rig's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoiseShape {
+    /// Torque noise white up to the edges' rate, stamps normal.
+    White,
+    /// Errors of stamps by Student's t with 3 degrees of freedom, of the same RMS.
+    StudentStamps,
+    /// Torque noise that is so many times as dense below a corner.
+    TwoSlopes {
+        /// The corner.
+        corner_hz: f64,
+        /// Density far below it over that far above it, less 1.
+        excess: f64,
+    },
+    /// Torque noise that goes with the square of the speed.
+    BySpeed {
+        /// Where it has its size, rad/s.
+        at_rad_s: f64,
+    },
 }
 
 /// A rig on which one recording is made.
@@ -103,6 +150,10 @@ pub struct Rig {
     pub jitter_s: f64,
     /// Whether the twin gives torque noise and jitter.
     pub noise_known: bool,
+    /// What the noise is like.
+    pub noise_shape: NoiseShape,
+    /// What the twin gives of shaft and drive.
+    pub told: Told,
     /// Ticks a second.
     pub clock_hz: u64,
     /// Speed profile.

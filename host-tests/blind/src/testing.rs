@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::encoder::Encoder;
-use crate::rig::{Profile, Rig};
+use crate::rig::{NoiseShape, Profile, Rig, Told};
 
 /// 100 lines with index at a constant 10 rad/s, five turns.
 pub fn plain() -> Rig {
@@ -24,6 +24,8 @@ pub fn plain() -> Rig {
         noise_psd: 0.0,
         jitter_s: 0.0,
         noise_known: true,
+        noise_shape: NoiseShape::White,
+        told: Told::Whole,
         clock_hz: 84_000_000,
         profile: Profile::Constant { speed: 10.0 },
         turns: 5.0,

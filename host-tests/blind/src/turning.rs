@@ -2,6 +2,7 @@
 
 mod collect;
 mod marks;
+mod noise;
 mod speed_loop;
 mod sudden;
 #[cfg(test)]
@@ -17,6 +18,7 @@ use crate::random::Dice;
 use crate::rig::{Profile, Rig};
 use crate::step::{State, Step};
 use marks::Track;
+use noise::Noise;
 use speed_loop::Loop;
 use sudden::Sudden;
 
@@ -65,14 +67,6 @@ impl Run<'_> {
     }
 }
 
-struct Noise {
-    torque: Dice,
-    jitter: Dice,
-    sigma: f64,
-    hold_s: f64,
-    held: u64,
-}
-
 struct Run<'a> {
     rig: &'a Rig,
     effects: &'a [Effect],
@@ -104,18 +98,11 @@ impl<'a> Run<'a> {
         let mut speed = plant.start_speed();
         let rate = rig.noise_psd / (rig.inertia * rig.inertia);
         let noise = seed.map(|seed| {
-            let hold_s = rig.hold_s();
             let damping = rig.noise_damping(0.0);
             if damping > 0.0 && speed != 0.0 {
                 speed += (rate / (2.0 * damping)).sqrt() * Dice::new(seed, 1).normal();
             }
-            Noise {
-                torque: Dice::new(seed, 2),
-                jitter: Dice::new(seed, 3),
-                sigma: (rig.noise_psd / hold_s).sqrt(),
-                hold_s,
-                held: 0,
-            }
+            Noise::new(rig, seed)
         });
         let speed_loop = match rig.profile {
             Profile::Loop {
@@ -180,7 +167,7 @@ impl<'a> Run<'a> {
         if let Some(noise) = &mut self.noise {
             while noise.held as f64 * noise.hold_s <= self.time_s {
                 noise.held += 1;
-                self.plant.noise_n_m = noise.sigma * noise.torque.normal();
+                self.plant.noise_n_m = noise.torque_n_m(self.state[1]);
             }
             end = end.min(noise.held as f64 * noise.hold_s);
         }

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::capture::Row;
 use crate::encoder::Encoder;
-use crate::rig::{Profile, Rig};
+use crate::rig::{Profile, Rig, Told};
 
 const R_MIN: f64 = 60.0 / std::f64::consts::TAU;
 
@@ -56,41 +56,20 @@ pub fn twin(rig: &Rig) -> String {
     if rig.disc_known {
         line("\n[errors]\ncsv = \"errors.csv\"".to_owned());
     }
-    line(format!(
-        "\n[shaft]\ninertia_kg_m2 = {:e}\nviscous_n_m_s = {:e}\ncoulomb_n_m = {:e}\nstiffness_n_m_s = {:e}",
-        rig.inertia, rig.viscous, rig.coulomb, rig.stiffness
-    ));
-    if !rig.encoder.index() {
+    line(shaft(rig));
+    if !rig.encoder.index() && rig.told != Told::InertiaOnly {
         line(format!("initial_angle_rad = {:e}", rig.start_rad));
     }
-    match rig.profile {
-        Profile::Constant { speed } => {
-            line(format!("\n[drive.constant]\nr_min = {:?}", speed * R_MIN));
-        }
-        Profile::Ramp { from, to, over_s } => line(format!(
-            "\n[drive.ramp]\nfrom_r_min = {:?}\nto_r_min = {:?}\nover_s = {over_s:?}",
-            from * R_MIN,
-            to * R_MIN
-        )),
-        Profile::RunDown { speed, off_s } => line(format!(
-            "\n[drive.run_down]\nr_min = {:?}\noff_s = {off_s:?}",
-            speed * R_MIN
-        )),
-        Profile::Loop {
-            speed,
-            f_hz,
-            kp_n_m_s,
-            ki_n_m,
-        } => line(format!(
-            "\n[drive.speed_loop]\nr_min = {:?}\nf_hz = {f_hz:?}\nkp_n_m_s = {kp_n_m_s:e}\nki_n_m = {ki_n_m:e}",
-            speed * R_MIN
-        )),
+    if rig.told == Told::Whole {
+        line(drive(&rig.profile));
     }
-    for ripple in &rig.ripples {
-        line(format!(
-            "\n[[ripple]]\norder = {:?}\nphase_rad = {:e}\ntorque_n_m = {:e}",
-            ripple.order, ripple.phase_rad, ripple.torque_n_m
-        ));
+    if rig.told != Told::InertiaOnly {
+        for ripple in &rig.ripples {
+            line(format!(
+                "\n[[ripple]]\norder = {:?}\nphase_rad = {:e}\ntorque_n_m = {:e}",
+                ripple.order, ripple.phase_rad, ripple.torque_n_m
+            ));
+        }
     }
     if rig.noise_known && rig.noise_psd > 0.0 {
         line(format!(
@@ -103,6 +82,47 @@ pub fn twin(rig: &Rig) -> String {
         line(format!("jitter_s = {:e}", rig.jitter_s));
     }
     text
+}
+
+/// What the twin gives of the shaft.
+fn shaft(rig: &Rig) -> String {
+    let inertia = format!("\n[shaft]\ninertia_kg_m2 = {:e}", rig.inertia);
+    let friction = format!(
+        "\nviscous_n_m_s = {:e}\ncoulomb_n_m = {:e}",
+        rig.viscous, rig.coulomb
+    );
+    match rig.told {
+        Told::InertiaOnly => inertia,
+        Told::NoDrive => inertia + &friction,
+        // How stiffly a drive pulls is the drive's.
+        Told::Whole => inertia + &friction + &format!("\nstiffness_n_m_s = {:e}", rig.stiffness),
+    }
+}
+
+/// What the drive asks for; nothing where the twin has no word for it.
+fn drive(profile: &Profile) -> String {
+    match *profile {
+        Profile::Constant { speed } => format!("\n[drive.constant]\nr_min = {:?}", speed * R_MIN),
+        Profile::Ramp { from, to, over_s } => format!(
+            "\n[drive.ramp]\nfrom_r_min = {:?}\nto_r_min = {:?}\nover_s = {over_s:?}",
+            from * R_MIN,
+            to * R_MIN
+        ),
+        Profile::RunDown { speed, off_s } => format!(
+            "\n[drive.run_down]\nr_min = {:?}\noff_s = {off_s:?}",
+            speed * R_MIN
+        ),
+        Profile::Loop {
+            speed,
+            f_hz,
+            kp_n_m_s,
+            ki_n_m,
+        } => format!(
+            "\n[drive.speed_loop]\nr_min = {:?}\nf_hz = {f_hz:?}\nkp_n_m_s = {kp_n_m_s:e}\nki_n_m = {ki_n_m:e}",
+            speed * R_MIN
+        ),
+        Profile::Free(_) => String::new(),
+    }
 }
 
 /// The known errors as a twin reads them.

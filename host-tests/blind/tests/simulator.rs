@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use quadcal_blind::encoder::Encoder;
-use quadcal_blind::rig::{Order, Profile, Rig};
+use quadcal_blind::rig::{NoiseShape, Order, Profile, Rig, Told};
 use quadcal_blind::turning::turn;
 use quadcal_blind::write;
 use quadcal_host::sim::Simulation;
@@ -26,6 +26,8 @@ fn rig(encoder: Encoder, profile: Profile) -> Rig {
         noise_psd: 0.0,
         jitter_s: 0.0,
         noise_known: false,
+        noise_shape: NoiseShape::White,
+        told: Told::Whole,
         clock_hz: 84_000_000,
         profile,
         turns: 4.0,

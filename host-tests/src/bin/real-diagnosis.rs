@@ -8,7 +8,10 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use quadcal_host_tests::real::command::Bench;
 use quadcal_host_tests::real::line::Line;
+use quadcal_host_tests::real::table::RECORDINGS;
 use quadcal_host_tests::real::{flywheel, hall};
+use quadcal_host_tests::trial::run::Quadcal;
+use quadcal_host_tests::trial::under_trial::UnderTrial;
 
 /// Runs 'quadcal diagnose' on recordings of real machines, with twins that know little, and holds the answers against what is known
 ///
@@ -27,12 +30,17 @@ struct Options {
     /// Recording of a flywheel with six magnets: seconds between pulses, one a line
     #[arg(long, value_name = "PATH")]
     flywheel: Option<PathBuf>,
+    /// Folder of recordings: each of the table that is there is diagnosed, and what is said of it printed
+    #[arg(long, value_name = "DIR")]
+    recordings: Option<PathBuf>,
+    /// Twins of the table say nothing of the drive
+    #[arg(long, requires = "recordings")]
+    no_drive: bool,
     /// Folder to keep twins, answers and reports in; else they are thrown away
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// The command under trial; else the quadcal that is built beside this one
-    #[arg(long, value_name = "PROGRAM")]
-    quadcal: Option<PathBuf>,
+    #[command(flatten)]
+    under_trial: UnderTrial,
 }
 
 fn main() -> Result<ExitCode> {
@@ -40,11 +48,13 @@ fn main() -> Result<ExitCode> {
     let temporary = tempfile::TempDir::new()?;
     let folder = options.folder.as_deref().unwrap_or(temporary.path());
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let Quadcal { program, arguments } = options.under_trial.quadcal()?;
     let bench = Bench {
-        program: program(options.quadcal.as_deref())?,
+        program,
+        arguments,
         folder: folder.to_owned(),
     };
-    let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/recordings");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/recordings");
     let mut met = true;
     let mut show = |lines: Vec<Line>| {
         for line in lines {
@@ -52,29 +62,15 @@ fn main() -> Result<ExitCode> {
             met &= line.met;
         }
     };
-    show(hall::spindle(&bench, &recordings)?);
-    show(hall::hub(&bench, &recordings)?);
+    show(hall::spindle(&bench, &shipped)?);
+    show(hall::hub(&bench, &shipped)?);
     if let Some(path) = &options.flywheel {
         show(flywheel::flywheel(&bench, path)?);
     }
-    Ok(ExitCode::from(u8::from(!met)))
-}
-
-/// The command under trial.
-fn program(given: Option<&Path>) -> Result<PathBuf> {
-    if let Some(path) = given {
-        return std::fs::canonicalize(path).with_context(|| path.display().to_string());
+    if let Some(recordings) = &options.recordings {
+        for recording in &RECORDINGS {
+            show(recording.diagnose(&bench, recordings, !options.no_drive)?);
+        }
     }
-    let own = std::env::current_exe()?;
-    let suffix = std::env::consts::EXE_SUFFIX;
-    ["quadcal-under-test", "quadcal"]
-        .map(|name| own.with_file_name(format!("{name}{suffix}")))
-        .into_iter()
-        .find(|path| path.is_file())
-        .with_context(|| {
-            format!(
-                "no quadcal beside {}: build it first (cargo build --release), or give --quadcal",
-                own.display()
-            )
-        })
+    Ok(ExitCode::from(u8::from(!met)))
 }

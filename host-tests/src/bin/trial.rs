@@ -8,14 +8,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use quadcal_blind::draw::Kind;
+use quadcal_blind::draw::{Family, Kind};
 use quadcal_host_tests::trial::cases::{Draw, Folders};
 use quadcal_host_tests::trial::luck::luck;
 use quadcal_host_tests::trial::run::Quadcal;
 use quadcal_host_tests::trial::shown::Outcome;
 use quadcal_host_tests::trial::speed::{LIMIT_S, minute};
+use quadcal_host_tests::trial::under_trial::UnderTrial;
 use tempfile::TempDir;
 
 /// Draws blind cases, runs 'quadcal diagnose' on each, and scores its answers against the truth
@@ -49,6 +50,9 @@ struct Options {
     /// Cases of this kind only
     #[arg(long)]
     kind: Option<Kind>,
+    /// Cases of this family, in place of the kinds
+    #[arg(long, conflicts_with = "kind")]
+    family: Option<Family>,
     /// Cases at work at once
     #[arg(long, value_name = "N", default_value_t = 2)]
     jobs: usize,
@@ -56,7 +60,7 @@ struct Options {
     #[arg(long, value_name = "DIR", conflicts_with = "open")]
     folder: Option<PathBuf>,
     /// Score cases drawn before: their open folder
-    #[arg(long, value_name = "DIR", requires = "sealed", conflicts_with_all = ["cases", "seed", "kind"])]
+    #[arg(long, value_name = "DIR", requires = "sealed", conflicts_with_all = ["cases", "seed", "kind", "family"])]
     open: Option<PathBuf>,
     /// Score cases drawn before: their sealed folder
     #[arg(long, value_name = "DIR", requires = "open")]
@@ -79,9 +83,8 @@ struct Options {
     /// Write figures and every case's score as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
-    /// The command under trial; else the quadcal that is built beside this one
-    #[arg(long, value_name = "PROGRAM")]
-    quadcal: Option<PathBuf>,
+    #[command(flatten)]
+    under_trial: UnderTrial,
     /// Time the diagnosis of a minute of 150,000 edges, and do nothing else
     #[arg(long, conflicts_with_all = ["open", "sealed", "answers", "case", "misses", "markdown", "json"])]
     speed: bool,
@@ -89,9 +92,7 @@ struct Options {
 
 fn main() -> Result<ExitCode> {
     let options = Options::parse();
-    let quadcal = Quadcal {
-        program: program(options.quadcal.as_deref())?,
-    };
+    let quadcal = options.under_trial.quadcal()?;
     let temporary = TempDir::new()?;
     let folder = options.folder.as_deref().unwrap_or(temporary.path());
     if options.speed {
@@ -154,6 +155,7 @@ fn draw(options: &Options, folder: &Path) -> Result<Folders> {
         cases: options.cases,
         seed: options.seed,
         kind: options.kind,
+        family: options.family,
         only: options.case.clone(),
         again: options.again,
     };
@@ -163,24 +165,6 @@ fn draw(options: &Options, folder: &Path) -> Result<Folders> {
     folders.draw(&draw, options.jobs, || progress.step())?;
     progress.end();
     Ok(folders)
-}
-
-/// The command under trial, as an absolute path.
-fn program(given: Option<&Path>) -> Result<PathBuf> {
-    if let Some(path) = given {
-        return real(path);
-    }
-    let own = std::env::current_exe()?;
-    let names = ["quadcal", "quadcal-under-test"];
-    let beside =
-        names.map(|name| own.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX)));
-    match beside.into_iter().find(|path| path.is_file()) {
-        Some(path) => Ok(path),
-        None => bail!(
-            "no quadcal beside {}: build it first (cargo build --release), or give --quadcal",
-            own.display()
-        ),
-    }
 }
 
 fn speed(quadcal: &Quadcal, folder: &Path) -> Result<ExitCode> {
@@ -218,12 +202,17 @@ impl Options {
             let name = kind.name().replace('_', "-");
             let _ = write!(text, " --kind {name}");
         }
+        if let Some(family) = self.family {
+            let name = family.name().replace('_', "-");
+            let _ = write!(text, " --family {name}");
+        }
         for case in &self.case {
             let _ = write!(text, " --case {case}");
         }
         if self.again > 0 {
             let _ = write!(text, " --again {}", self.again);
         }
+        text.push_str(&self.under_trial.again());
         if let Some(path) = &self.markdown {
             let _ = write!(text, " --markdown {}", path.display());
         }

@@ -14,6 +14,8 @@ use quadcal_host::twin::Twin;
 pub struct Bench {
     /// The program.
     pub program: PathBuf,
+    /// What `diagnose` is given on top of recordings and twins.
+    pub arguments: Vec<String>,
     /// Folder for twins, answers and reports.
     pub folder: PathBuf,
 }
@@ -37,6 +39,7 @@ impl Bench {
         let new = file("-new.toml");
         let output = Command::new(&self.program)
             .arg("diagnose")
+            .args(&self.arguments)
             .arg(recording)
             .arg("--twin")
             .arg(twin)

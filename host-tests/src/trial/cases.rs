@@ -3,16 +3,15 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
-use quadcal_blind::draw::{Kind, again, plan};
+use quadcal_blind::draw::{Family, Kind, again, plan};
 use quadcal_blind::write;
 use thiserror::Error;
 
 use super::run::Quadcal;
 use super::score::Score;
 use super::truth::Truth;
+use crate::parallel::in_parallel;
 
 /// Why a trial came to nothing. What goes wrong in a single case counts against the command instead.
 #[derive(Debug, Error)]
@@ -63,6 +62,8 @@ pub struct Draw {
     pub seed: u64,
     /// Of this kind only.
     pub kind: Option<Kind>,
+    /// Of this family, in place of the kinds.
+    pub family: Option<Family>,
     /// The cases of these names only; all where there are none.
     pub only: Vec<String>,
     /// How often each is recorded again with other noise.
@@ -118,13 +119,15 @@ impl Folders {
     /// # Errors
     /// [`TrialError::Draw`] where one can't be written.
     pub fn draw(&self, draw: &Draw, jobs: usize, done: impl Fn() + Sync) -> Result<(), TrialError> {
-        let plan = plan(draw.cases, draw.seed, draw.kind);
+        let plan = match draw.family {
+            Some(family) => family.plan(draw.cases, draw.seed),
+            None => plan(draw.cases, draw.seed, draw.kind),
+        };
         let repetitions = |place| (0..=draw.again).map(move |repetition| (place, repetition));
         let wanted: Vec<(usize, u64)> = draw.wanted().flat_map(repetitions).collect();
         let each = in_parallel(jobs, wanted.len(), |at| {
             let (place, repetition) = wanted[at];
-            let (kind, number) = plan[place];
-            let case = again(draw.seed, place, kind, number, repetition);
+            let case = again(draw.seed, place, draw.family, plan[place], repetition);
             let name = name(place, repetition);
             write::open_folder(&self.open.join(&name), &case.runs).map_err(TrialError::Draw)?;
             write::sealed(&self.sealed.join(&name), &case.truth).map_err(TrialError::Draw)?;
@@ -194,29 +197,4 @@ fn name(place: usize, repetition: u64) -> String {
         0 => format!("case-{place:04}"),
         _ => format!("case-{place:04}{AGAIN}{repetition:02}"),
     }
-}
-
-/// Results of work on numbers from 0, so many at a time, in order.
-fn in_parallel<T: Send>(jobs: usize, count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let take = || {
-        let mut done = Vec::new();
-        loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            if at >= count {
-                return done;
-            }
-            done.push((at, work(at)));
-        }
-    };
-    let mut all: Vec<(usize, T)> = thread::scope(|scope| {
-        let running: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(take)).collect();
-        let joined = running.into_iter().map(|worker| match worker.join() {
-            Ok(done) => done,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        joined.flatten().collect()
-    });
-    all.sort_by_key(|(at, _)| *at);
-    all.into_iter().map(|(_, result)| result).collect()
 }

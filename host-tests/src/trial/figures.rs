@@ -6,7 +6,8 @@ use quadcal_host::mechanism::Mechanism;
 use serde::Serialize;
 
 use super::score::{Named, Score};
-use super::truth::{Kind, SizeClass};
+use super::truth::{Family, Kind, SizeClass};
+use super::{families, field};
 
 /// What a figure has to reach.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,7 +59,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    fn share(name: impl Into<String>, target: Option<Target>, each: &[bool]) -> Self {
+    pub(super) fn share(name: impl Into<String>, target: Option<Target>, each: &[bool]) -> Self {
         let count = each.iter().filter(|&&one| one).count();
         Self {
             name: name.into(),
@@ -69,7 +70,12 @@ impl Figure {
         }
     }
 
-    fn middle(name: &str, unit: Unit, target: Option<Target>, mut values: Vec<f64>) -> Self {
+    pub(super) fn middle(
+        name: &str,
+        unit: Unit,
+        target: Option<Target>,
+        mut values: Vec<f64>,
+    ) -> Self {
         values.sort_by(f64::total_cmp);
         Self {
             name: name.to_owned(),
@@ -139,12 +145,36 @@ impl fmt::Display for Short {
     }
 }
 
-/// All figures of a trial.
+/// All figures of a trial: those of the kinds where it has any, those of each family that it has, and those of all its cases.
 #[must_use]
 pub fn figures(scores: &[Score]) -> Vec<Figure> {
+    let of = |family| -> Vec<&Score> {
+        let scores = scores.iter();
+        scores.filter(|score| score.family == family).collect()
+    };
+    let mut all = Vec::new();
+    let plain = of(None);
+    if !plain.is_empty() {
+        all.extend(of_kinds(&plain));
+    }
+    for family in Family::ALL {
+        let scores = of(Some(family));
+        if !scores.is_empty() {
+            all.extend(families::figures(family, &scores));
+        }
+    }
+    let every: Vec<&Score> = scores.iter().collect();
+    all.extend(field::figures(&every));
+    all.extend(of_runs(&every));
+    all
+}
+
+/// Figures of the kinds of case.
+fn of_kinds(scores: &[&Score]) -> Vec<Figure> {
     use Target::{AtLeast, AtMost, Between};
     let each = |pick: &dyn Fn(&Score) -> bool, is: &dyn Fn(&Score) -> bool| -> Vec<bool> {
-        scores.iter().filter(|s| pick(s)).map(is).collect()
+        let picked = scores.iter().filter(|s| pick(s));
+        picked.map(|s| is(s)).collect()
     };
     let right = |score: &Score| score.right;
     let of = |kind: Kind| move |score: &Score| score.kind == kind;
@@ -242,6 +272,12 @@ pub fn figures(scores: &[Score]) -> Vec<Figure> {
         Some(AtLeast(0.9)),
         &each(&of(Kind::LookAlike), &right),
     ));
+    all
+}
+
+/// Figures of the runs themselves.
+fn of_runs(scores: &[&Score]) -> Vec<Figure> {
+    let mut all = Vec::new();
     let mut seconds: Vec<f64> = scores.iter().map(|s| s.seconds).collect();
     all.push(Figure::middle(
         "time a case, median",
@@ -257,7 +293,7 @@ pub fn figures(scores: &[Score]) -> Vec<Figure> {
     all.push(Figure::share(
         "runs that failed",
         None,
-        &each(&|_| true, &|s| s.failure.is_some()),
+        &(scores.iter().map(|s| s.failure.is_some())).collect::<Vec<_>>(),
     ));
     all
 }

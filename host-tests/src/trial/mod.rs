@@ -2,6 +2,9 @@
 //! against the sealed truth.
 
 pub mod cases;
+pub mod cell;
+pub mod families;
+pub mod field;
 pub mod figures;
 pub mod interval;
 pub mod luck;
@@ -13,3 +16,4 @@ pub mod speed;
 #[cfg(test)]
 mod tests;
 pub mod truth;
+pub mod under_trial;

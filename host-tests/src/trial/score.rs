@@ -4,18 +4,9 @@ use quadcal_host::diagnose::diagnosis::{Diagnosis, Finding, Verdict};
 use quadcal_host::mechanism::Mechanism;
 use serde::Serialize;
 
+use super::cell::{Agreement, Cell};
 use super::interval::off;
-use super::truth::{Kind, Missing, SizeClass, Truth};
-
-/// What a disc's own pattern may be called where the twin does not give it; right there, but not what was asked for.
-const OF_THE_DISC: [Mechanism; 6] = [
-    Mechanism::LineError,
-    Mechanism::WidthError,
-    Mechanism::QuadratureError,
-    Mechanism::Eccentricity,
-    Mechanism::DiscTilt,
-    Mechanism::LocalDefect,
-];
+use super::truth::{Family, Kind, Missing, OF_THE_DISC, SizeClass, Truth};
 
 /// What `quadcal diagnose` said of a case.
 #[derive(Clone, Debug)]
@@ -63,6 +54,25 @@ pub struct Compared {
     pub off: Option<f64>,
 }
 
+/// A finding, and whether it is of anything that is there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Said {
+    /// What was named.
+    pub mechanism: Mechanism,
+    /// How surely.
+    pub confidence: f64,
+    /// Whether nothing of the kind is there.
+    pub is_false: bool,
+}
+
+impl Said {
+    /// Whether it is a name of the catalogue.
+    #[must_use]
+    pub fn named(&self) -> bool {
+        self.mechanism != Mechanism::Unknown
+    }
+}
+
 /// A case scored.
 #[derive(Clone, Debug, Serialize)]
 pub struct Score {
@@ -70,6 +80,8 @@ pub struct Score {
     pub case: String,
     /// What it tries.
     pub kind: Kind,
+    /// The family it is of, beside the kinds.
+    pub family: Option<Family>,
     /// What is missing: ids, or words for physics in no catalogue.
     pub truth: Vec<String>,
     /// Sizes of it, in those that the ideal detector needs.
@@ -94,6 +106,14 @@ pub struct Score {
     pub extras: Vec<Mechanism>,
     /// Findings on top of those of what is missing; where the twin lacks the disc's pattern too, of what is no such pattern.
     pub beside: usize,
+    /// Every finding with its confidence.
+    pub said: Vec<Said>,
+    /// Sites and carriers named against those of what is missing.
+    pub places: Agreement,
+    /// RMS of the residual on held-out turns, before and after, rad.
+    pub held_out_rad: Option<[f64; 2]>,
+    /// Share of the reducible RMS that was removed on held-out turns, whatever was named.
+    pub removed: Option<f64>,
     /// Whether the answer is right, as its kind has it.
     pub right: bool,
     /// Parameters of right findings.
@@ -114,6 +134,7 @@ impl Score {
         let mut score = Self {
             case: case.to_owned(),
             kind: truth.kind,
+            family: truth.family,
             truth: missing.iter().map(|one| one.physics.clone()).collect(),
             times_ideal: missing.iter().map(|one| one.times_ideal).collect(),
             size: missing.first().map(|one| SizeClass::of(one.times_ideal)),
@@ -126,6 +147,10 @@ impl Score {
             found: 0,
             extras: Vec::new(),
             beside: 0,
+            said: Vec::new(),
+            places: Agreement::default(),
+            held_out_rad: None,
+            removed: None,
             right: false,
             parameters: Vec::new(),
             reducible_removed: None,
@@ -148,6 +173,28 @@ impl Score {
         };
         let findings: Vec<&Finding> = diagnosis.findings.iter().filter(counts).collect();
         let first = findings.first();
+        self.said = (diagnosis.findings.iter())
+            .map(|finding| Said {
+                mechanism: finding.mechanism,
+                confidence: finding.confidence,
+                is_false: !truth.has(finding.mechanism),
+            })
+            .collect();
+        let named: Vec<Cell> = findings
+            .iter()
+            .filter_map(|f| Cell::of_finding(f))
+            .collect();
+        let there: Vec<Cell> = missing.iter().filter_map(Missing::cell).collect();
+        self.places = Agreement::of(&named, &there);
+        let held_out = &diagnosis.fit.held_out;
+        self.held_out_rad = (held_out.rms_before_rad.zip(held_out.rms_after_rad))
+            .map(|(before, after)| [before, after]);
+        self.removed = held_out.reducible_removed.or_else(|| {
+            let [before, after] = self.held_out_rad?;
+            // Without a floor all of it counts as reducible, which claims the least.
+            let reducible = before - held_out.floor_rad.unwrap_or(0.0);
+            (reducible > 0.0).then(|| (before - after) / reducible)
+        });
         self.verdict = Some(diagnosis.verdict);
         self.first = first.map_or(Named::None, |first| Named::Mechanism(first.mechanism));
         self.look_alikes = first.map_or_else(Vec::new, |first| first.look_alikes.clone());

@@ -6,6 +6,18 @@ use quadcal_host::mechanism::Mechanism;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::cell::Cell;
+
+/// What a disc's own pattern may be called where the twin does not give it; right there, but not what was asked for.
+pub const OF_THE_DISC: [Mechanism; 6] = [
+    Mechanism::LineError,
+    Mechanism::WidthError,
+    Mechanism::QuadratureError,
+    Mechanism::Eccentricity,
+    Mechanism::DiscTilt,
+    Mechanism::LocalDefect,
+];
+
 /// What a case tries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -48,6 +60,41 @@ impl Kind {
     }
 }
 
+/// A family of cases beside the kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Family {
+    /// The twin knows sensor, timer and inertia alone.
+    Thin,
+    /// The twin does not know the drive.
+    FreeDrive,
+    /// Noise that is not white and normal.
+    Heavy,
+    /// Effects in no catalogue.
+    CatalogueFree,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::Thin,
+        Self::FreeDrive,
+        Self::Heavy,
+        Self::CatalogueFree,
+    ];
+
+    /// Its name in figures.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Thin => "thin twin",
+            Self::FreeDrive => "free drive",
+            Self::Heavy => "heavy noise",
+            Self::CatalogueFree => "no catalogue",
+        }
+    }
+}
+
 /// Sizes of effects in classes, in sizes that the ideal detector needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct SizeClass(pub u32);
@@ -78,6 +125,12 @@ impl fmt::Display for SizeClass {
 pub struct Truth {
     /// What it tries.
     pub kind: Kind,
+    /// The family it is of, beside the kinds.
+    #[serde(default)]
+    pub family: Option<Family>,
+    /// What the rig has, beside what is tried, and the twin does not give.
+    #[serde(default)]
+    pub undeclared: Vec<Mechanism>,
     /// What the twin lacks.
     pub mechanisms: Vec<Missing>,
     /// Mechanisms that the recording can't tell apart.
@@ -87,6 +140,18 @@ pub struct Truth {
     pub disc_known: bool,
     /// The rig's noise.
     pub noise: Noise,
+}
+
+impl Truth {
+    /// Whether anything that is there, and that the twin does not give, may be called so.
+    #[must_use]
+    pub fn has(&self, mechanism: Mechanism) -> bool {
+        let mut missing = self.mechanisms.iter();
+        missing.any(|one| one.is(mechanism) || one.near.contains(&mechanism))
+            || self.undeclared.contains(&mechanism)
+            || self.indistinguishable.contains(&mechanism)
+            || (!self.disc_known && OF_THE_DISC.contains(&mechanism))
+    }
 }
 
 /// Noise of the rig without what is missing.
@@ -106,6 +171,9 @@ pub struct Missing {
     /// Other mechanisms that describe the very same.
     #[serde(default)]
     pub same_physics: Vec<Mechanism>,
+    /// Mechanisms of the same site and carrier, where it is in no catalogue.
+    #[serde(default)]
+    pub near: Vec<Mechanism>,
     /// Its parameters.
     pub parameters: Map<String, Value>,
     /// Its size in those that the ideal detector needs; what counts even where d' grows as the square of it.
@@ -125,6 +193,12 @@ impl Missing {
     #[must_use]
     pub fn identifiable(&self) -> bool {
         self.separation_d_prime.is_none_or(|apart| apart >= 5.0)
+    }
+
+    /// Where it enters and what it follows; none for physics in no catalogue.
+    #[must_use]
+    pub fn cell(&self) -> Option<Cell> {
+        Cell::of(self.id, self.parameters.contains_key("runout_rad"))
     }
 
     /// A parameter that is a number.

@@ -10,7 +10,7 @@ use std::thread;
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use quadcal_blind::draw::{Kind, case, plan};
+use quadcal_blind::draw::{Family, Kind, again, plan};
 use quadcal_blind::write;
 
 /// Draws cases for a blind trial of the diagnosis: recordings with their twin into one folder, the truth into another
@@ -40,6 +40,9 @@ struct Options {
     /// Draw cases of this kind only
     #[arg(long)]
     kind: Option<Kind>,
+    /// Draw cases of this family in place of the kinds
+    #[arg(long, conflicts_with = "kind")]
+    family: Option<Family>,
     /// Write this case only, by its number from 0
     #[arg(long, value_name = "N")]
     one: Option<usize>,
@@ -56,7 +59,10 @@ fn main() -> Result<()> {
         options.sealed.display(),
         options.out.display()
     );
-    let plan = plan(options.cases, options.seed, options.kind);
+    let plan = match options.family {
+        Some(family) => family.plan(options.cases, options.seed),
+        None => plan(options.cases, options.seed, options.kind),
+    };
     let places: Vec<usize> = match options.one {
         Some(one) => {
             ensure!(
@@ -73,8 +79,8 @@ fn main() -> Result<()> {
     let counts = Mutex::new(BTreeMap::<&str, usize>::new());
     let draw = || -> Result<()> {
         while let Some(&place) = places.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let (kind, number) = plan[place];
-            let case = case(options.seed, place, kind, number);
+            let (kind, _) = plan[place];
+            let case = again(options.seed, place, options.family, plan[place], 0);
             let name = format!("case-{place:04}");
             write::open_folder(&options.out.join(&name), &case.runs)?;
             write::sealed(&options.sealed.join(&name), &case.truth)?;

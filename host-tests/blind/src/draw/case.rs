@@ -1,13 +1,14 @@
 //! One case: what is drawn, how large it is made, and what the truth says.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::effects::{self, CATALOGUE};
+use super::family::Family;
 use super::hidden::{look_alike, masked};
 use super::kind::Kind;
 use super::limits::plausible;
 use super::outside;
-use super::record::{happens_once, record};
+use super::record::{happens_once, record, undeclared};
 use super::rigs::{Shape, rigs};
 use super::settle::settle;
 use crate::capture::Row;
@@ -53,16 +54,22 @@ pub(super) struct Drawn {
 /// Draws a case. The same seed, kind and number give the same case.
 #[must_use]
 pub fn case(seed: u64, place: usize, kind: Kind, number: usize) -> Case {
-    again(seed, place, kind, number, 0)
+    again(seed, place, None, (kind, number), 0)
 }
 
-/// The case as [`case`] draws it, its torque noise and jitter drawn anew where `again` is not 0.
+/// The case as [`case`] draws it, or one of a family; its torque noise and jitter drawn anew where `again` is not 0.
 #[must_use]
-pub fn again(seed: u64, place: usize, kind: Kind, number: usize, again: u64) -> Case {
+pub fn again(
+    seed: u64,
+    place: usize,
+    family: Option<Family>,
+    (kind, number): (Kind, usize),
+    again: u64,
+) -> Case {
     let own = Dice::new(seed, 1 + place as u64).seed();
     let mut dice = Dice::new(own, 0);
     for attempt in 0.. {
-        let Some(mut drawn) = draw(&mut dice, kind, number, attempt) else {
+        let Some(mut drawn) = draw(&mut dice, family, (kind, number), attempt) else {
             continue;
         };
         let noise = dice.seed();
@@ -70,10 +77,15 @@ pub fn again(seed: u64, place: usize, kind: Kind, number: usize, again: u64) -> 
             continue;
         }
         if let Some(case) = record(&drawn, kind, own, noise) {
-            return match again {
+            let mut case = match again {
                 0 => case,
                 _ => with_other_noise(&drawn, kind, own, Dice::new(noise, again)).unwrap_or(case),
             };
+            if let Some(family) = family {
+                case.truth["family"] = json!(family.name());
+                case.truth["undeclared"] = json!(undeclared(&drawn.rigs));
+            }
+            return case;
         }
     }
     unreachable!("a smaller effect fits in the end")
@@ -84,7 +96,12 @@ fn with_other_noise(drawn: &Drawn, kind: Kind, own: u64, mut dice: Dice) -> Opti
     (0..DRAWS).find_map(|_| record(drawn, kind, own, dice.seed()))
 }
 
-fn draw(dice: &mut Dice, kind: Kind, number: usize, attempt: usize) -> Option<Drawn> {
+fn draw(
+    dice: &mut Dice,
+    family: Option<Family>,
+    (kind, number): (Kind, usize),
+    attempt: usize,
+) -> Option<Drawn> {
     // Sizes take turns with effects, so that each effect meets each size. What never fits is tried smaller.
     let size = (number / CATALOGUE.len() + number) % TIMES.len();
     let times = TIMES[size.saturating_sub(attempt / DRAWS)];
@@ -94,6 +111,10 @@ fn draw(dice: &mut Dice, kind: Kind, number: usize, attempt: usize) -> Option<Dr
         alike: Vec::new(),
         mask: None,
     };
+    if let Some(family) = family {
+        family.draw(dice, &mut drawn, (kind, number), attempt)?;
+        return Some(drawn);
+    }
     match kind {
         Kind::One => {
             let id = CATALOGUE[number % CATALOGUE.len()];

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::effects::{run_s, slowest};
-use crate::effect::Effect;
+use crate::effect::{Carrier, Effect, Site};
 use crate::rig::{Order, Rig};
 
 /// Whether an effect is no larger than a rig can have.
@@ -52,6 +52,15 @@ pub fn plausible(effect: &Effect, rigs: &[Rig]) -> bool {
         Effect::CaptureTask {
             task_hz, busy_s, ..
         } => busy_s * top < 0.5 * step && busy_s * task_hz < 0.5,
+        Effect::Cell(cell) => match (cell.site, cell.carrier) {
+            (Site::Torque, Carrier::Jumps | Carrier::Steady) => {
+                size < 0.2 * slow * rig.inertia * rig.damping(true)
+            }
+            (Site::Torque, _) => size / (rig.inertia * cell.quickest(slow, 0.0) * slow) < 0.2,
+            (Site::Disc, Carrier::Order { order, .. }) => size * order < 0.1,
+            (Site::Disc | Site::Level, _) => size < 0.2 * step,
+            (Site::Stamp, _) => size * top < 0.2 * step,
+        },
         // No coupling is as loose as a tenth of a rad, however coarse the encoder.
         Effect::Hysteresis { .. } | Effect::Backlash { .. } => size < (3.0 * step).min(0.1),
         Effect::Creep { .. } => size < 0.5 * step,

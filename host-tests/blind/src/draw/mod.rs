@@ -1,7 +1,9 @@
 //! Drawing of cases: rigs, effects, kinds.
 
 mod case;
+mod cells;
 mod effects;
+mod family;
 mod hidden;
 mod kind;
 mod limits;
@@ -14,5 +16,6 @@ mod tests;
 
 pub use case::{Case, again, case};
 pub use effects::CATALOGUE;
+pub use family::Family;
 pub use kind::{Kind, plan};
 pub use rigs::{Shape, rigs};

@@ -8,7 +8,7 @@ use crate::capture::rows;
 use crate::effect::Effect;
 use crate::encoder::Encoder;
 use crate::ideal::changed;
-use crate::rig::{Profile, Rig};
+use crate::rig::{Profile, Rig, Told};
 use crate::turning::{Course, turn};
 
 /// Whether an effect happens at a time: then in the first recording only.
@@ -56,8 +56,7 @@ pub(super) fn record(drawn: &Drawn, kind: Kind, seed: u64, noise: u64) -> Option
         let (rows, at) = rows(&course, &real, &effects, noise ^ number as u64);
         let slow = course.speeds.0 <= 0.05 * rig.profile.top();
         let sticks = |e: &Effect| matches!(e, Effect::StickSlip { .. });
-        let turns_back = matches!(rig.profile, Profile::Ramp { to, .. } if to < 0.0)
-            || effects.iter().any(sticks);
+        let turns_back = rig.profile.reverses() || effects.iter().any(sticks);
         if (slow && !turns_back) || rows.len() > 200_000 || rows.len() < 100 {
             return None;
         }
@@ -110,7 +109,7 @@ fn mechanism(sized: &Sized, events: &[f64], encoder: Encoder) -> Value {
         let rms = (squares / pattern.len() as f64).sqrt();
         parameters.insert("pattern_rms_rad".to_owned(), json!(rms));
     }
-    json!({
+    let mut value = json!({
         "id": effect.id(),
         "physics": effect.physics(),
         "same_physics": effect.same_physics(),
@@ -120,5 +119,46 @@ fn mechanism(sized: &Sized, events: &[f64], encoder: Encoder) -> Value {
         "d_prime": sized.distance,
         "separation_d_prime": sized.separation,
         "recording": happens_once(effect).then_some(1),
-    })
+    });
+    if let Effect::Cell(cell) = effect {
+        value["site"] = json!(cell.site.name());
+        value["carrier"] = json!(cell.carrier.name());
+        value["near"] = json!(cell.near());
+    }
+    value
+}
+
+/// Ids of what the rig has, beside the effects, and the twin does not give.
+pub(super) fn undeclared(rigs: &[Rig]) -> Vec<&'static str> {
+    let any = |has: &dyn Fn(&Rig) -> bool| rigs.iter().any(has);
+    let mut ids = Vec::new();
+    let mut add = |there: bool, more: &[&'static str]| {
+        if there {
+            ids.extend_from_slice(more);
+        }
+    };
+    let bare = |rig: &Rig| rig.told == Told::InertiaOnly;
+    add(
+        any(&|rig| !rig.disc_known),
+        &[
+            "line_error",
+            "width_error",
+            "quadrature_error",
+            "eccentricity",
+            "disc_tilt",
+            "local_defect",
+        ],
+    );
+    add(any(&|rig| !rig.noise_known), &["timestamp_jitter"]);
+    add(
+        any(&|rig| bare(rig) && !rig.ripples.is_empty()),
+        &["torque_ripple"],
+    );
+    add(
+        any(&|rig| bare(rig) && rig.viscous + rig.coulomb > 0.0),
+        &["friction"],
+    );
+    let looped = |rig: &Rig| matches!(rig.profile, Profile::Loop { .. });
+    add(any(&|rig| bare(rig) && looped(rig)), &["closed_loop"]);
+    ids
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::encoder::Encoder;
 use crate::random::Dice;
-use crate::rig::{Order, Profile, Rig};
+use crate::rig::{NoiseShape, Order, Profile, Rig, Told};
 
 /// Course of the speed in the recordings of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +114,8 @@ pub fn rigs(dice: &mut Dice, shape: Shape, fits: impl Fn(Encoder) -> bool) -> Ve
         noise_psd: 0.0,
         jitter_s: 0.0,
         noise_known: dice.chance(0.7),
+        noise_shape: NoiseShape::White,
+        told: Told::Whole,
         clock_hz,
         profile: profiles[0],
         turns,

@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
-use super::{CATALOGUE, Kind, again, case, plan};
+use super::{CATALOGUE, Family, Kind, again, case, plan};
+use crate::rig::{Profile, Told};
 use crate::write;
 
 #[test]
@@ -43,11 +44,14 @@ fn the_same_seed_gives_the_same_bytes_and_the_open_files_hold_no_effect() {
 
 #[test]
 fn a_case_recorded_again_has_the_same_truth_and_other_noise() {
-    let (first, other) = (case(5, 3, Kind::One, 3), again(5, 3, Kind::One, 3, 2));
+    let (first, other) = (
+        case(5, 3, Kind::One, 3),
+        again(5, 3, None, (Kind::One, 3), 2),
+    );
     assert_eq!(first.truth, other.truth);
     assert_eq!(write::twin(&first.runs[0].0), write::twin(&other.runs[0].0));
     assert_ne!(first.runs[0].1, other.runs[0].1);
-    let once_more = again(5, 3, Kind::One, 3, 2);
+    let once_more = again(5, 3, None, (Kind::One, 3), 2);
     assert_eq!(other.runs[0].1, once_more.runs[0].1);
 }
 
@@ -89,4 +93,51 @@ fn a_play_is_as_large_as_its_own_recording_asks_for() {
             assert!(size < 3.0 * step, "{size} {step}");
         }
     }
+}
+
+fn of_family(family: Family, place: usize) -> super::Case {
+    let plan = family.plan(12, 5);
+    again(5, place, Some(family), plan[place], 0)
+}
+
+#[test]
+fn a_thin_twin_holds_sensor_timer_and_inertia_alone() {
+    for place in 0..4 {
+        let case = of_family(Family::Thin, place);
+        assert!(case.truth["mechanisms"].as_array().unwrap().is_empty());
+        assert_eq!(case.truth["family"], "thin");
+        let twin = write::twin(&case.runs[0].0);
+        let sections: Vec<&str> = twin.lines().filter(|line| line.starts_with('[')).collect();
+        assert!(sections[0].starts_with("[encoder."), "{twin}");
+        assert_eq!(sections[1..], ["[shaft]", "[timer]"], "{twin}");
+        let keys = twin.lines().filter(|line| line.contains("n_m")).count();
+        assert_eq!(keys, 0, "{twin}");
+    }
+}
+
+#[test]
+fn a_free_drive_dwells_and_reverses_and_the_twin_says_nothing_of_it() {
+    let mut with_effect = 0;
+    for place in 0..6 {
+        let case = of_family(Family::FreeDrive, place);
+        let rig = &case.runs[0].0;
+        let Profile::Free(pieces) = rig.profile else {
+            panic!("{:?}", rig.profile);
+        };
+        assert!(pieces.reverses());
+        let still = (0..1000).map(|at| f64::from(at) * pieces.end_s() / 1000.0);
+        assert!(still.map(|t| pieces.at(t, t)).any(|now| now == (0.0, 0.0)));
+        assert!(!write::twin(rig).contains("drive") && rig.told == Told::NoDrive);
+        with_effect += case.truth["mechanisms"].as_array().unwrap().len();
+    }
+    assert!((1..6).contains(&with_effect), "{with_effect}");
+}
+
+#[test]
+fn an_effect_in_no_catalogue_says_its_site_and_carrier() {
+    let case = of_family(Family::CatalogueFree, 0);
+    let effect = &case.truth["mechanisms"][0];
+    assert_eq!(effect["id"], "unknown");
+    assert!(effect["site"].is_string() && effect["carrier"].is_string());
+    assert_eq!(case.truth["verdict"], "unknown");
 }

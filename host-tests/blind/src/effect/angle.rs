@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::Effect;
+use super::{Effect, Site};
 use crate::encoder::{Class, Encoder};
 use crate::random::Dice;
 
@@ -71,6 +71,9 @@ impl Effect {
     /// Whether [`Self::late_rad`] is ever anything but 0.
     #[must_use]
     pub const fn moves_marks(&self) -> bool {
+        if let Self::Cell(cell) = self {
+            return cell.moves_marks();
+        }
         matches!(
             self,
             Self::ThresholdRipple { .. }
@@ -139,6 +142,14 @@ impl Effect {
                 let snaps = jumps.partition_point(|&jump| jump <= turn);
                 let from = snaps.checked_sub(1).map_or(0.0, |last| jumps[last]);
                 -per_turn_rad * (turn - from)
+            }
+            Self::Cell(cell) if cell.touches(at.class) => {
+                let value = cell.value(at.time_s, at.inside_s, at.theta, at.speed);
+                match cell.site {
+                    Site::Disc => -value,
+                    Site::Level => by_level(None) * value,
+                    Site::Torque | Site::Stamp => 0.0,
+                }
             }
             _ => 0.0,
         }

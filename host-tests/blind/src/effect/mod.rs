@@ -1,6 +1,7 @@
 //! Effects: what the recording has and the twin has not. Angles in rad, times in s, torques in N m.
 
 mod angle;
+mod cell;
 mod names;
 mod scale;
 #[cfg(test)]
@@ -8,6 +9,7 @@ mod tests;
 mod torque;
 
 pub use angle::Place;
+pub use cell::{Carrier, Cell, Growth, Site};
 
 /// One effect. Each names itself by [`Effect::id`]; those that no catalogue has give `unknown`.
 #[derive(Clone, Debug, PartialEq)]
@@ -287,4 +289,6 @@ pub enum Effect {
         /// Seed.
         seed: u64,
     },
+    /// No catalogue: put together of site, carrier and growth.
+    Cell(Cell),
 }

@@ -1,5 +1,7 @@
 //! Ids and parameters of effects, as the sealed truth has them.
 
+use std::borrow::Cow;
+
 use serde_json::{Map, Value, json};
 
 use super::Effect;
@@ -43,7 +45,8 @@ impl Effect {
             | Self::ModulatedOrder { .. }
             | Self::BurstNoise { .. }
             | Self::Telegraph { .. }
-            | Self::Creep { .. } => "unknown",
+            | Self::Creep { .. }
+            | Self::Cell(_) => "unknown",
         }
     }
 
@@ -61,8 +64,9 @@ impl Effect {
 
     /// What physics it is, for those that no catalogue has; else the id.
     #[must_use]
-    pub const fn physics(&self) -> &'static str {
-        match self {
+    pub fn physics(&self) -> Cow<'static, str> {
+        let words = match self {
+            Self::Cell(cell) => return cell.words().into(),
             Self::Whirl { .. } => "eccentricity by whirl",
             Self::Chirp { .. } => "torque that sweeps in frequency",
             Self::OrderChirp { .. } => "torque that sweeps in order",
@@ -71,7 +75,8 @@ impl Effect {
             Self::Telegraph { .. } => "random telegraph level",
             Self::Creep { .. } => "disc creeping with angle, snapping back",
             _ => self.id(),
-        }
+        };
+        words.into()
     }
 
     /// Parameters by name, SI units as the names say.

@@ -46,6 +46,7 @@ impl Effect {
             Self::CaptureLatency { mean_s } => vec![mean_s],
             Self::CaptureTask { busy_s, .. } => vec![busy_s],
             Self::Creep { per_turn_rad, .. } => vec![per_turn_rad],
+            Self::Cell(cell) => vec![&mut cell.size],
             Self::ClosedLoop {
                 kp_n_m_s, ki_n_m, ..
             } => vec![kp_n_m_s, ki_n_m],

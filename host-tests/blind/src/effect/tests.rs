@@ -11,7 +11,7 @@ use crate::turning::turn;
 fn late(rig: &Rig, effect: &Effect) -> Vec<(f64, f64, f64, Class)> {
     let effects = std::slice::from_ref(effect);
     let course = turn(rig, effects, None);
-    let times = arrivals(&course, effects);
+    let times = arrivals(&course, rig, effects);
     let step = rig.encoder.step_rad();
     let speed = rig.profile.start();
     let mut all = Vec::new();

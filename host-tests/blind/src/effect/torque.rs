@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Effect;
+use super::{Carrier, Effect, Site};
 
 impl Effect {
     /// Torque at a time, angle and speed, N m. `inside_s` lies on the same side of every sudden change as the time; `motion` is
@@ -55,6 +55,9 @@ impl Effect {
                 let envelope = wave((f_hz + 0.5 * rate_hz_s * time_s) * time_s);
                 torque_n_m * envelope * libm::sin(order * theta)
             }
+            Self::Cell(cell) if cell.site == Site::Torque => {
+                cell.value(time_s, inside_s, theta, speed)
+            }
             _ => 0.0,
         }
     }
@@ -62,10 +65,13 @@ impl Effect {
     /// Whether it changes the shaft's speed for long, and nothing else.
     #[must_use]
     pub const fn is_slow(&self) -> bool {
-        matches!(
-            self,
-            Self::Friction { .. } | Self::LoadStep { .. } | Self::SpeedDrift { .. }
-        )
+        match self {
+            Self::Cell(cell) => {
+                matches!((cell.site, cell.carrier), (Site::Torque, Carrier::Steady))
+            }
+            Self::Friction { .. } | Self::LoadStep { .. } | Self::SpeedDrift { .. } => true,
+            _ => false,
+        }
     }
 
     /// Dry friction at a speed, N m, without its sign.
@@ -124,6 +130,7 @@ impl Effect {
                 rate_hz_s,
                 ..
             } => order * speed + TAU * (f_hz + rate_hz_s * until_s).max(*f_hz),
+            Self::Cell(cell) if cell.site == Site::Torque => cell.quickest(speed, until_s),
             _ => 0.0,
         }
     }
@@ -138,6 +145,7 @@ impl Effect {
             Self::IndexSlip { at_s, .. } => vec![*at_s],
             Self::ThresholdDrift { from_s, .. } => vec![*from_s],
             Self::Telegraph { .. } => jumps.to_vec(),
+            Self::Cell(cell) => cell.switches_s.clone(),
             _ => Vec::new(),
         }
     }

@@ -32,7 +32,7 @@ impl Passed {
     /// Of a run as it was recorded: every edge that it passed. About a turn the shaft is slow enough for ripples to hold it or to
     /// throw it over, so they are springs to what noise does.
     pub fn recorded(rig: &Rig, course: &Course, effects: &[Effect]) -> Self {
-        let times = arrivals(course, effects);
+        let times = arrivals(course, rig, effects);
         let edges = course.crossings.iter().zip(times);
         let edges = edges.filter(|(crossing, _)| crossing.class.is_some());
         let play: f64 = effects.iter().map(Effect::play_rad).sum();

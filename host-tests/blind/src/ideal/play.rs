@@ -3,15 +3,13 @@
 use super::passed::Passed;
 use super::project;
 use crate::effect::Effect;
-use crate::rig::{Profile, Rig};
+use crate::rig::Rig;
 use crate::turning::Course;
 
 /// Whether an effect is a play and a drive reverses, so that the play shows.
 #[must_use]
 pub fn shows_play(effect: &Effect, rigs: &[Rig]) -> bool {
-    let reverses =
-        |rig: &Rig| matches!(rig.profile, Profile::Ramp { from, to, .. } if from * to < 0.0);
-    effect.play_rad() != 0.0 && rigs.iter().any(reverses)
+    effect.play_rad() != 0.0 && rigs.iter().any(|rig| rig.profile.reverses())
 }
 
 /// d' of the play of `effects` in runs as they were recorded, torque noise and all.
@@ -42,7 +40,7 @@ mod tests {
 
     use super::*;
     use crate::encoder::Encoder;
-    use crate::rig::Order;
+    use crate::rig::{Order, Profile};
     use crate::testing::plain;
     use crate::turning::turn;
 

@@ -40,7 +40,7 @@ impl Sight {
         };
         let course_speed = turn_evenly(&calm, &[]).crossings;
         let course_speed = course_speed.iter().map(|c| (c.time_s, c.speed)).collect();
-        let times = arrivals(&course, &[]);
+        let times = arrivals(&course, rig, &[]);
         let mut edges: Vec<usize> = (0..course.crossings.len())
             .filter(|&at| course.crossings[at].class.is_some())
             .collect();
@@ -97,7 +97,7 @@ impl Sight {
             return self.lag(rig, &turn_evenly(&changed, effects));
         }
         let course = turn_evenly(&changed, effects);
-        let times = arrivals(&course, effects);
+        let times = arrivals(&course, &changed, effects);
         // An edge is the same if it is the nth time that its place is passed.
         let mut met: HashMap<(i64, u32), f64> = HashMap::with_capacity(times.len());
         let mut visits: HashMap<i64, u32> = HashMap::new();

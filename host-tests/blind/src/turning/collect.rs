@@ -1,5 +1,6 @@
 //! Takes the marks crossed within a step, in order, and shows them to a speed loop.
 
+use super::noise::Noise;
 use super::{Run, marks};
 use crate::effect::{Effect, Place};
 use crate::step::Step;
@@ -51,7 +52,7 @@ impl Run<'_> {
             }
         }
         for at in first..self.course.crossings.len() {
-            let error = self.noise.as_mut().map_or(0.0, |n| n.jitter.normal());
+            let error = self.noise.as_mut().map_or(0.0, Noise::stamp);
             let crossing = &mut self.course.crossings[at];
             crossing.error_s = self.rig.jitter_s * error;
             if let (Some(control), Some(_)) = (&mut self.speed_loop, crossing.class) {

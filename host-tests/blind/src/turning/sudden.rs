@@ -17,6 +17,7 @@ impl Sudden {
                 vec![over_s, zero]
             }
             Profile::RunDown { off_s, .. } => vec![off_s],
+            Profile::Free(pieces) => pieces.sudden(),
             Profile::Constant { .. } | Profile::Loop { .. } => Vec::new(),
         };
         for (effect, jumps) in effects.iter().zip(jumps) {

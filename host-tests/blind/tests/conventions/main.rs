@@ -8,7 +8,7 @@ mod motion;
 use quadcal_blind::capture::rows;
 use quadcal_blind::effect::Effect;
 use quadcal_blind::encoder::Encoder;
-use quadcal_blind::rig::{Profile, Rig};
+use quadcal_blind::rig::{NoiseShape, Profile, Rig, Told};
 use quadcal_blind::turning::turn;
 use quadcal_blind::write;
 use quadcal_host::sim::Simulation;
@@ -34,6 +34,8 @@ fn rig(profile: Profile) -> Rig {
         noise_psd: 0.0,
         jitter_s: 0.0,
         noise_known: false,
+        noise_shape: NoiseShape::White,
+        told: Told::Whole,
         clock_hz: CLOCK_HZ,
         profile,
         turns: 4.0,

@@ -8,6 +8,7 @@ use quadcal_host::diagnose::diagnosis::{
 use quadcal_host::mechanism::Mechanism;
 use serde_json::{Value, json};
 
+use super::cell::{Agreement, Cell};
 use super::figures::{Figure, figures};
 use super::matrix::Matrix;
 use super::score::{Answer, Named, Score};
@@ -257,4 +258,68 @@ fn figures_and_matrix_count_cases_by_size() {
 fn sizes_fall_into_the_class_that_is_nearest_by_ratio() {
     let classes = [3.0, 3.8, 4.0, 7.0, 7.2, 17.0, 18.0, 400.0].map(|times| SizeClass::of(times).0);
     assert_eq!(classes, [3, 3, 5, 5, 10, 10, 30, 30]);
+}
+
+#[test]
+fn where_counts_site_and_carrier_whatever_the_name() {
+    let mesh = Cell::of(Mechanism::GearMesh, false).unwrap();
+    let round = Cell::of(Mechanism::Eccentricity, false).unwrap();
+    assert_eq!(Cell::of(Mechanism::TorqueRipple, false), Some(mesh));
+    assert_eq!(Cell::of(Mechanism::Bearing, true), Some(round));
+    let seen = Agreement::of(&[mesh, mesh, round], &[mesh]);
+    assert_eq!((seen.right, seen.named, seen.there), (1, 3, 1));
+    let truth = truth("one", json!([missing("gear_mesh", json!({}))]));
+    let score = Score::of("case", &truth, &named(&[Mechanism::TorqueRipple]));
+    let figures = figures(&[score]);
+    let f1 = figures.iter().find(|f| f.name.starts_with("F1")).unwrap();
+    assert_eq!(f1.value, Some(1.0));
+}
+
+#[test]
+fn a_sure_false_name_is_a_false_discovery_and_a_growing_residual_is_a_miss() {
+    let truth = truth("one", json!([missing("gear_mesh", json!({}))]));
+    let mut answer = named(&[Mechanism::GearMesh, Mechanism::EdgeDelay]);
+    let said = answer.said.as_mut().unwrap();
+    said.findings[1].confidence = 0.97;
+    said.fit.held_out.rms_after_rad = Some(2.1);
+    let figures = figures(&[Score::of("case", &truth, &answer)]);
+    let of = |start: &str| figures.iter().find(|f| f.name.starts_with(start)).unwrap();
+    assert_eq!(of("false discovery rate, confidence 95").of, (Some(1), 2));
+    assert_eq!(of("false discovery rate, confidence 99").of, (Some(0), 1));
+    assert_eq!(of("held-out residual").met(), Some(false));
+}
+
+#[test]
+fn a_thin_twin_allows_what_the_rig_has_and_nothing_else() {
+    let mut thin = truth("nothing", json!([]));
+    thin.family = Some(super::truth::Family::Thin);
+    thin.disc_known = false;
+    thin.undeclared = vec![Mechanism::TorqueRipple];
+    let false_names = |ids: &[Mechanism]| {
+        let figures = figures(&[Score::of("case", &thin, &named(ids))]);
+        assert!(
+            !figures
+                .iter()
+                .any(|f| f.name.starts_with("right mechanism"))
+        );
+        let figure = figures.iter().find(|f| f.name.starts_with("thin twin"));
+        figure.unwrap().of.0
+    };
+    let there = [Mechanism::LineError, Mechanism::TorqueRipple];
+    assert_eq!(false_names(&there), Some(0));
+    assert_eq!(false_names(&[Mechanism::EdgeDelay]), Some(1));
+    assert_eq!(false_names(&[Mechanism::Unknown]), Some(1));
+}
+
+#[test]
+fn an_effect_in_no_catalogue_may_be_called_by_its_own_place() {
+    let mut effect = missing("unknown", json!({}));
+    effect["near"] = json!(["torque_ripple"]);
+    let mut free = truth("outside", json!([effect]));
+    free.family = Some(super::truth::Family::CatalogueFree);
+    let score = |id| Score::of("case", &free, &named(&[id]));
+    assert!(!score(Mechanism::TorqueRipple).said[0].is_false);
+    assert!(!score(Mechanism::Unknown).said[0].is_false);
+    assert!(score(Mechanism::EdgeDelay).said[0].is_false);
+    assert_eq!(score(Mechanism::Unknown).removed, Some(0.95));
 }
