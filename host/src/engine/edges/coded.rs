@@ -65,7 +65,7 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
         ticks: row.ticks,
         class: class(&row),
     });
-    let way = follow(&grid, start, &[], sights);
+    let way = follow(&grid, start, sights);
     edges.fit = way.score / way.seen.len().max(1) as f64;
 
     let mut last: Option<(i64, bool)> = None;

@@ -45,6 +45,12 @@ const PLAIN: f64 = 0.2;
 /// Gains of the speed and its slope, and of the spread's mean.
 const GAINS: [f64; 3] = [0.6, 0.15, 0.08];
 
+/// Share of its price that an event saves in a burst, and what an edge in between leaves of that.
+const BURST: f64 = 0.6;
+const CALM: f64 = 0.9;
+/// Log speeds that count as the same.
+const SAME_SPEED: f64 = 0.05;
+
 /// What became of an observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Seen {
@@ -94,6 +100,8 @@ struct Hypothesis {
     speed: Option<[f64; 3]>,
     /// Whether the last observation was no edge.
     skipped: bool,
+    /// How near the last edge lost or too many is: 1 just behind it, then less and less.
+    trouble: f64,
     score: f64,
     node: usize,
 }
@@ -110,8 +118,6 @@ const ROOT: usize = usize::MAX;
 
 struct Follower<'a> {
     grid: &'a Grid,
-    /// Mean innovation at each rank of the turn, where it is known.
-    pattern: &'a [f64],
     spread: [f64; 2],
     live: Vec<Hypothesis>,
     next: Vec<Hypothesis>,
@@ -120,16 +126,14 @@ struct Follower<'a> {
 }
 
 /// Finds the likeliest way. `start` is the class of the sector before the first observation; with none the first
-/// observation is the first edge. `pattern` is the mean innovation at each rank, or empty.
+/// observation is the first edge.
 pub(super) fn follow(
     grid: &Grid,
     start: Option<(u64, u8)>,
-    pattern: &[f64],
     sights: impl Iterator<Item = Sight>,
 ) -> Way {
     let mut follower = Follower {
         grid,
-        pattern,
         spread: if grid.reversible {
             SPREAD_CODED
         } else {
@@ -150,6 +154,7 @@ pub(super) fn follow(
             timed: false,
             speed: None,
             skipped: false,
+            trouble: 0.0,
             score: 0.0,
             node: ROOT,
         },
@@ -162,12 +167,14 @@ pub(super) fn follow(
             timed: false,
             speed: None,
             skipped: false,
+            trouble: 0.0,
             score: 0.0,
             node: ROOT,
         },
     });
     for sight in sights {
         if !follower.plain_step(sight) {
+            SLOW.fetch_add(1, std::sync::atomic::Ordering::Relaxed);LIVE.fetch_add(follower.live.len(), std::sync::atomic::Ordering::Relaxed);
             follower.step(sight);
         }
     }
@@ -189,6 +196,14 @@ fn broad(r: f64) -> f64 {
 }
 
 impl Hypothesis {
+    fn seen(&self, fresh: bool) -> Seen {
+        Seen::Edge {
+            rank: self.edge,
+            forward: self.forward,
+            fresh,
+        }
+    }
+
     fn log_interval(&self, sight: Sight) -> f64 {
         (sight.ticks.saturating_sub(self.ticks) as f64)
             .max(0.5)
@@ -210,8 +225,15 @@ impl Hypothesis {
         last.map_or(2.0 * BROAD, |[log_speed, ..]| broad(log_speed + log_interval))
     }
 
+    /// Books edges lost or too many, of which the first is cheaper soon after others: they come in bursts.
+    fn disturb(&mut self, first: f64, more: f64) {
+        self.score -= first * (1.0 - BURST * self.trouble) + more;
+        self.trouble = 1.0;
+    }
+
     /// Takes an interval into the speed.
     fn learn(&mut self, [start, most]: [f64; 2], log_interval: f64, distance: f64, off: f64, sure: f64) {
+        self.trouble *= CALM;
         let seen = distance.ln() - log_interval;
         let Some([log_speed, slope, variance]) = self.speed else {
             self.speed = Some([seen, 0.0, start * start]);
@@ -237,46 +259,44 @@ impl Follower<'_> {
         if self.grid.reversible { several } else { one }
     }
 
-    fn bias(&self, rank: i64) -> f64 {
-        if self.pattern.is_empty() {
-            return 0.0;
+    /// One edge on in smooth motion, where nothing else is worth a thought; none where it is.
+    #[inline]
+    fn plain(&self, from: &Hypothesis, sight: Sight) -> Option<(Hypothesis, f64)> {
+        let (Mode::Known, Some(speed), false) = (from.mode, from.speed, from.skipped) else {
+            return None;
+        };
+        let mut to = *from;
+        let on = if to.forward { 1 } else { -1 };
+        if self.grid.ahead(to.sector + on, sight.class?) != 0 {
+            return None;
         }
-        self.pattern[rank.rem_euclid(self.grid.ranks()) as usize]
+        to.sector += on;
+        to.edge += on;
+        let distance = self.distance(from, &to);
+        let log_interval = from.log_interval(sight);
+        let off = from.innovation(log_interval, distance, speed);
+        if off.abs() > PLAIN && (off * off > 6.0 * speed[2] || off.abs() > 2.0 * PLAIN) {
+            return None;
+        }
+        let (score, sure) = likelihood(off, speed[2]);
+        to.score += score;
+        to.learn(self.spread, log_interval, distance, off, sure);
+        to.ticks = sight.ticks;
+        Some((to, off))
     }
 
-    /// One edge on in smooth motion while there is a single hypothesis; false where that does not hold, and nothing was done.
+    /// The plain step of a single hypothesis; false where there is none, and nothing was done.
     #[inline]
     fn plain_step(&mut self, sight: Sight) -> bool {
-        let ([hypothesis], Some(class)) = (&self.live[..], sight.class) else {
+        let [hypothesis] = &self.live[..] else {
             return false;
         };
-        let mut to = *hypothesis;
-        let (Mode::Known, Some(speed), false) = (to.mode, to.speed, to.skipped) else {
+        let Some((to, off)) = self.plain(hypothesis, sight) else {
             return false;
         };
-        let on = if to.forward { 1 } else { -1 };
-        if self.grid.ahead(to.sector + on, class) != 0 {
-            return false;
-        }
-        let edge = to.edge + on;
-        let distance = (self.grid.place(edge) - self.grid.place(to.edge)).abs() as f64;
-        let log_interval = to.log_interval(sight);
-        let off = to.innovation(log_interval, distance, speed) - self.bias(edge);
-        if off.abs() > PLAIN && (off * off > 6.0 * speed[2] || off.abs() > 2.0 * PLAIN) {
-            return false;
-        }
-        to.score += -0.5 * (off * off / speed[2] + speed[2].ln()) - 0.919;
-        to.learn(self.spread, log_interval, distance, off, 1.0);
-        to.sector += on;
-        to.edge = edge;
-        to.ticks = sight.ticks;
-        self.live[0] = to;
-        self.way.seen.push(Seen::Edge {
-            rank: edge,
-            forward: to.forward,
-            fresh: false,
-        });
+        self.way.seen.push(to.seen(false));
         self.way.innovations.push(off as f32);
+        self.live[0] = to;
         true
     }
 
@@ -296,19 +316,24 @@ impl Follower<'_> {
 
     /// All that a shaft whose place is known may have done.
     fn moves(&mut self, from: &Hypothesis, sight: Sight) {
+        if let Some((to, off)) = self.plain(from, sight) {
+            return self.push(to, to.seen(false), off);
+        }
         let Some(class) = sight.class else {
-            return self.no_edge(from, sight, -self.price(cost::EXTRA));
+            return self.no_edge(from, -self.price(cost::EXTRA));
         };
         let ahead = self.grid.ahead(from.sector, class);
         if from.skipped && ahead == 0 && self.grid.classes() > 1 {
             // The end of a pulse that was no edge.
-            return self.no_edge(from, sight, BROAD);
+            return self.no_edge(from, BROAD);
         }
         self.onward(from, sight, ahead, from.forward);
         if self.grid.reversible {
             self.onward(from, sight, ahead, !from.forward);
         }
-        self.no_edge(from, sight, BROAD - self.price(cost::EXTRA));
+        let mut extra = *from;
+        extra.disturb(self.price(cost::EXTRA), 0.0);
+        self.no_edge(&extra, BROAD);
         if !self.grid.reversible {
             let mut to = *from;
             to.mode = Mode::Astray;
@@ -334,8 +359,8 @@ impl Follower<'_> {
             return;
         };
         // Further ones only as the interval asks for them.
-        let places = self.grid.place(from.edge + self.grid.ranks()) - self.grid.place(from.edge);
-        let ratio = self.grid.ranks() as f64 / places as f64;
+        let ranks = self.grid.ranks();
+        let ratio = ranks as f64 / self.grid.distance(from.edge, from.edge + ranks);
         let asked = (speed[0] + from.log_interval(sight)).exp().min(1e6) * ratio;
         if asked < nearest as f64 + 0.3 * classes as f64 || asked > MOST_LOST * classes as f64 {
             return;
@@ -358,7 +383,8 @@ impl Follower<'_> {
         to.skipped = false;
         let lost = steps - 1;
         if lost > 0 {
-            to.score -= cost::LOST + self.price(cost::LOST_MORE) * (lost - 1) as f64;
+            let more = self.price(cost::LOST_MORE) * (lost - 1) as f64;
+            to.disturb(cost::LOST, more);
         }
         let log_interval = from.log_interval(sight);
         let mut innovation = f64::NAN;
@@ -381,30 +407,22 @@ impl Follower<'_> {
             }
             Some(speed) => {
                 let distance = self.distance(from, &to);
-                let off = from.innovation(log_interval, distance, speed) - self.bias(to.edge);
+                let off = from.innovation(log_interval, distance, speed);
                 let (score, sure) = likelihood(off, speed[2]);
                 to.score += score;
                 to.learn(self.spread, log_interval, distance, off, sure);
                 innovation = off;
             }
         }
-        self.push(
-            to,
-            Seen::Edge {
-                rank: to.edge,
-                forward,
-                fresh: !from.timed || lost > 0 && from.speed.is_none(),
-            },
-            innovation,
-        );
+        let fresh = !from.timed || lost > 0 && from.speed.is_none();
+        self.push(to, to.seen(fresh), innovation);
     }
 
     fn distance(&self, from: &Hypothesis, to: &Hypothesis) -> f64 {
-        let way = self.grid.place(to.edge) - self.grid.place(from.edge);
-        way.abs().max(1) as f64
+        self.grid.distance(from.edge, to.edge)
     }
 
-    fn no_edge(&mut self, from: &Hypothesis, _sight: Sight, score: f64) {
+    fn no_edge(&mut self, from: &Hypothesis, score: f64) {
         let mut to = *from;
         to.skipped = !from.skipped || self.grid.classes() == 1;
         to.score += score;
@@ -431,15 +449,11 @@ impl Follower<'_> {
                 timed: true,
                 speed: None,
                 skipped: false,
+                trouble: 0.0,
                 score: from.score + 2.0 * BROAD - (starts as f64).ln(),
                 node: from.node,
             };
-            let seen = Seen::Edge {
-                rank,
-                forward: true,
-                fresh: true,
-            };
-            self.push(to, seen, f64::NAN);
+            self.push(to, to.seen(true), f64::NAN);
         }
     }
 
@@ -456,8 +470,11 @@ impl Follower<'_> {
     /// Keeps what may still win, one hypothesis for each state.
     fn keep(&mut self) {
         std::mem::swap(&mut self.live, &mut self.next);
+        // Nothing that comes will tell sectors apart that look alike, once the speed is the same.
+        let alike = self.grid.alike();
+        let speed = |h: &Hypothesis| h.speed.map(|[log_speed, ..]| (log_speed / SAME_SPEED) as i64);
         let state = |h: &Hypothesis| match h.mode {
-            Mode::Known => Some((h.sector, h.forward, h.ticks)),
+            Mode::Known => Some((h.sector.rem_euclid(alike), h.forward, h.ticks, speed(h))),
             Mode::Astray => None,
         };
         self.live
@@ -505,3 +522,4 @@ impl Follower<'_> {
         self.way
     }
 }
+pub static SLOW: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);pub static LIVE: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);

@@ -5,7 +5,7 @@
 
 mod coded;
 mod find;
-mod follow;
+pub mod follow;
 mod grid;
 mod index;
 

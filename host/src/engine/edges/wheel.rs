@@ -10,8 +10,6 @@ use super::grid::{Grid, Sight};
 use super::{CountEvent, CountKind, Edges, Stretch, Unused, median};
 use crate::recording::Row;
 
-/// Turns that a pattern of innovations needs.
-const PATTERN_TURNS: usize = 4;
 /// Advantage, in log likelihood, that tells one place of the turn from all others.
 const SURE: f64 = 6.0;
 /// Intervals of bounces are this much shorter than the pitch beside them.
@@ -88,23 +86,22 @@ pub(super) fn roughness(ticks: &[u64]) -> f64 {
 
 impl<'a> Lead<'a> {
     fn new(present: &[bool], ticks: &'a [u64]) -> Self {
-        let grid = Grid::teeth(present);
-        let sights = || {
-            ticks.iter().map(|&ticks| Sight {
+        let along = |grid: Grid| {
+            let sights = ticks.iter().map(|&ticks| Sight {
                 ticks,
                 class: Some(0),
-            })
+            });
+            let way = follow(&grid, None, sights);
+            Self { ticks, grid, way }
         };
-        let mut way = follow(&grid, None, &[], sights());
-        // What each tooth's interval lacks in the mean makes the second look sharper: edges beside gaps that are out of place,
-        // and torques locked to the turn.
-        if let Some(pattern) = pattern(&grid, &way) {
-            let again = follow(&grid, None, &pattern, sights());
-            if again.score > way.score {
-                way = again;
-            }
+        let first = along(Grid::teeth(present));
+        // A second look knows what the turn is like: edges beside gaps that are out of place, and torques locked to it.
+        let steps = first.steps();
+        let stamped = steps.map(|step| step.map(|(n, rank)| (ticks[n], rank)));
+        match first.grid.measure(stamped).map(along) {
+            Some(second) if second.way.score > first.way.score => second,
+            _ => first,
         }
-        Self { ticks, grid, way }
     }
 
     /// Mean log likelihood of an edge.
@@ -133,25 +130,6 @@ impl<'a> Lead<'a> {
         let places = self.grid.place(after) - self.grid.place(before);
         Some((self.ticks[until] - self.ticks[from]) as f64 / places as f64)
     }
-}
-
-/// Mean innovation at each rank, outliers held down; none where turns are too few.
-fn pattern(grid: &Grid, way: &Way) -> Option<Vec<f64>> {
-    let ranks = grid.ranks() as usize;
-    if way.seen.len() < PATTERN_TURNS * ranks {
-        return None;
-    }
-    let mut each: Vec<Vec<f64>> = vec![Vec::new(); ranks];
-    for (seen, &innovation) in way.seen.iter().zip(&way.innovations) {
-        if let Seen::Edge { rank, .. } = seen
-            && innovation.is_finite()
-        {
-            let rank = rank.rem_euclid(grid.ranks()) as usize;
-            each[rank].push(innovation.into());
-        }
-    }
-    let middle = |innovations| median(innovations).unwrap_or(0.0);
-    Some(each.into_iter().map(middle).collect())
 }
 
 impl<'a> Others<'a> {
