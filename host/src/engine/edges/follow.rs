@@ -174,7 +174,6 @@ pub(super) fn follow(
     });
     for sight in sights {
         if !follower.plain_step(sight) {
-            SLOW.fetch_add(1, std::sync::atomic::Ordering::Relaxed);LIVE.fetch_add(follower.live.len(), std::sync::atomic::Ordering::Relaxed);
             follower.step(sight);
         }
     }
@@ -522,4 +521,3 @@ impl Follower<'_> {
         self.way
     }
 }
-pub static SLOW: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);pub static LIVE: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);

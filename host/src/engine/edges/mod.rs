@@ -5,11 +5,11 @@
 
 mod coded;
 mod find;
-pub mod follow;
+mod follow;
 mod grid;
 mod index;
-
-
+#[cfg(test)]
+mod tests;
 mod wheel;
 
 use quadcal::edge::Levels;

@@ -91,7 +91,8 @@ impl<'a> Lead<'a> {
                 ticks,
                 class: Some(0),
             });
-            let way = follow(&grid, None, sights);
+            let mut way = follow(&grid, None, sights);
+            drop_short(&mut way.seen, grid.ranks());
             Self { ticks, grid, way }
         };
         let first = along(Grid::teeth(present));
@@ -130,6 +131,37 @@ impl<'a> Lead<'a> {
         let places = self.grid.place(after) - self.grid.place(before);
         Some((self.ticks[until] - self.ticks[from]) as f64 / places as f64)
     }
+}
+
+/// Drops what was met again for less than a turn: so few edges look like any wheel. The longest piece stays.
+fn drop_short(seen: &mut [Seen], ranks: i64) {
+    let least = ranks.min(longest(seen));
+    for piece in seen.chunk_by_mut(goes_on) {
+        if span(piece) < least {
+            piece.fill(Seen::Astray);
+        }
+    }
+}
+
+/// Ranks of the longest piece.
+fn longest(seen: &[Seen]) -> i64 {
+    seen.chunk_by(goes_on).map(span).max().unwrap_or(0)
+}
+
+/// Whether two observations are of one piece, in which the count goes on.
+fn goes_on(first: &Seen, second: &Seen) -> bool {
+    let broken = matches!(second, Seen::Astray | Seen::Edge { fresh: true, .. });
+    *first != Seen::Astray && !broken
+}
+
+/// Ranks from a piece's first edge to its last.
+fn span(piece: &[Seen]) -> i64 {
+    let mut ranks = piece.iter().filter_map(|seen| match seen {
+        Seen::Edge { rank, .. } => Some(*rank),
+        _ => None,
+    });
+    let first = ranks.next();
+    first.map_or(0, |first| ranks.last().unwrap_or(first) - first)
 }
 
 impl<'a> Others<'a> {
@@ -250,7 +282,9 @@ fn assemble(
 fn finish(lead: &Lead, rows: &[Row], edges: &mut Edges) {
     let (seen, ticks) = (&lead.way.seen, lead.ticks);
     edges.fit = lead.fit();
-    edges.anchored = lead.grid.starts() > 1 && lead.way.lead > SURE;
+    let turn = lead.grid.ranks();
+    let whole = longest(seen) >= turn;
+    edges.anchored = lead.grid.starts() > 1 && (whole || lead.way.lead > SURE);
     let stretch = |from: u64, until: u64, rows: usize, why| Stretch {
         from_s: edges.seconds(from),
         until_s: edges.seconds(until),
