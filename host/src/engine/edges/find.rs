@@ -23,9 +23,11 @@ const MOST_PITCHES: usize = 6;
 /// Turns that vote, and share of votes that a wheel needs to be tried.
 const VOTES: usize = 61;
 const TRIED: f64 = 0.15;
-/// Prior of a wheel: log speeds a pitch apart differ by about this; price of a step unlike the one before, and of each pitch.
+/// Prior of a wheel: log speeds a usual step apart differ by about this; price of a step that is not the usual one, and of its
+/// length; usual steps are one pitch, seldom two, as where a tooth is put between two others.
 const SWING: f64 = 0.15;
-const UNLIKE: f64 = 3.0;
+const UNLIKE: f64 = 6.0;
+const USUAL: [(usize, f64); 2] = [(1, 0.0), (2, 12.0)];
 const PITCH: f64 = 0.1;
 
 /// A wheel.
@@ -76,7 +78,9 @@ pub fn find_wheel(rows: &[Row], both_edges: bool) -> Option<WheelFound> {
     tried.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let mut tried = tried.into_iter().map(|(wheel, _)| wheel);
     let mut best = tried.next()?;
-    best.alternatives = tried.map(|wheel| (wheel.present, wheel.confidence)).collect();
+    best.alternatives = tried
+        .map(|wheel| (wheel.present, wheel.confidence))
+        .collect();
     Some(best)
 }
 
@@ -137,7 +141,10 @@ fn vote(logs: &[f64]) -> Option<Ballot> {
 fn period(logs: &[f64]) -> Option<usize> {
     let most = MOST_PULSES.min(logs.len() / 3);
     let changes = |shift: usize| {
-        let far = logs[shift..].iter().zip(logs).map(|(late, early)| late - early);
+        let far = logs[shift..]
+            .iter()
+            .zip(logs)
+            .map(|(late, early)| late - early);
         let far: Vec<f64> = far.collect();
         far.windows(2)
             .map(|pair| (pair[1] - pair[0]).abs())
@@ -148,11 +155,16 @@ fn period(logs: &[f64]) -> Option<usize> {
     let spread = spread.fold(f64::INFINITY, f64::min).max(1e-6);
     // Likelihood of a Student distribution: most intervals come again at any shift, it is the others that tell.
     let cost = |changes: &Vec<f64>| {
-        let each = changes.iter().map(|change| (change / spread).powi(2).ln_1p());
+        let each = changes
+            .iter()
+            .map(|change| (change / spread).powi(2).ln_1p());
         each.sum::<f64>() / changes.len() as f64
     };
     let costs: Vec<f64> = all.iter().map(cost).collect();
-    let [least, others] = [costs.iter().copied().reduce(f64::min)?, median(costs.clone())?];
+    let [least, others] = [
+        costs.iter().copied().reduce(f64::min)?,
+        median(costs.clone())?,
+    ];
     if least > REPEATS * others {
         return None;
     }
@@ -162,13 +174,22 @@ fn period(logs: &[f64]) -> Option<usize> {
 
 /// The whole numbers of pitches that make a turn's speed smoothest, and what they cost.
 fn steps(turn: &[f64]) -> (Vec<usize>, f64) {
+    let [one, two] = USUAL.map(|(usual, price)| {
+        let (steps, cost) = steps_about(turn, usual);
+        (steps, cost + price)
+    });
+    if two.1 < one.1 { two } else { one }
+}
+
+/// As [`steps`], where most are of `usual` pitches.
+fn steps_about(turn: &[f64], usual: usize) -> (Vec<usize>, f64) {
     let change = |(from, before): (f64, usize), (to, after): (f64, usize)| {
         let speeds = [from - (before as f64).ln(), to - (after as f64).ln()];
-        let unlike = if before == after { 0.0 } else { UNLIKE };
-        let apart = 0.5 * (before + after) as f64;
+        let unlike = if after == usual { 0.0 } else { UNLIKE };
+        let apart = 0.5 * (before + after) as f64 / usual as f64;
         (speeds[1] - speeds[0]).powi(2) / (2.0 * SWING * SWING * apart)
             + unlike
-            + PITCH * after as f64
+            + PITCH * after as f64 / usual as f64
     };
     let mut best = (Vec::new(), f64::INFINITY);
     for first in 1..=MOST_PITCHES {
@@ -218,7 +239,10 @@ fn canonical(steps: &[usize]) -> Vec<usize> {
         .map(|start| [&steps[start..], &steps[..start]].concat())
         .min()
         .unwrap_or_default();
-    first.iter().map(|step| step / common.unwrap_or(1)).collect()
+    first
+        .iter()
+        .map(|step| step / common.unwrap_or(1))
+        .collect()
 }
 
 /// Tooth places of steps.

@@ -33,8 +33,8 @@ const BROAD: f64 = -LN_2;
 const BEAM: f64 = 25.0;
 /// Hypotheses kept beside the ranks of a turn.
 const KEPT: usize = 48;
-/// Edges that may be lost in a row before the place counts as unknown.
-const MOST_LOST: f64 = 32.0;
+/// Rounds of classes that may be lost in a row before the place counts as unknown.
+const MOST_LOST: i64 = 32;
 /// Standard deviation of a log interval about its prediction: at least, and at a start and at most, where levels tell the direction or
 /// not. What they tell leaves room for a motion that is anything but smooth.
 const SPREAD_LEAST: f64 = 0.004;
@@ -221,7 +221,9 @@ impl Hypothesis {
         let last = self.speed.replace([-log_interval, 0.0, 0.0]);
         self.skipped = false;
         self.ticks = sight.ticks;
-        last.map_or(2.0 * BROAD, |[log_speed, ..]| broad(log_speed + log_interval))
+        last.map_or(2.0 * BROAD, |[log_speed, ..]| {
+            broad(log_speed + log_interval)
+        })
     }
 
     /// Books edges lost or too many, of which the first is cheaper soon after others: they come in bursts.
@@ -231,7 +233,14 @@ impl Hypothesis {
     }
 
     /// Takes an interval into the speed.
-    fn learn(&mut self, [start, most]: [f64; 2], log_interval: f64, distance: f64, off: f64, sure: f64) {
+    fn learn(
+        &mut self,
+        [start, most]: [f64; 2],
+        log_interval: f64,
+        distance: f64,
+        off: f64,
+        sure: f64,
+    ) {
         self.trouble *= CALM;
         let seen = distance.ln() - log_interval;
         let Some([log_speed, slope, variance]) = self.speed else {
@@ -358,16 +367,15 @@ impl Follower<'_> {
             return;
         };
         // Further ones only as the interval asks for them.
-        let ranks = self.grid.ranks();
-        let ratio = ranks as f64 / self.grid.distance(from.edge, from.edge + ranks);
-        let asked = (speed[0] + from.log_interval(sight)).exp().min(1e6) * ratio;
-        if asked < nearest as f64 + 0.3 * classes as f64 || asked > MOST_LOST * classes as f64 {
-            return;
-        }
-        let rounds = ((asked - nearest as f64) / classes as f64).round() as i64;
-        for more in rounds - 1..=rounds + 1 {
-            if more > 0 {
-                self.move_by(from, sight, nearest + more * classes, forward);
+        let asked = (speed[0] + from.log_interval(sight)).exp();
+        let on = if forward { classes } else { -classes };
+        let start = from.edge + if forward { nearest } else { -nearest };
+        let distance = |rounds: i64| self.grid.distance(from.edge, start + rounds * on);
+        if let Some(rounds) = (0..=MOST_LOST).find(|&rounds| distance(rounds) > asked) {
+            for rounds in rounds - 1..=rounds + 1 {
+                if rounds > 0 {
+                    self.move_by(from, sight, nearest + rounds * classes, forward);
+                }
             }
         }
     }
@@ -471,7 +479,10 @@ impl Follower<'_> {
         std::mem::swap(&mut self.live, &mut self.next);
         // Nothing that comes will tell sectors apart that look alike, once the speed is the same.
         let alike = self.grid.alike();
-        let speed = |h: &Hypothesis| h.speed.map(|[log_speed, ..]| (log_speed / SAME_SPEED) as i64);
+        let speed = |h: &Hypothesis| {
+            h.speed
+                .map(|[log_speed, ..]| (log_speed / SAME_SPEED) as i64)
+        };
         let state = |h: &Hypothesis| match h.mode {
             Mode::Known => Some((h.sector.rem_euclid(alike), h.forward, h.ticks, speed(h))),
             Mode::Astray => None,
@@ -513,7 +524,9 @@ impl Follower<'_> {
             return self.way;
         };
         let ranks = self.grid.ranks();
-        let elsewhere = |h: &&Hypothesis| h.mode == Mode::Known && (h.sector - best.sector).rem_euclid(ranks) != 0;
+        let elsewhere = |h: &&Hypothesis| {
+            h.mode == Mode::Known && (h.sector - best.sector).rem_euclid(ranks) != 0
+        };
         let second = self.live.iter().filter(elsewhere).map(|h| h.score);
         self.way.lead = best.score - second.fold(f64::NEG_INFINITY, f64::max);
         self.way.score = best.score;

@@ -204,8 +204,7 @@ impl Edges {
     fn push(&mut self, ticks: u64, place: i64, forward: bool, fresh: bool) {
         self.time_s.push(self.seconds(ticks));
         self.place.push(place);
-        self.class
-            .push(place.rem_euclid(self.classes.into()) as u8);
+        self.class.push(place.rem_euclid(self.classes.into()) as u8);
         self.forward.push(forward);
         self.fresh.push(fresh);
     }

@@ -213,8 +213,8 @@ impl<'a> Others<'a> {
         for &at in self.ticks.get(from + self.ahead..until + self.ahead)? {
             let share = at.saturating_sub(lead.ticks[from]) as f64 / span.max(1.0);
             for tooth in teeth.clone() {
-                let expected = ((lead.grid.place(tooth) - start) as f64 + self.width)
-                    / ((end - start) as f64);
+                let expected =
+                    ((lead.grid.place(tooth) - start) as f64 + self.width) / ((end - start) as f64);
                 let off = (share - expected).abs();
                 if best.is_none_or(|(least, ..)| off < least) {
                     best = Some((off, tooth, at));

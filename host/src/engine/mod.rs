@@ -1,0 +1,3 @@
+//! The diagnosis engine.
+
+pub mod edges;
