@@ -144,33 +144,23 @@ pub(super) fn follow(
         nodes: Vec::new(),
         way: Way::default(),
     };
-    follower.live.push(match start {
-        Some((ticks, class)) => Hypothesis {
-            mode: Mode::Known,
-            sector: class.into(),
-            edge: class.into(),
-            forward: true,
-            ticks,
-            timed: false,
-            speed: None,
-            skipped: false,
-            trouble: 0.0,
-            score: 0.0,
-            node: ROOT,
-        },
-        None => Hypothesis {
-            mode: Mode::Astray,
-            sector: -1,
-            edge: -1,
-            forward: true,
-            ticks: 0,
-            timed: false,
-            speed: None,
-            skipped: false,
-            trouble: 0.0,
-            score: 0.0,
-            node: ROOT,
-        },
+    let (ticks, class) = start.unwrap_or_default();
+    let (mode, sector) = match start {
+        Some(_) => (Mode::Known, class.into()),
+        None => (Mode::Astray, -1),
+    };
+    follower.live.push(Hypothesis {
+        mode,
+        sector,
+        edge: sector,
+        forward: true,
+        ticks,
+        timed: false,
+        speed: None,
+        skipped: false,
+        trouble: 0.0,
+        score: 0.0,
+        node: ROOT,
     });
     for sight in sights {
         if !follower.plain_step(sight) {
@@ -451,14 +441,11 @@ impl Follower<'_> {
                 mode: Mode::Known,
                 sector: rank,
                 edge: rank,
-                forward: true,
                 ticks: sight.ticks,
                 timed: true,
                 speed: None,
-                skipped: false,
-                trouble: 0.0,
                 score: from.score + 2.0 * BROAD - (starts as f64).ln(),
-                node: from.node,
+                ..*from
             };
             self.push(to, to.seen(true), f64::NAN);
         }

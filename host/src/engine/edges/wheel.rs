@@ -75,15 +75,6 @@ pub(super) fn both(rows: &[Row]) -> [Vec<u64>; 2] {
     [of(false), of(true)]
 }
 
-/// How unevenly times follow each other: the median change of a log interval.
-pub(super) fn roughness(ticks: &[u64]) -> f64 {
-    let log = |pair: &[u64]| ((pair[1] - pair[0]) as f64).max(0.5).ln();
-    let changes = ticks
-        .windows(3)
-        .map(|three| (log(&three[1..]) - log(&three[..2])).abs());
-    median(changes.collect()).unwrap_or(f64::INFINITY)
-}
-
 impl<'a> Lead<'a> {
     fn new(present: &[bool], ticks: &'a [u64]) -> Self {
         let along = |grid: Grid| {
@@ -161,7 +152,7 @@ fn span(piece: &[Seen]) -> i64 {
         _ => None,
     });
     let first = ranks.next();
-    first.map_or(0, |first| ranks.last().unwrap_or(first) - first)
+    first.map_or(0, |first| ranks.next_back().unwrap_or(first) - first)
 }
 
 impl<'a> Others<'a> {
