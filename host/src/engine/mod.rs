@@ -11,6 +11,7 @@ pub mod cells;
 pub mod course;
 pub mod declared;
 pub mod diagnose;
+pub mod edges;
 pub mod effect;
 pub mod events;
 pub mod filter;

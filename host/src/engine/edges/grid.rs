@@ -1,0 +1,165 @@
+//! The edges that a turn really has, as a row of ranks on the grid, and what an observation may say of them.
+
+use std::collections::VecDeque;
+
+use super::median;
+
+/// Turns in which an edge has to be seen for its place to be known.
+const TURNS: usize = 3;
+
+/// One pulse or change of state, as the search sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    /// Time, ticks.
+    pub ticks: u64,
+    /// Class of the sector that the levels show, 0 where they say nothing; none where no sector shows them.
+    pub class: Option<u8>,
+}
+
+/// Which sectors a turn has. A rank counts the edges that are there, through all turns; the sector of a rank lies behind its edge.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    /// Grid edges a turn.
+    edges: i64,
+    /// Classes that levels tell apart.
+    classes: i64,
+    /// Edges that are there, in order; empty where all are.
+    present: Vec<i64>,
+    /// Where the edges stand by the recording itself, in grid edges, with the whole turn behind them; empty where that is not known.
+    measured: Vec<f64>,
+    /// Whether the levels tell the direction.
+    pub reversible: bool,
+}
+
+impl Grid {
+    /// A grid of `edges` that are all there, whose sectors show `classes` patterns of levels in turn.
+    pub fn full(edges: u32, classes: u8) -> Self {
+        Self {
+            edges: edges.into(),
+            classes: classes.into(),
+            present: Vec::new(),
+            measured: Vec::new(),
+            reversible: classes > 2,
+        }
+    }
+
+    /// A wheel's teeth; at least one is there.
+    pub fn teeth(present: &[bool]) -> Self {
+        let all = present.iter().all(|&there| there);
+        let there = (0..).zip(present).filter(|(_, there)| **there);
+        Self {
+            edges: present.len() as i64,
+            classes: 1,
+            present: if all {
+                Vec::new()
+            } else {
+                there.map(|(place, _)| place).collect()
+            },
+            measured: Vec::new(),
+            reversible: false,
+        }
+    }
+
+    /// Ranks a turn.
+    pub fn ranks(&self) -> i64 {
+        if self.present.is_empty() {
+            self.edges
+        } else {
+            self.present.len() as i64
+        }
+    }
+
+    /// Ranks that a start has to choose from: those of a turn where gaps tell them apart, else one for each class.
+    pub fn starts(&self) -> i64 {
+        if self.present.is_empty() {
+            1
+        } else {
+            self.ranks()
+        }
+    }
+
+    /// Grid place of a rank.
+    #[inline]
+    pub fn place(&self, rank: i64) -> i64 {
+        if self.present.is_empty() {
+            return rank;
+        }
+        let ranks = self.present.len() as i64;
+        rank.div_euclid(ranks) * self.edges + self.present[rank.rem_euclid(ranks) as usize]
+    }
+
+    /// Way between two edges, in grid edges, at least a small one.
+    #[inline]
+    pub fn distance(&self, from: i64, to: i64) -> f64 {
+        if self.measured.is_empty() {
+            return (self.place(to) - self.place(from)).abs().max(1) as f64;
+        }
+        let ranks = self.measured.len() as i64;
+        let at = |rank: i64| {
+            let turns = rank.div_euclid(ranks) * self.edges;
+            turns as f64 + self.measured[rank.rem_euclid(ranks) as usize]
+        };
+        (at(to) - at(from)).abs().max(1e-3)
+    }
+
+    /// Sectors this far apart look alike.
+    pub fn alike(&self) -> i64 {
+        if self.present.is_empty() && self.measured.is_empty() {
+            self.classes
+        } else {
+            self.ranks()
+        }
+    }
+
+    /// The same grid with each edge where it stands at a speed that is the same all the turn, from steps between edges that follow each
+    /// other: ticks and ranks of their ends. None where a step did not come often enough within a whole turn.
+    pub fn measure(&self, steps: impl Iterator<Item = [(u64, i64); 2]>) -> Option<Self> {
+        let ranks = self.ranks() as usize;
+        let mut each = vec![Vec::new(); ranks];
+        let mut turn: VecDeque<u64> = VecDeque::with_capacity(ranks + 1);
+        let mut last = None;
+        for [from, to] in steps {
+            if last != Some(from) || to.1 != from.1 + 1 {
+                turn.clear();
+                turn.push_back(from.0);
+            }
+            last = Some(to);
+            turn.push_back(to.0);
+            if turn.len() <= ranks {
+                continue;
+            }
+            let (middle, whole) = (ranks / 2, (to.0 - turn[0]) as f64);
+            let rank = to.1 - (ranks - middle) as i64 + 1;
+            let step = (turn[middle + 1] - turn[middle]) as f64;
+            each[rank.rem_euclid(ranks as i64) as usize].push(step / whole);
+            turn.pop_front();
+        }
+        if each.iter().any(|steps| steps.len() < TURNS) {
+            return None;
+        }
+        let shares: Vec<f64> = each.into_iter().filter_map(median).collect();
+        let scale = self.edges as f64 / shares.iter().sum::<f64>();
+        // The step of rank 0 leads to it, from the last edge of the turn before.
+        let mut at = 0.0;
+        let measured = (0..ranks).map(|rank| {
+            at += if rank == 0 { 0.0 } else { shares[rank] * scale };
+            at
+        });
+        Some(Self {
+            measured: measured.collect(),
+            ..self.clone()
+        })
+    }
+
+    /// Steps forward, 0 to classes - 1, from the sector of `rank` to the next one that shows `class`.
+    #[inline]
+    pub fn ahead(&self, rank: i64, class: u8) -> i64 {
+        (i64::from(class) - rank).rem_euclid(self.classes)
+    }
+
+    /// Classes that levels tell apart.
+    #[inline]
+    pub fn classes(&self) -> i64 {
+        self.classes
+    }
+}

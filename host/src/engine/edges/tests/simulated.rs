@@ -1,0 +1,303 @@
+//! Simulated shafts, whose places are known.
+
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::sim::{Event, Simulation};
+use crate::twin::{Drive, Duration, Encoder, Errors, Faults, Ripple, Step, Twin};
+
+const CLOCK_HZ: u64 = 10_000_000;
+
+/// Random numbers below `below`, of a seed (splitmix64).
+struct Draw(u64);
+
+impl Draw {
+    fn below(&mut self, below: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % below as u64) as usize
+    }
+}
+
+fn rig(seed: u64, encoder: Encoder, r_min: f64, turns: f64) -> Twin {
+    let mut twin = Twin::paper();
+    twin.seed = seed;
+    twin.encoder = encoder;
+    twin.errors = Errors::default();
+    twin.ripple.clear();
+    twin.drive = Drive::Constant { r_min };
+    twin.duration = Duration::Turns(turns);
+    twin.timer.clock_hz = CLOCK_HZ;
+    twin
+}
+
+fn run(twin: &Twin) -> Vec<Event> {
+    Simulation::new(twin).unwrap().collect()
+}
+
+fn rows(events: &[Event]) -> Vec<Row> {
+    events.iter().map(|event| event.row).collect()
+}
+
+/// Number of edges whose place is not the true one, but for a shift of all by some multiple of `whole` edges: turns, or lines and pole
+/// pairs where nothing tells them apart.
+fn wrong(edges: &Edges, events: &[Event], whole: i64) -> usize {
+    let n = i64::from(edges.grid_edges);
+    let mut true_places = std::collections::HashMap::new();
+    for event in events {
+        if let Some(k) = event.truth.edge {
+            let turn = (event.truth.angle_rad / TAU - f64::from(k) / n as f64).round() as i64;
+            let time_s = event.row.ticks as f64 * edges.tick_s;
+            true_places.insert(time_s.to_bits(), turn * n + i64::from(k));
+        }
+    }
+    let off: Vec<i64> = edges
+        .time_s
+        .iter()
+        .zip(&edges.place)
+        .map(|(time_s, place)| place - true_places.get(&time_s.to_bits()).unwrap_or(&i64::MAX))
+        .collect();
+    let shift = off[off.len() / 2];
+    assert_eq!(shift % whole, 0, "shifted by {shift}");
+    off.iter().filter(|&&off| off != shift).count()
+}
+
+/// A wheel of some gaps that no rotation maps on itself.
+fn gapped(draw: &mut Draw) -> Vec<bool> {
+    loop {
+        let places = 12 + draw.below(49);
+        let mut present = vec![true; places];
+        for _ in 0..=draw.below(3) {
+            let start = draw.below(places);
+            for place in start..=start + draw.below(2) {
+                present[place % places] = false;
+            }
+        }
+        let rotated = |by: usize| (0..places).all(|n| present[n] == present[(n + by) % places]);
+        if !(1..places).any(rotated) {
+            return present;
+        }
+    }
+}
+
+/// A wheel whose speed swings by a fraction twice a turn, without one tooth of one turn.
+fn swinging(seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Event> {
+    let places = present.len();
+    let encoder = Encoder::Wheel {
+        teeth: places as u32,
+        missing: 0,
+    };
+    let mut twin = rig(seed, encoder, 600.0, 12.0);
+    twin.ripple.push(Ripple {
+        order: 2.0,
+        phase_rad: seed as f64,
+        torque_n_m: None,
+        speed_fraction: Some(swing),
+    });
+    twin.errors.position = Some(crate::twin::Position::Uniform {
+        amplitude_rad: 0.03 * TAU / places as f64,
+        per: crate::twin::Per::Edge,
+    });
+    let lost = present.iter().rposition(|&there| there);
+    let mut events = run(&twin);
+    events.retain(|event| {
+        let Some(k) = event.truth.edge else {
+            return true;
+        };
+        let tooth = k as usize / 2;
+        let turn = (event.truth.angle_rad / TAU).floor() as i64;
+        present[tooth] && !(turn == lost_turn && Some(tooth) == lost)
+    });
+    events
+}
+
+#[test]
+fn wheels_of_any_gaps_are_placed_in_a_swinging_speed_and_a_lost_tooth_is_named() {
+    for seed in 0..20 {
+        let present = gapped(&mut Draw(seed));
+        let events_seen = swinging(seed, &present, 0.3, 5);
+        let sensor = Sensor::Wheel {
+            present: present.clone(),
+            both_edges: true,
+        };
+        let edges = place(&sensor, CLOCK_HZ, &rows(&events_seen)).unwrap();
+        assert!(edges.anchored, "seed {seed}");
+        let turn = i64::from(edges.grid_edges);
+        assert_eq!(wrong(&edges, &events_seen, turn), 0, "seed {seed}");
+        // The first row is a level and no edge; an edge of a tooth whose other one is outside is left out.
+        assert!(edges.len() + 3 >= events_seen.len(), "seed {seed}");
+        let lost: i32 = edges.events.iter().map(|event| event.edges).sum();
+        let kinds = edges.events.iter().map(|event| event.kind);
+        assert!(
+            kinds.eq([CountKind::Lost]),
+            "seed {seed}: {:?}",
+            edges.events
+        );
+        assert_eq!(lost, 2, "seed {seed}");
+    }
+}
+
+#[test]
+fn wheels_of_any_gaps_are_found() {
+    for seed in 0..20 {
+        let present = gapped(&mut Draw(seed));
+        let events = swinging(seed, &present, 0.1, i64::MAX);
+        let found = find_wheel(&rows(&events), true).unwrap();
+        let places = present.len();
+        let same = |by: usize| (0..places).all(|n| found.present[n] == present[(n + by) % places]);
+        assert!(
+            found.present.len() == places && (0..places).any(same),
+            "seed {seed}: {present:?} but {found:?}"
+        );
+        assert!(!found.inverted, "seed {seed}");
+    }
+}
+
+#[test]
+fn gaps_may_be_high() {
+    let present = teeth(&[1, 1, 1, 1, 1, 1, 1, 3]);
+    let mut events = swinging(3, &present, 0.1, i64::MAX);
+    for event in &mut events {
+        event.row.levels.0 ^= Levels::A;
+    }
+    let found = find_wheel(&rows(&events), true).unwrap();
+    assert_eq!((&found.present, found.inverted), (&present, true));
+    let sensor = Sensor::Wheel {
+        present,
+        both_edges: true,
+    };
+    let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
+    assert!(edges.inverted && edges.anchored);
+    // A tooth that is low falls at edge 2i + 1 and rises at 2i + 2.
+    assert_eq!(wrong_by_one(&edges, &events), 0);
+}
+
+/// As [`wrong`], of places that are one more than those of teeth that are high.
+fn wrong_by_one(edges: &Edges, events: &[Event]) -> usize {
+    let mut shifted = edges.clone();
+    shifted.place.iter_mut().for_each(|place| *place -= 1);
+    wrong(&shifted, events, i64::from(edges.grid_edges))
+}
+
+#[test]
+fn one_pulse_and_three_edges_a_turn_are_placed() {
+    for pulses in [1, 3] {
+        let encoder = Encoder::Wheel {
+            teeth: pulses,
+            missing: 0,
+        };
+        let events = run(&rig(1, encoder, 900.0, 40.0));
+        let rises: Vec<Row> = rows(&events).into_iter().step_by(2).collect();
+        let sensor = Sensor::Wheel {
+            present: vec![true; pulses as usize],
+            both_edges: false,
+        };
+        let edges = place(&sensor, CLOCK_HZ, &rises).unwrap();
+        assert_eq!(edges.len(), rises.len());
+        let on = edges.place.windows(2).all(|pair| pair[1] == pair[0] + 1);
+        assert!(on && edges.events.is_empty() && edges.unused.is_empty());
+    }
+}
+
+/// Forward, back and forward again.
+fn to_and_fro(encoder: Encoder) -> Twin {
+    let mut twin = rig(1, encoder, 60.0, 1.0);
+    twin.duration = Duration::Seconds(3.0);
+    twin.shaft.stiffness_n_m_s = 1e-3;
+    let steps = [(0.0, 60.0), (1.0, -90.0), (2.0, 45.0)];
+    twin.drive = Drive::Steps(
+        steps
+            .into_iter()
+            .map(|(t_s, r_min)| Step { t_s, r_min })
+            .collect(),
+    );
+    twin
+}
+
+#[test]
+fn reversing_sensors_with_a_code_are_placed() {
+    let hall = Encoder::Hall { pole_pairs: 7 };
+    let quadrature = Encoder::Quadrature {
+        lines: 500,
+        index: true,
+    };
+    for (encoder, sensor, whole) in [
+        (hall, Sensor::Hall { pole_pairs: 7 }, 6),
+        (quadrature, indexed(500), 2_000),
+    ] {
+        let events = run(&to_and_fro(encoder));
+        let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
+        assert_eq!(wrong(&edges, &events, whole), 0, "{encoder:?}");
+        assert_eq!(edges.events, [], "{encoder:?}");
+        assert!(edges.forward.contains(&false) && edges.forward.contains(&true));
+        for (class, place) in edges.class.iter().zip(&edges.place) {
+            assert_eq!(
+                i64::from(*class),
+                place.rem_euclid(edges.classes.into()),
+                "{encoder:?}"
+            );
+        }
+    }
+}
+
+fn indexed(lines: u32) -> Sensor {
+    Sensor::Quadrature {
+        lines,
+        index: Some(Levels(Levels::A)),
+    }
+}
+
+#[test]
+fn lost_edges_and_glitches_of_a_quadrature_encoder_are_counted_through() {
+    let encoder = Encoder::Quadrature {
+        lines: 100,
+        index: true,
+    };
+    let mut twin = rig(2, encoder, 60.0, 6.0);
+    twin.faults = Faults {
+        lost_edges: vec![
+            300, 700, 701, 1_100, 1_101, 1_102, 1_500, 1_501, 1_502, 1_503,
+        ],
+        glitch_probability: 0.005,
+        glitch_width_s: 2e-5,
+        ..Faults::default()
+    };
+    let events = run(&twin);
+    let edges = place(&indexed(100), CLOCK_HZ, &rows(&events)).unwrap();
+    assert!(edges.anchored);
+    assert_eq!(wrong(&edges, &events, 400), 0);
+    let lost = super::events(&edges, CountKind::Lost, f64::INFINITY);
+    let counts: Vec<i32> = lost.iter().map(|event| event.edges).collect();
+    // With three lost, the fourth shows the levels that were there before, and no change.
+    assert_eq!(counts, [1, 2, 4, 4]);
+    let glitches = events
+        .iter()
+        .filter(|event| event.truth.class == crate::sim::Class::Glitch)
+        .count();
+    let extra = super::events(&edges, CountKind::Extra, f64::INFINITY);
+    let rows: i32 = extra.iter().map(|event| event.edges).sum();
+    assert_eq!((rows as usize, glitches > 10), (glitches, true));
+}
+
+#[test]
+fn an_index_that_slips_is_an_event_and_moves_no_place() {
+    let encoder = Encoder::Quadrature {
+        lines: 100,
+        index: true,
+    };
+    let mut twin = rig(2, encoder, 60.0, 6.0);
+    twin.index_slip = vec![crate::twin::IndexSlip {
+        at_s: 2.5,
+        edges: 3,
+    }];
+    let events = run(&twin);
+    let edges = place(&indexed(100), CLOCK_HZ, &rows(&events)).unwrap();
+    assert_eq!(wrong(&edges, &events, 400), 0);
+    let [slip] = edges.events[..] else {
+        panic!("{:?}", edges.events);
+    };
+    assert_eq!((slip.kind, slip.edges), (CountKind::IndexSlip, 3));
+    assert!((2.5..3.6).contains(&slip.time_s), "{slip:?}");
+}
