@@ -15,6 +15,7 @@ use crate::diagnose::run::{self, DiagnoseError, Diagnosed};
 use crate::mechanism::Mechanism;
 use crate::report::Report;
 use crate::reports;
+use crate::twin::Twin;
 
 use super::Globals;
 use super::failure::Failure;
@@ -121,7 +122,11 @@ impl Diagnose {
 
     fn write(&self, diagnosed: &Diagnosed) -> Result<(), Failure> {
         let new = match &self.write_twin {
-            Some(first) => new_twins::files(first, diagnosed)?,
+            Some(first) => {
+                let declared = self.twins.iter().map(|path| Twin::load_with_text(path));
+                let declared = declared.collect::<Result<Vec<_>, _>>()?;
+                new_twins::files(first, diagnosed, &declared)?
+            }
             None => Vec::new(),
         };
         let page = match &self.report.report {

@@ -41,7 +41,7 @@ mod track;
 use std::f64::consts::TAU;
 
 use crate::recording::Header;
-use crate::twin::{Duration, Twin, TwinError};
+use crate::twin::{Drive, Duration, Twin, TwinError};
 
 pub use event::{Class, Event, Truth};
 pub use plant::NOISE_STEPS;
@@ -99,7 +99,7 @@ impl Simulation {
     /// Sets up the run of a twin.
     ///
     /// # Errors
-    /// As [`Twin::check`]; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
+    /// As [`Twin::check`]; [`TwinError::Lacks`] without a drive; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
     /// edges would change their order.
     pub fn new(twin: &Twin) -> Result<Self, TwinError> {
         Self::with_finer_steps(twin, 1)
@@ -111,6 +111,13 @@ impl Simulation {
     /// As [`Self::new`].
     pub fn with_finer_steps(twin: &Twin, finer: u32) -> Result<Self, TwinError> {
         twin.check()?;
+        if twin.drive == Drive::Unknown {
+            return Err(TwinError::Lacks {
+                name: twin.name.clone(),
+                key: "[drive]",
+                advice: "a simulation needs what turns the shaft: add one, such as [drive.constant] with r_min = 60",
+            });
+        }
         let disc = Disc::new(twin)?;
         let plant = Plant::new(twin);
         let knots = drive::knots(twin, &plant);
@@ -185,6 +192,15 @@ impl Simulation {
     pub fn true_errors(&self) -> Vec<f64> {
         self.disc.errors().to_vec()
     }
+}
+
+/// The true errors e(k) of a twin's encoder, rad, as [`Simulation::true_errors`]; the twin needs no drive.
+///
+/// # Errors
+/// As [`Twin::check`]; [`TwinError::CsvFile`], [`TwinError::ErrorList`] or [`TwinError::EdgesCross`].
+pub fn true_errors(twin: &Twin) -> Result<Vec<f64>, TwinError> {
+    twin.check()?;
+    Ok(Disc::new(twin)?.errors().to_vec())
 }
 
 impl Iterator for Simulation {

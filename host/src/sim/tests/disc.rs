@@ -48,10 +48,11 @@ fn edges_happen_at_their_grid_angle_less_their_error() {
         Encoder::Wheel {
             teeth: 60,
             missing: 2,
+            gaps: Vec::new(),
         },
     ] {
         let mut twin = plain(-60.0, 3.0);
-        twin.encoder = encoder;
+        twin.encoder = encoder.clone();
         twin.errors.position = Some(Position::Normal {
             rms_rad: 1e-3,
             per: Per::Line,
@@ -134,6 +135,7 @@ fn an_error_list_is_read_from_csv_and_its_faults_are_placed() {
         twin.encoder = Encoder::Wheel {
             teeth: 2,
             missing: 0,
+            gaps: Vec::new(),
         };
         twin.errors.csv = Some("errors.csv".into());
         twin.folder = folder.path().to_owned();
