@@ -213,6 +213,15 @@ impl Tally {
             let r_min = (angle - self.mark.1) / (time - self.mark.0) * 60.0 / TAU;
             self.speed.push((time, r_min));
             self.mark = here;
+            // How many edges come of a torque is not known before.
+            if self.speed.len() as f64 >= 2.0 * SPEED_POINTS {
+                let mut odd = false;
+                self.speed.retain(|_| {
+                    odd = !odd;
+                    !odd
+                });
+                self.stride *= 2;
+            }
         }
         true
     }

@@ -246,10 +246,14 @@ fn change_tables(tables: &mut ArrayOfTables, old: &[Tree], new: &[Tree]) {
                 }
             }
             Step::Remove => {
-                tables.remove(at);
+                if at < tables.len() {
+                    tables.remove(at);
+                }
                 continue;
             }
-            Step::Insert(new) => tables.insert(at, table_of(map_of(Some(new)))),
+            Step::Insert(new) => {
+                tables.insert(at.min(tables.len()), table_of(map_of(Some(new))));
+            }
         }
         at += 1;
     }
@@ -266,10 +270,12 @@ fn change_values(values: &mut Array, old: &[Tree], new: &[Tree]) {
                 }
             }
             Step::Remove => {
-                values.remove(at);
+                if at < values.len() {
+                    values.remove(at);
+                }
                 continue;
             }
-            Step::Insert(new) => values.insert(at, value_of(new)),
+            Step::Insert(new) => values.insert(at.min(values.len()), value_of(new)),
         }
         at += 1;
     }

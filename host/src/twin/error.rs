@@ -1,6 +1,8 @@
 //! What can be wrong with a twin, and where.
 
 use std::fmt;
+use std::fs::File;
+use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -165,6 +167,12 @@ pub enum TwinError {
         /// The system's word on it.
         source: std::io::Error,
     },
+    /// More bytes than any twin has.
+    #[error("{path}: more than 128 MiB; a twin is a TOML file, lists go into a CSV file beside it", path = path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder in place of a file.
     #[error("{path}: is a folder; name the twin's file in it", path = path.display())]
     Folder {
@@ -273,16 +281,23 @@ pub enum TwinError {
     Write(#[from] toml::ser::Error),
 }
 
+/// Most bytes of a twin's file: room for a list of the errors of every edge.
+const BYTES_MAX: u64 = 128 << 20;
+
 /// The text of a twin's file.
 pub(super) fn text_of(path: &Path) -> Result<String, TwinError> {
     let path = path.to_owned();
     if path.is_dir() {
         return Err(TwinError::Folder { path });
     }
-    let bytes = match std::fs::read(&path) {
-        Ok(bytes) => bytes,
-        Err(source) => return Err(TwinError::Read { path, source }),
-    };
+    let mut bytes = Vec::new();
+    let read = File::open(&path).and_then(|file| file.take(BYTES_MAX + 1).read_to_end(&mut bytes));
+    if let Err(source) = read {
+        return Err(TwinError::Read { path, source });
+    }
+    if bytes.len() as u64 > BYTES_MAX {
+        return Err(TwinError::TooLarge { path });
+    }
     String::from_utf8(bytes).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();

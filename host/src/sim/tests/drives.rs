@@ -130,7 +130,7 @@ fn a_torque_under_friction_holds_the_shaft_up_to_it_and_settles_at_its_speed() {
 fn ten_times_finer_steps_move_no_edge_of_a_profile_or_torque() {
     let ripple = Twin::paper().ripple;
     let swing = profile(&[(0.1, -120.0), (0.6, -60.0), (0.8, -60.0), (1.2, -90.0)]);
-    let push = torque(100.0, &[(0.0, 1e-3), (1.0, -1e-3), (2.0, 1e-3)]);
+    let push = torque(100.0, &[(0.0, 3e-3), (1.0, 1e-3), (2.0, 3e-3)]);
     for (drive, seconds) in [(swing, 6.0), (push, 4.0)] {
         let mut twin = driven(drive, seconds);
         twin.ripple = ripple.clone();

@@ -1,5 +1,6 @@
 //! Ranges and conflicts of a twin's values.
 
+mod cost;
 mod delay;
 mod elastic;
 mod encoder;
@@ -152,6 +153,7 @@ impl Twin {
         self.check_slips(&mut c);
         self.check_latency(&mut c);
         self.check_capture(&mut c);
+        self.check_cost(&mut c);
         c.bad
     }
 

@@ -1,3 +1,4 @@
+mod cost;
 mod drives;
 mod edit;
 mod gaps;
