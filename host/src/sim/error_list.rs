@@ -39,24 +39,31 @@ enum Numbering {
 impl Numbering {
     /// That of a list with edge `k` of the class `name`.
     fn of(encoder: &Encoder, k: u32, name: &str) -> Option<Self> {
-        if name == "pulse" && matches!(encoder, Encoder::Wheel { .. }) {
+        if name == "tooth" && matches!(encoder, Encoder::Wheel { .. }) {
             return Some(Self::Teeth);
         }
         let group = encoder.edges_per_line();
         let class = class_named(name)?;
         let later = (0..group).find(|later| class_of(encoder, k % group + later) == class)?;
-        Some(Self::Edges { later })
+        // By the shorter way round.
+        Some(Self::Edges {
+            later: if 2 * later > group {
+                encoder.grid_edges() - (group - later)
+            } else {
+                later
+            },
+        })
     }
 }
 
 fn class_named(name: &str) -> Option<Class> {
     Some(match name {
-        "A rise" | "rise" => Class::ARise,
-        "A fall" | "fall" => Class::AFall,
-        "B rise" => Class::BRise,
-        "B fall" => Class::BFall,
-        "C rise" => Class::CRise,
-        "C fall" => Class::CFall,
+        "A rises" | "tooth begins" => Class::ARise,
+        "A falls" | "tooth ends" => Class::AFall,
+        "B rises" => Class::BRise,
+        "B falls" => Class::BFall,
+        "C rises" => Class::CRise,
+        "C falls" => Class::CFall,
         _ => return None,
     })
 }

@@ -62,6 +62,7 @@ use track::Tracks;
 /// A running simulation: an iterator of events in the order of their capture.
 #[derive(Clone, Debug)]
 pub struct Simulation {
+    name: String,
     header: Header,
     disc: Disc,
     knots: Vec<Knot>,
@@ -93,6 +94,7 @@ pub struct Simulation {
     held: Option<Crossing>,
     last_angle: f64,
     done: bool,
+    ran_away_s: Option<f64>,
 }
 
 impl Simulation {
@@ -144,6 +146,7 @@ impl Simulation {
             None => disc.levels_before(place),
         };
         Ok(Self {
+            name: twin.name.clone(),
             header: event::header_of(twin),
             place,
             knots,
@@ -175,6 +178,7 @@ impl Simulation {
             held: None,
             last_angle: angle,
             done: false,
+            ran_away_s: None,
             disc,
         })
     }
@@ -183,6 +187,20 @@ impl Simulation {
     #[must_use]
     pub fn header(&self) -> Header {
         self.header.clone()
+    }
+
+    /// Whether the run came to its end as it should, once there are no more events.
+    ///
+    /// # Errors
+    /// [`TwinError::RanAway`] where torques drove the shaft past any speed.
+    pub fn ended(&self) -> Result<(), TwinError> {
+        match self.ran_away_s {
+            Some(at_s) => Err(TwinError::RanAway {
+                name: self.name.clone(),
+                at_s,
+            }),
+            None => Ok(()),
+        }
     }
 
     /// The encoder's true errors e(k), rad, for every edge of the grid, without what does not repeat each turn; 0 for the edges of missing

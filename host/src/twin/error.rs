@@ -276,6 +276,17 @@ pub enum TwinError {
         /// The twin's name.
         name: String,
     },
+    /// Torques that drive the shaft past any speed.
+    #[error(
+        "{name}: after {at_s:.3e} s the shaft turns faster than 10000000 r/min; lower the torques or the loop's gains, or give the \
+         shaft friction"
+    )]
+    RanAway {
+        /// The twin's name.
+        name: String,
+        /// When.
+        at_s: f64,
+    },
     /// The twin can't be written as TOML.
     #[error("can't write the twin: {0}")]
     Write(#[from] toml::ser::Error),

@@ -29,13 +29,13 @@ fn sensors() -> [Encoder; 4] {
 }
 
 fn plan(encoder: &Encoder) -> SensorPlan {
-    let (kind, lines) = match encoder {
-        &Encoder::Quadrature { lines, index } => {
+    let (kind, lines) = match *encoder {
+        Encoder::Quadrature { lines, index } => {
             let index_state = index.then_some(Levels(Levels::A));
             (SensorKind::Quadrature { index_state }, lines)
         }
-        &Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
-        &Encoder::Wheel { teeth, missing, .. } => {
+        Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
+        Encoder::Wheel { teeth, missing, .. } => {
             let missing = u16::try_from(missing).unwrap();
             let both_edges = true;
             (

@@ -204,3 +204,19 @@ fn a_loop_sees_the_way_over_a_gap() {
     let last = *truths(&twin).last().unwrap();
     assert!((last.time_s - 5.0).abs() < 0.05, "{last:?}");
 }
+
+#[test]
+fn torques_that_run_away_with_the_shaft_end_the_run_and_say_so() {
+    let mut twin = driven(torque(0.0, &[(0.0, 1e6)]), 10.0);
+    twin.shaft.viscous_n_m_s = 0.0;
+    let mut simulation = Simulation::new(&twin).unwrap();
+    let edges = simulation.by_ref().count();
+    let shown = simulation.ended().unwrap_err().to_string();
+    assert!(edges < 1_000_000, "{edges}");
+    assert!(
+        shown.contains("faster than 10000000 r/min") && !shown.contains('\n'),
+        "{shown}"
+    );
+    let mut calm = Simulation::new(&plain(60.0, 1.0)).unwrap();
+    assert!(calm.by_ref().count() > 0 && calm.ended().is_ok());
+}

@@ -5,14 +5,16 @@ use std::f64::consts::TAU;
 use super::Checker;
 use crate::twin::{Drive, Duration, Noise, Twin};
 
-/// Steps of time that a run may take whatever its edges: about ten seconds of work.
+/// Steps of noise that a run may take whatever its edges: about ten seconds of work.
 const STEPS_MAX: f64 = 1e7;
+/// The same of integration, where many terms make a step dearer.
+const PIECES_MAX: f64 = 5e6;
 /// The same of a speed loop, whose rate is that of a real drive.
 const SAMPLES_MAX: f64 = 1e8;
 /// Steps of time for each edge that a longer run may take: what is faster than an edge is averaged over its interval.
 const STEPS_AN_EDGE: f64 = 100.0;
 /// Steps of integration in the time in which something turns by a radian, or falls by e.
-const STEPS_A_RADIAN: f64 = 0.7;
+const STEPS_A_RADIAN: f64 = 3.0;
 /// Steps of noise in a correlation time or a period, where a twin does not say; as in the simulator.
 const NOISE_STEPS: f64 = 50.0;
 /// Edges that may be on their way to the timer at a time.
@@ -136,10 +138,10 @@ impl Twin {
 
     /// What turns or falls so fast that the integration takes too many steps.
     fn check_integration(&self, c: &mut Checker<'_>) {
-        let most = self.step_hz(STEPS_MAX) / STEPS_A_RADIAN;
+        let most = self.step_hz(PIECES_MAX) / STEPS_A_RADIAN;
         let mut fast = |key: &str, value: f64, rad_s: f64| {
             let allowed = format!(
-                "up to {:.3e}: {STEPS_AN_EDGE} steps of integration an edge, or {STEPS_MAX:e} in all",
+                "up to {:.3e}: {STEPS_AN_EDGE} steps of integration an edge, or {PIECES_MAX:e} in all",
                 value * (most / rad_s)
             );
             c.require(rad_s <= most, key, value, &allowed, SLOWER);
