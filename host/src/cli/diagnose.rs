@@ -16,6 +16,7 @@ use crate::engine::{self, answer::Answer};
 use crate::mechanism::Mechanism;
 use crate::report::Report;
 use crate::reports;
+use crate::twin::Twin;
 
 use super::Globals;
 use super::failure::Failure;
@@ -140,7 +141,11 @@ impl Diagnose {
 
     fn write(&self, diagnosed: &Diagnosed) -> Result<(), Failure> {
         let new = match &self.write_twin {
-            Some(first) => new_twins::files(first, diagnosed)?,
+            Some(first) => {
+                let declared = self.twins.iter().map(|path| Twin::load_with_text(path));
+                let declared = declared.collect::<Result<Vec<_>, _>>()?;
+                new_twins::files(first, diagnosed, &declared)?
+            }
             None => Vec::new(),
         };
         let page = match &self.report.report {

@@ -116,6 +116,7 @@ impl LoopArgs {
             }));
         };
         let shaft = twin.map(|twin| (twin.shaft.inertia_kg_m2, twin.shaft.viscous_n_m_s));
+        let shaft = shaft.filter(|(inertia, _)| *inertia > 0.0);
         let given = inertia.map(|inertia| (inertia, self.viscous.unwrap_or(0.0)));
         let Some((inertia, viscous)) = given.or(shaft) else {
             return Err(Failure::NoInertia);

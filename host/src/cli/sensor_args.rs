@@ -64,13 +64,13 @@ impl SensorArgs {
             });
         };
         let twin = Twin::load(path).map_err(Failure::from)?;
-        let (lines, missing, without_index) = match (twin.encoder, channels) {
-            (Encoder::Quadrature { lines, index }, Channels::Quadrature { .. }) => {
+        let (lines, missing, without_index) = match (&twin.encoder, channels) {
+            (&Encoder::Quadrature { lines, index }, Channels::Quadrature { .. }) => {
                 (lines, 0, !index)
             }
-            (Encoder::Hall { pole_pairs }, Channels::Hall) => (pole_pairs, 0, false),
-            (Encoder::Wheel { teeth, missing }, Channels::Wheel | Channels::Pulses) => {
-                (teeth, missing, false)
+            (&Encoder::Hall { pole_pairs }, Channels::Hall) => (pole_pairs, 0, false),
+            (&Encoder::Wheel { teeth, .. }, Channels::Wheel | Channels::Pulses) => {
+                (teeth, twin.missing_teeth()?, false)
             }
             (declared, _) => {
                 return Err(Failure::OtherSensor {

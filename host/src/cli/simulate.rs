@@ -184,7 +184,9 @@ impl Simulate {
         };
         let facts = self.facts(&summary);
         self.json.write_beside(&self.outputs(), &summary, &facts)?;
-        if !globals.quiet && self.json.json.is_none() && *output != Target::Stdout {
+        let learns = twin.encoder.missing_at_end().is_some();
+        let quiet = globals.quiet || self.json.json.is_some();
+        if !quiet && learns && *output != Target::Stdout {
             // Edges alone do not tell a loop that hides orders, nor what kind of disc it is.
             let plain = matches!(twin.encoder, Encoder::Quadrature { .. });
             let free = !matches!(twin.drive, Drive::SpeedLoop { .. });

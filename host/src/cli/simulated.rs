@@ -71,10 +71,10 @@ impl Simulated {
     /// Runs a simulation to its end.
     ///
     /// # Errors
-    /// A file that can't be written, or an output whose name ends in neither .csv nor .vcd.
+    /// A file that can't be written, an output whose name ends in neither .csv nor .vcd, or a shaft that ran away.
     #[allow(clippy::cast_precision_loss)]
     pub fn run(
-        simulation: Simulation,
+        mut simulation: Simulation,
         twin: &Twin,
         files: &Files<'_>,
         globals: Globals,
@@ -100,7 +100,7 @@ impl Simulated {
             Duration::Seconds(_) => None,
         };
         let mut progress = Progress::count("Simulating", "turns", total, globals);
-        for event in simulation {
+        for event in simulation.by_ref() {
             writer
                 .row(&event.row)
                 .map_err(|error| Failure::writing(target, error))?;
@@ -119,6 +119,7 @@ impl Simulated {
             }
         }
         drop(progress);
+        simulation.ended()?;
         let recording = writer
             .finish()
             .map_err(|error| Failure::writing(target, error))?;
@@ -213,6 +214,15 @@ impl Tally {
             let r_min = (angle - self.mark.1) / (time - self.mark.0) * 60.0 / TAU;
             self.speed.push((time, r_min));
             self.mark = here;
+            // How many edges come of a torque is not known before.
+            if self.speed.len() as f64 >= 2.0 * SPEED_POINTS {
+                let mut odd = false;
+                self.speed.retain(|_| {
+                    odd = !odd;
+                    !odd
+                });
+                self.stride *= 2;
+            }
         }
         true
     }

@@ -40,7 +40,7 @@ impl LoopModel {
             timeout_s,
             start,
         } = twin.speed_loop()?;
-        let inertia_kg_m2 = twin.shaft.inertia_kg_m2;
+        let inertia_kg_m2 = twin.shaft.inertia_or_one();
         Some(Self {
             target_rad_s,
             rate_hz,

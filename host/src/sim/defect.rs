@@ -17,6 +17,10 @@ pub(super) fn error_rad(twin: &Twin, class: Class, grid_rad: f64) -> f64 {
     hit.map(|defect| {
         let way = (grid_rad - defect.angle_rad).rem_euclid(TAU);
         let widths = way.min(TAU - way) / defect.width_rad;
+        // Beyond, the bump is below the smallest number.
+        if widths > 39.0 {
+            return 0.0;
+        }
         defect.error_rad * libm::exp(-0.5 * widths * widths)
     })
     .sum()

@@ -47,14 +47,16 @@ struct Runout {
 
 impl Disc {
     pub(super) fn new(twin: &Twin) -> Result<Self, TwinError> {
-        let encoder = twin.encoder;
+        let encoder = twin.encoder.clone();
         let errors = errors_of(twin)?;
         let step = TAU / f64::from(encoder.grid_edges());
         let angle = |k: u32| f64::from(k) * step - errors[k as usize];
-        let real = encoder.real_edges();
-        for first in 0..real {
-            let second = (first + 1) % real;
-            let turn = if second == 0 { TAU } else { 0.0 };
+        let real: Vec<u32> = (0..encoder.grid_edges())
+            .filter(|k| encoder.is_real(*k))
+            .collect();
+        let next = real.iter().cycle().skip(1);
+        for (&first, &second) in real.iter().zip(next) {
+            let turn = if second <= first { TAU } else { 0.0 };
             let by_rad = angle(first) - angle(second) - turn;
             if by_rad >= 0.0 {
                 return Err(TwinError::EdgesCross {
@@ -72,8 +74,9 @@ impl Disc {
             class,
             levels: 0,
         };
-        let mut marks: Vec<Mark> = (0..real)
-            .map(|k| mark(angle(k), Some(k), class_of(encoder, k)))
+        let mut marks: Vec<Mark> = real
+            .into_iter()
+            .map(|k| mark(angle(k), Some(k), class_of(&encoder, k)))
             .collect();
         if encoder.has_index() {
             let (before, after) = (angle(0) - 0.5 * step, angle(0) + 0.5 * step);
@@ -164,20 +167,16 @@ impl Disc {
 
     /// Grid steps from the edge before `edge` in this direction: 1, or more across a gap.
     pub(super) fn steps_into(&self, edge: u32, direction: Direction) -> u32 {
-        let real = self.encoder.real_edges();
-        let after_gap = match direction {
-            Direction::Forward => edge == 0,
-            Direction::Reverse => edge + 1 == real,
+        let grid = self.encoder.grid_edges();
+        let (before, back) = match direction {
+            Direction::Forward => ((edge + grid - 1) % grid, Direction::Reverse),
+            Direction::Reverse => ((edge + 1) % grid, Direction::Forward),
         };
-        if after_gap {
-            self.encoder.grid_edges() - real + 1
-        } else {
-            1
-        }
+        1 + self.encoder.edges_to_real(before, back)
     }
 }
 
-fn class_of(encoder: Encoder, k: u32) -> Class {
+pub(super) fn class_of(encoder: &Encoder, k: u32) -> Class {
     use Class::{AFall, ARise, BFall, BRise, CFall, CRise};
     let (classes, group): (&[Class], u32) = match encoder {
         Encoder::Quadrature { .. } => (&[ARise, BRise, AFall, BFall], 4),
@@ -190,16 +189,21 @@ fn class_of(encoder: Encoder, k: u32) -> Class {
 fn errors_of(twin: &Twin) -> Result<Vec<f64>, TwinError> {
     let edges = twin.encoder.grid_edges();
     let mut errors = if let Some(path) = twin.error_list_path() {
-        error_list::read(&path, edges)?
+        error_list::read(&path, &twin.encoder)?
     } else if twin.errors.list_rad.is_empty() {
         drawn_errors(twin)
     } else {
         twin.errors.list_rad.clone()
     };
     if !twin.local_defect.is_empty() {
-        for k in 0..twin.encoder.real_edges() {
+        for (k, error) in (0..edges).zip(&mut errors) {
             let grid = f64::from(k) * (TAU / f64::from(edges));
-            errors[k as usize] += defect::error_rad(twin, class_of(twin.encoder, k), grid);
+            *error += defect::error_rad(twin, class_of(&twin.encoder, k), grid);
+        }
+    }
+    for (k, error) in (0..edges).zip(&mut errors) {
+        if !twin.encoder.is_real(k) {
+            *error = 0.0;
         }
     }
     Ok(errors)
@@ -213,13 +217,11 @@ fn drawn_errors(twin: &Twin) -> Vec<f64> {
     let mut position = 0.0;
     let errors = (0..edges).map(|k| {
         position = line_position(twin, k, position, &mut random);
-        let class = class_of(twin.encoder, k);
+        let class = class_of(&twin.encoder, k);
         let grid = f64::from(k) * (TAU / f64::from(edges));
         position + fixed_part(&twin.errors, class, grid)
     });
-    let mut errors: Vec<f64> = errors.collect();
-    errors[twin.encoder.real_edges() as usize..].fill(0.0);
-    errors
+    errors.collect()
 }
 
 fn runouts_of(twin: &Twin) -> Vec<Runout> {

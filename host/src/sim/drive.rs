@@ -48,10 +48,15 @@ impl Knot {
 
     /// No push of a profile from a time on.
     fn free(plant: &Plant, from_s: f64) -> Self {
+        Self::pushed(plant, from_s, 0.0, 0.0)
+    }
+
+    /// A push from a time on that follows no speed.
+    fn pushed(plant: &Plant, from_s: f64, level: f64, slope: f64) -> Self {
         Self {
             from_s,
-            level: 0.0,
-            slope: 0.0,
+            level,
+            slope,
             damping: plant.viscous,
             speed: 0.0,
             rate: 0.0,
@@ -88,13 +93,7 @@ fn profile_knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
             to_r_min,
             over_s,
         } => {
-            let (from, to) = (rad_s(*from_r_min), rad_s(*to_r_min));
-            let rate = (to - from) / over_s;
-            let mut knots = vec![Knot::following(plant, 0.0, from, rate)];
-            if from * to < 0.0 {
-                // Friction turns its sign here. The speed is exactly 0, so the knot takes the sign of the rate.
-                knots.push(Knot::following(plant, -from / rate, 0.0, rate));
-            }
+            let mut knots = ramp(plant, 0.0, *over_s, (rad_s(*from_r_min), rad_s(*to_r_min)));
             knots.push(hold(*over_s, *to_r_min));
             knots
         }
@@ -106,8 +105,57 @@ fn profile_knots(twin: &Twin, plant: &Plant) -> Vec<Knot> {
         Drive::RunDown { r_min, off_s } => {
             vec![hold(0.0, *r_min), Knot::free(plant, *off_s)]
         }
-        Drive::SpeedLoop { .. } => vec![Knot::free(plant, 0.0)],
+        Drive::Profile(profile) => {
+            let points = profile.points();
+            let mut knots = match points.first() {
+                Some(first) if first.t_s > 0.0 => vec![hold(0.0, first.r_min)],
+                _ => Vec::new(),
+            };
+            for (from, to) in points.iter().zip(points.iter().skip(1)) {
+                if to.t_s > from.t_s {
+                    let speeds = (rad_s(from.r_min), rad_s(to.r_min));
+                    knots.extend(ramp(plant, from.t_s, to.t_s - from.t_s, speeds));
+                }
+            }
+            knots.extend(points.last().map(|last| hold(last.t_s, last.r_min)));
+            knots
+        }
+        Drive::Torque(torque) => {
+            let points = torque.points();
+            let inertia = twin.shaft.inertia_or_one();
+            let push = |from_s, torque_n_m: f64, slope| {
+                Knot::pushed(plant, from_s, torque_n_m / inertia, slope)
+            };
+            let mut knots = match points.first() {
+                Some(first) if first.t_s > 0.0 => vec![push(0.0, first.torque_n_m, 0.0)],
+                _ => Vec::new(),
+            };
+            for (from, to) in points.iter().zip(points.iter().skip(1)) {
+                let (length_s, more) = (to.t_s - from.t_s, to.torque_n_m - from.torque_n_m);
+                if length_s > 0.0 {
+                    knots.push(push(from.t_s, from.torque_n_m, more / length_s / inertia));
+                }
+            }
+            knots.extend(
+                points
+                    .last()
+                    .map(|last| push(last.t_s, last.torque_n_m, 0.0)),
+            );
+            knots
+        }
+        Drive::SpeedLoop { .. } | Drive::Unknown => vec![Knot::free(plant, 0.0)],
     }
+}
+
+/// The knots of a speed, rad/s, that changes at a constant rate for a time.
+fn ramp(plant: &Plant, from_s: f64, length_s: f64, (from, to): (f64, f64)) -> Vec<Knot> {
+    let rate = (to - from) / length_s;
+    let mut knots = vec![Knot::following(plant, from_s, from, rate)];
+    if from * to < 0.0 {
+        // Friction turns its sign here. The speed is exactly 0, so the knot takes the sign of the rate.
+        knots.push(Knot::following(plant, from_s - from / rate, 0.0, rate));
+    }
+    knots
 }
 
 /// The sampled PI speed loop and the speed that it sees. Gains and output are accelerations: torque over inertia.

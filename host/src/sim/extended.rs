@@ -30,8 +30,8 @@ impl Friction {
     fn new(twin: &Twin) -> Self {
         let shaft = &twin.shaft;
         Self {
-            drag: shaft.drag_n_m_s2 / shaft.inertia_kg_m2,
-            stribeck: shaft.stribeck_n_m / shaft.inertia_kg_m2,
+            drag: shaft.drag_n_m_s2 / shaft.inertia_or_one(),
+            stribeck: shaft.stribeck_n_m / shaft.inertia_or_one(),
             stribeck_speed: if shaft.stribeck_n_m > 0.0 {
                 shaft.stribeck_rad_s
             } else {
@@ -110,7 +110,7 @@ impl Extended {
     pub(super) fn new(twin: &Twin, plant: &Plant) -> Option<Self> {
         let friction = Friction::new(twin);
         let spring = twin.stick_slip.map(|spring| DriveSpring {
-            stiffness: spring.stiffness_n_m_rad / twin.shaft.inertia_kg_m2,
+            stiffness: spring.stiffness_n_m_rad / twin.shaft.inertia_or_one(),
             stretch: State::default(),
         });
         let any = !twin.torque_tone.is_empty()

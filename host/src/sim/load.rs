@@ -26,7 +26,7 @@ impl Loads {
                 .load_step
                 .iter()
                 .filter(|load| load.from_s <= now && load.until_s.is_none_or(|until| now < until));
-            there.map(|load| load.torque_n_m).sum::<f64>() / twin.shaft.inertia_kg_m2
+            there.map(|load| load.torque_n_m).sum::<f64>() / twin.shaft.inertia_or_one()
         };
         Self {
             changes: instants.iter().map(|&now| (now, push(now))).collect(),

@@ -41,7 +41,7 @@ mod track;
 use std::f64::consts::TAU;
 
 use crate::recording::Header;
-use crate::twin::{Duration, Twin, TwinError};
+use crate::twin::{Drive, Duration, Twin, TwinError};
 
 pub use event::{Class, Event, Truth};
 pub use plant::NOISE_STEPS;
@@ -62,6 +62,7 @@ use track::Tracks;
 /// A running simulation: an iterator of events in the order of their capture.
 #[derive(Clone, Debug)]
 pub struct Simulation {
+    name: String,
     header: Header,
     disc: Disc,
     knots: Vec<Knot>,
@@ -93,13 +94,14 @@ pub struct Simulation {
     held: Option<Crossing>,
     last_angle: f64,
     done: bool,
+    ran_away_s: Option<f64>,
 }
 
 impl Simulation {
     /// Sets up the run of a twin.
     ///
     /// # Errors
-    /// As [`Twin::check`]; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
+    /// As [`Twin::check`]; [`TwinError::Lacks`] without a drive; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
     /// edges would change their order.
     pub fn new(twin: &Twin) -> Result<Self, TwinError> {
         Self::with_finer_steps(twin, 1)
@@ -111,6 +113,13 @@ impl Simulation {
     /// As [`Self::new`].
     pub fn with_finer_steps(twin: &Twin, finer: u32) -> Result<Self, TwinError> {
         twin.check()?;
+        if twin.drive == Drive::Unknown {
+            return Err(TwinError::Lacks {
+                name: twin.name.clone(),
+                key: "[drive]",
+                advice: "a simulation needs what turns the shaft: add one, such as [drive.constant] with r_min = 60",
+            });
+        }
         let disc = Disc::new(twin)?;
         let plant = Plant::new(twin);
         let knots = drive::knots(twin, &plant);
@@ -137,6 +146,7 @@ impl Simulation {
             None => disc.levels_before(place),
         };
         Ok(Self {
+            name: twin.name.clone(),
             header: event::header_of(twin),
             place,
             knots,
@@ -168,6 +178,7 @@ impl Simulation {
             held: None,
             last_angle: angle,
             done: false,
+            ran_away_s: None,
             disc,
         })
     }
@@ -178,6 +189,20 @@ impl Simulation {
         self.header.clone()
     }
 
+    /// Whether the run came to its end as it should, once there are no more events.
+    ///
+    /// # Errors
+    /// [`TwinError::RanAway`] where torques drove the shaft past any speed.
+    pub fn ended(&self) -> Result<(), TwinError> {
+        match self.ran_away_s {
+            Some(at_s) => Err(TwinError::RanAway {
+                name: self.name.clone(),
+                at_s,
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// The encoder's true errors e(k), rad, for every edge of the grid, without what does not repeat each turn; 0 for the edges of missing
     /// teeth. Edge k happens at its grid
     /// angle 2 pi k / N minus e(k).
@@ -185,6 +210,15 @@ impl Simulation {
     pub fn true_errors(&self) -> Vec<f64> {
         self.disc.errors().to_vec()
     }
+}
+
+/// The true errors e(k) of a twin's encoder, rad, as [`Simulation::true_errors`]; the twin needs no drive.
+///
+/// # Errors
+/// As [`Twin::check`]; [`TwinError::CsvFile`], [`TwinError::ErrorList`] or [`TwinError::EdgesCross`].
+pub fn true_errors(twin: &Twin) -> Result<Vec<f64>, TwinError> {
+    twin.check()?;
+    Ok(Disc::new(twin)?.errors().to_vec())
 }
 
 impl Iterator for Simulation {

@@ -31,7 +31,7 @@ pub(super) struct Plant {
 impl Plant {
     pub(super) fn new(twin: &Twin) -> Self {
         let shaft = &twin.shaft;
-        let inertia = shaft.inertia_kg_m2;
+        let inertia = shaft.inertia_or_one();
         let nominal = twin.drive.nominal_rad_s();
         let viscous = shaft.viscous_n_m_s / inertia;
         let damping = match twin.noise {
@@ -54,7 +54,7 @@ impl Plant {
 
     /// Everything that is torque at an order, as accelerations.
     pub(super) fn ripples(&self, twin: &Twin) -> Vec<RippleTerm> {
-        let inertia = twin.shaft.inertia_kg_m2;
+        let inertia = twin.shaft.inertia_or_one();
         let term = |order: f64, phase_rad: f64, torque: Option<f64>, fraction: Option<f64>| {
             let size = self.size(inertia, order * self.nominal, torque, fraction);
             RippleTerm {
@@ -73,7 +73,7 @@ impl Plant {
 
     /// The tones as accelerations.
     pub(super) fn tones(&self, twin: &Twin) -> Vec<Tone> {
-        let inertia = twin.shaft.inertia_kg_m2;
+        let inertia = twin.shaft.inertia_or_one();
         let tones = twin.torque_tone.iter().map(|tone| {
             let turning = TAU * tone.f_hz;
             Tone {
@@ -109,7 +109,7 @@ impl Plant {
         let hold = resonance
             .load_hold_s
             .unwrap_or(1.0 / (NOISE_STEPS * resonance.f_hz));
-        let inertia = twin.shaft.inertia_kg_m2 * resonance.inertia_share;
+        let inertia = twin.shaft.inertia_or_one() * resonance.inertia_share;
         let random = Stream::new(twin.seed, Purpose::LoadTorque);
         Some(Noise::new(random, (psd / hold).sqrt() / inertia, hold))
     }
@@ -122,7 +122,10 @@ impl Plant {
                 hold_s,
             } => {
                 let hold = hold_s.unwrap_or(self.nominal_interval_s);
-                ((psd_n2_m2_s / hold).sqrt() / twin.shaft.inertia_kg_m2, hold)
+                (
+                    (psd_n2_m2_s / hold).sqrt() / twin.shaft.inertia_or_one(),
+                    hold,
+                )
             }
             twin::Noise::SpeedWander {
                 rms_fraction,
@@ -167,9 +170,12 @@ impl Plant {
         match &twin.drive {
             Drive::Ramp { from_r_min, .. } => rad_s(*from_r_min),
             Drive::Steps(steps) => steps.first().map_or(0.0, |step| rad_s(step.r_min)),
-            Drive::Constant { .. } | Drive::RunDown { .. } | Drive::SpeedLoop { .. } => {
-                self.nominal
-            }
+            Drive::Profile(profile) => rad_s(profile.start_r_min()),
+            Drive::Constant { .. }
+            | Drive::RunDown { .. }
+            | Drive::SpeedLoop { .. }
+            | Drive::Torque(_)
+            | Drive::Unknown => self.nominal,
         }
     }
 

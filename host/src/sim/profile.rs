@@ -50,10 +50,12 @@ impl Profile {
     /// Push, rad/s^2, and speed asked for, rad/s, around a time.
     pub(super) fn around(&self, knot: &Knot, now_s: f64) -> (Series, Series) {
         let (mut push, mut asked) = ([0.0; DEGREE], [0.0; DEGREE]);
+        let since_s = now_s - knot.from_s;
         if !knot.driven {
+            (push[0], push[1]) = (knot.level + knot.slope * since_s, knot.slope);
             return (push, asked);
         }
-        let speed = knot.speed + knot.rate * (now_s - knot.from_s);
+        let speed = knot.speed + knot.rate * since_s;
         let drift = self.drift_around(now_s);
         asked[0] = speed * drift[0];
         for k in 1..DEGREE {

@@ -4,6 +4,9 @@ use super::Simulation;
 use super::shaft::{Forcing, LongSum};
 use super::track::Tracks;
 
+/// No shaft turns so fast, rad/s: ten times the fastest speed that a twin may ask for.
+const FASTEST_RAD_S: f64 = 1e7 * std::f64::consts::TAU / 60.0;
+
 impl Simulation {
     /// Ends the current piece and starts the next.
     pub(super) fn advance(&mut self) {
@@ -42,8 +45,11 @@ impl Simulation {
         if let Some(tracks) = &mut self.tracks {
             tracks.begin();
         }
-        // Torques so large that the motion overflows end the run.
-        self.done = !self.piece_travel.is_finite();
+        // Torques so large that they run away with the shaft end the run.
+        let allowed = FASTEST_RAD_S * self.piece.length_s;
+        if !self.piece_travel.is_finite() || self.piece_travel.abs() > allowed {
+            (self.done, self.ran_away_s) = (true, Some(now));
+        }
     }
 
     /// When the index slips next, s; infinite if it does not.

@@ -2,17 +2,21 @@
 
 use std::f64::consts::TAU;
 
+use serde::de::{Deserializer, Error, Unexpected};
 use serde::{Deserialize, Serialize};
 
-use super::is_zero;
-
-use super::Twin;
+use super::{SpeedProfile, TorqueProfile, Twin, is_zero};
 
 /// Inertia and friction of everything that turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shaft {
-    /// Moment of inertia J, more than 0.
+    /// Moment of inertia J, more than 0; 0 where it is left out, as it may be where nothing in the twin is a torque.
+    #[serde(
+        default,
+        deserialize_with = "given_inertia",
+        skip_serializing_if = "is_zero"
+    )]
     pub inertia_kg_m2: f64,
     /// Viscous friction b: torque a rad/s.
     #[serde(default)]
@@ -37,6 +41,32 @@ pub struct Shaft {
     pub initial_angle_rad: f64,
 }
 
+impl Shaft {
+    /// The inertia, kg m^2; 1 where it is not known, as accelerations are all that counts then.
+    #[must_use]
+    pub fn inertia_or_one(&self) -> f64 {
+        if self.inertia_kg_m2 == 0.0 {
+            1.0
+        } else {
+            self.inertia_kg_m2
+        }
+    }
+
+    pub(super) fn is_unknown(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// An inertia as a file gives it: one that is left out is 0, so 0 itself is refused here.
+fn given_inertia<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let inertia = f64::deserialize(deserializer)?;
+    if inertia == 0.0 {
+        let found = Unexpected::Float(inertia);
+        return Err(Error::invalid_value(found, &"an inertia above 0"));
+    }
+    Ok(inertia)
+}
+
 impl Twin {
     /// All friction but the viscous, against the motion, at a speed, N m.
     pub(crate) fn friction_n_m(&self, rad_s: f64) -> f64 {
@@ -55,12 +85,16 @@ impl Twin {
 
 /// What drives the shaft; a negative speed is reverse.
 ///
-/// All but the speed loop are open loop: with w* the declared speed, the torque is J dw*/dt + b w* + coulomb sgn(w*) +
+/// All but the torque and the speed loop follow a speed in open loop: with w* the declared speed, the torque is J dw*/dt + b w* + coulomb sgn(w*) +
 /// stiffness (w* - w), and to drag and Stribeck friction at w*, so that without ripple and noise the shaft follows w* exactly wherever w* has no jump. At a jump the
 /// shaft comes after with time constant J / (b + stiffness).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Drive {
+    /// Not known: the twin has no `drive`. It can't be simulated.
+    #[default]
+    #[serde(skip)]
+    Unknown,
     /// One speed.
     Constant {
         /// Speed.
@@ -77,6 +111,10 @@ pub enum Drive {
     },
     /// A list of speeds, each held until the next; the first holds from the start.
     Steps(Vec<Step>),
+    /// Straight lines from speed to speed.
+    Profile(SpeedProfile),
+    /// A torque, whatever speed comes of it.
+    Torque(TorqueProfile),
     /// One speed, then no drive torque at all.
     RunDown {
         /// Speed at first.
@@ -111,11 +149,11 @@ pub enum Drive {
     },
 }
 
-/// One entry of a list of speeds.
+/// A speed from a time on, or at it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// When it begins.
+    /// Time.
     pub t_s: f64,
     /// Speed.
     pub r_min: f64,
@@ -125,10 +163,26 @@ impl Drive {
     /// Whether it turns the shaft one way and then the other.
     #[must_use]
     pub fn reverses(&self) -> bool {
-        matches!(*self, Self::Ramp { from_r_min, to_r_min, .. } if from_r_min * to_r_min < 0.0)
+        match self {
+            Self::Ramp {
+                from_r_min,
+                to_r_min,
+                ..
+            } => from_r_min * to_r_min < 0.0,
+            Self::Profile(profile) => {
+                let goes = |way: f64| profile.points().iter().any(|p| p.r_min * way > 0.0);
+                goes(1.0) && goes(-1.0)
+            }
+            _ => false,
+        }
     }
 
-    /// The nominal speed, rad/s, that relative sizes (ripple, wander) refer to: the fastest the profile has; negative for reverse.
+    pub(super) fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
+    }
+
+    /// The nominal speed, rad/s, that relative sizes (ripple, wander) refer to: the fastest the profile has, that
+    /// at the start where a torque drives; negative for reverse, 0 where the drive is not known.
     #[must_use]
     pub fn nominal_rad_s(&self) -> f64 {
         let fastest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
@@ -142,6 +196,12 @@ impl Drive {
                 ..
             } => fastest(*from_r_min, *to_r_min),
             Self::Steps(steps) => steps.iter().fold(0.0, |w, step| fastest(w, step.r_min)),
+            Self::Profile(profile) => {
+                let points = profile.points().iter();
+                points.fold(0.0, |w, point| fastest(w, point.r_min))
+            }
+            Self::Torque(torque) => torque.start_r_min,
+            Self::Unknown => 0.0,
         };
         r_min * (TAU / 60.0)
     }

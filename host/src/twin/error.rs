@@ -1,6 +1,8 @@
 //! What can be wrong with a twin, and where.
 
 use std::fmt;
+use std::fs::File;
+use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -68,9 +70,25 @@ impl BadValue {
 /// What is wrong with a CSV list of errors.
 #[derive(Debug, thiserror::Error)]
 pub enum ErrorListFault {
-    /// Not a CSV file with `k,e_rad`, or a field that is no number.
+    /// Not a CSV file.
     #[error("{0}; the file needs the header k,e_rad and two numbers a row")]
     Csv(#[from] csv::Error),
+    /// A header without the columns.
+    #[error("the file needs the header k,e_rad, or is one that quadcal calibrate --csv wrote")]
+    Header,
+    /// A field that is no number.
+    #[error("'{0}' is no number; the file needs the header k,e_rad and two numbers a row")]
+    Number(String),
+    /// An edge of a class that it can't have, as those before it are numbered.
+    #[error(
+        "edge {k} is of class '{class}', which the twin's encoder does not have there; check the kind of encoder"
+    )]
+    Class {
+        /// The edge number.
+        k: u32,
+        /// Its class.
+        class: String,
+    },
     /// An edge number past the grid.
     #[error("k = {k}: allowed is 0 to {last}; check the line count")]
     OutOfGrid {
@@ -90,6 +108,54 @@ pub enum ErrorListFault {
     NotFinite(f64),
 }
 
+/// What is wrong with a CSV file of a drive's speed or torque.
+#[derive(Debug, thiserror::Error)]
+pub enum CurveFault {
+    /// Not a CSV file.
+    #[error("{source}; the file needs the header t_s,{column} and two numbers a row")]
+    Csv {
+        /// The column beside the time.
+        column: &'static str,
+        /// The CSV reader's word on it.
+        source: csv::Error,
+    },
+    /// A header without the columns.
+    #[error("the header lacks a column; the file needs the header t_s,{0}")]
+    Header(&'static str),
+    /// A field that is no number.
+    #[error("{column} = '{found}': not a number; correct the row")]
+    Number {
+        /// Its column.
+        column: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// A time before the one above, or out of range.
+    #[error(
+        "t_s = {found}: allowed is {last_s} to 10000000; times start at 0 or later and do not fall"
+    )]
+    Time {
+        /// The time found, s.
+        found: f64,
+        /// The time above it, s.
+        last_s: f64,
+    },
+    /// A speed or torque out of range.
+    #[error("{column} = {found}: allowed is -1000000 to 1000000; correct the row")]
+    Value {
+        /// Its column.
+        column: &'static str,
+        /// The value found.
+        found: f64,
+    },
+    /// Too many rows.
+    #[error("more than 1000000 rows; leave out points on a straight line")]
+    Points,
+    /// No row.
+    #[error("no row; give one point or more")]
+    Empty,
+}
+
 /// Why a twin can't be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TwinError {
@@ -100,6 +166,12 @@ pub enum TwinError {
         path: PathBuf,
         /// The system's word on it.
         source: std::io::Error,
+    },
+    /// More bytes than any twin has.
+    #[error("{path}: more than 128 MiB; a twin is a TOML file, lists go into a CSV file beside it", path = path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
     },
     /// A folder in place of a file.
     #[error("{path}: is a folder; name the twin's file in it", path = path.display())]
@@ -150,6 +222,34 @@ pub enum TwinError {
         /// What is wrong there.
         fault: ErrorListFault,
     },
+    /// A CSV file that a twin names and that can't be read.
+    #[error("{path}: {why}", path = path.display())]
+    CsvFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        why: String,
+    },
+    /// The file named by `drive.profile.csv` or `drive.torque.csv` can't be used.
+    #[error("{path}:{line}: {fault}", path = path.display())]
+    Curve {
+        /// The CSV file.
+        path: PathBuf,
+        /// Line from 1.
+        line: u64,
+        /// What is wrong there.
+        fault: CurveFault,
+    },
+    /// What is asked for needs a key that the twin may leave out.
+    #[error("{name}: no {key}; {advice}")]
+    Lacks {
+        /// The twin's name.
+        name: String,
+        /// The key.
+        key: &'static str,
+        /// What needs it, and what to add.
+        advice: &'static str,
+    },
     /// The errors are so large that an edge would come before the one in front of it.
     #[error(
         "{name}: errors: edge {first} comes {by_rad:e} rad after edge {second}; errors of neighbours may differ by less than \
@@ -167,10 +267,33 @@ pub enum TwinError {
         /// The grid's step.
         step_rad: f64,
     },
+    /// Gaps that a table of errors has no place for.
+    #[error(
+        "{name}: encoder.wheel.gaps: a table knows one gap, at the end of the turn; count the places from that gap's end, or \
+         simulate only"
+    )]
+    Gaps {
+        /// The twin's name.
+        name: String,
+    },
+    /// Torques that drive the shaft past any speed.
+    #[error(
+        "{name}: after {at_s:.3e} s the shaft turns faster than 10000000 r/min; lower the torques or the loop's gains, or give the \
+         shaft friction"
+    )]
+    RanAway {
+        /// The twin's name.
+        name: String,
+        /// When.
+        at_s: f64,
+    },
     /// The twin can't be written as TOML.
     #[error("can't write the twin: {0}")]
     Write(#[from] toml::ser::Error),
 }
+
+/// Most bytes of a twin's file: room for a list of the errors of every edge.
+const BYTES_MAX: u64 = 128 << 20;
 
 /// The text of a twin's file.
 pub(super) fn text_of(path: &Path) -> Result<String, TwinError> {
@@ -178,10 +301,14 @@ pub(super) fn text_of(path: &Path) -> Result<String, TwinError> {
     if path.is_dir() {
         return Err(TwinError::Folder { path });
     }
-    let bytes = match std::fs::read(&path) {
-        Ok(bytes) => bytes,
-        Err(source) => return Err(TwinError::Read { path, source }),
-    };
+    let mut bytes = Vec::new();
+    let read = File::open(&path).and_then(|file| file.take(BYTES_MAX + 1).read_to_end(&mut bytes));
+    if let Err(source) = read {
+        return Err(TwinError::Read { path, source });
+    }
+    if bytes.len() as u64 > BYTES_MAX {
+        return Err(TwinError::TooLarge { path });
+    }
     String::from_utf8(bytes).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
@@ -213,7 +340,7 @@ pub(super) fn from_toml(error: &toml::de::Error, text: &str, name: &str) -> Twin
 }
 
 /// Line and column (in characters), from 1, of a byte offset.
-fn line_column(text: &str, offset: usize) -> (usize, usize) {
+pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let before = text.get(..offset).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |at| at + 1);
     (

@@ -4,10 +4,13 @@
 //! line, column and key ([`TwinError`]). `host/twins/` has a commented file for every kind of rig.
 
 mod check;
+pub(crate) mod csv_file;
+mod curve;
 mod defect;
 mod delay;
 mod drift;
 mod drive;
+mod edit;
 mod elastic;
 mod encoder;
 mod error;
@@ -22,18 +25,21 @@ mod speed_loop;
 mod tests;
 mod threshold;
 mod tone;
+mod whole;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use curve::{SpeedProfile, TorquePoint, TorqueProfile};
 pub use defect::{Channel, Flank, LocalDefect};
 pub use delay::{ChannelSkew, EdgeDelay, RiseFall};
 pub use drift::SpeedDrift;
 pub use drive::{Drive, Noise, Ripple, Shaft, Step};
+pub use edit::edited;
 pub use elastic::{StickSlip, TorsionalResonance};
-pub use encoder::{Encoder, Errors, Harmonic, Per, Position};
-pub use error::{BadValue, ErrorListFault, Place, TwinError};
+pub use encoder::{Encoder, Errors, Gap, Harmonic, Per, Position};
+pub use error::{BadValue, CurveFault, ErrorListFault, Place, TwinError};
 pub use index_slip::IndexSlip;
 pub use latency::CaptureLatency;
 pub use load::LoadStep;
@@ -43,13 +49,15 @@ pub use speed_loop::{Gains, SeenSpeed, SpeedLoop};
 pub use threshold::{ThresholdDrift, ThresholdRipple};
 pub use tone::TorqueTone;
 
+use whole::whole;
+
 /// A declared rig: encoder, shaft, drive, noise, timer and what to record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Twin {
     /// Seed of every random number, 0 to 2^63 - 1. The same seed gives the same bytes, so recordings of one rig want a seed each, or
     /// noise is the same in them, edge by edge; `errors.seed` gives them one disc.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
     pub seed: u64,
     /// How much to record.
     pub duration: Duration,
@@ -61,9 +69,11 @@ pub struct Twin {
     /// Places of the disc that are out of line; they add to [`Twin::errors`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub local_defect: Vec<LocalDefect>,
-    /// Inertia and friction of everything that turns.
+    /// Inertia and friction of everything that turns; nothing is known of it where left out.
+    #[serde(default, skip_serializing_if = "Shaft::is_unknown")]
     pub shaft: Shaft,
     /// What drives the shaft.
+    #[serde(default, skip_serializing_if = "Drive::is_unknown")]
     pub drive: Drive,
     /// Torque ripple locked to the shaft's angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -124,7 +134,7 @@ pub struct Twin {
     /// Name for messages: the file the twin came from.
     #[serde(skip)]
     pub name: String,
-    /// Folder that `errors.csv` is relative to.
+    /// Folder that paths of CSV files are relative to.
     #[serde(skip)]
     pub folder: PathBuf,
 }
@@ -145,9 +155,10 @@ pub enum Duration {
 #[serde(deny_unknown_fields)]
 pub struct Timer {
     /// Tick rate, 1 to 1e12 Hz.
+    #[serde(deserialize_with = "whole")]
     pub clock_hz: u64,
     /// Width of the capture register: 16, 32 or 64 bits.
-    #[serde(default = "Timer::full_width")]
+    #[serde(default = "Timer::full_width", deserialize_with = "whole")]
     pub bits: u32,
     /// RMS of a normal, independent time error of every stamp, 0 to 1 s. Stamps never go back: a later one is held at the earlier.
     #[serde(default)]
@@ -171,7 +182,11 @@ pub struct Faults {
     #[serde(default)]
     pub lost_probability: f64,
     /// Edges that are lost, counted from 0 at the first edge of the recording (index rows do not count).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        default,
+        deserialize_with = "whole",
+        skip_serializing_if = "Vec::is_empty"
+    )]
     pub lost_edges: Vec<u64>,
     /// Probability, 0 to 1, that an edge is followed by a glitch: a short pulse on one channel, at a random time within an interval
     /// as long as the one just ended.
@@ -200,14 +215,25 @@ impl Twin {
     /// # Errors
     /// [`TwinError::Read`], [`TwinError::Folder`], [`TwinError::NotText`] where there is no text to read, else as [`Twin::parse`].
     pub fn load(path: &Path) -> Result<Self, TwinError> {
-        Self::parse(&error::text_of(path)?, &path.display().to_string())
+        Self::load_with_text(path).map(|(_, twin)| twin)
     }
 
-    /// Parses and checks the text of a twin; `name` is its file's name, used in messages, and an error list's path is relative to
+    /// As [`Self::load`], with the file's text.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_with_text(path: &Path) -> Result<(String, Self), TwinError> {
+        let text = error::text_of(path)?;
+        let twin = Self::parse(&text, &path.display().to_string())?;
+        Ok((text, twin))
+    }
+
+    /// Parses and checks the text of a twin; `name` is its file's name, used in messages, and paths of CSV files are relative to
     /// its folder.
     ///
     /// # Errors
-    /// [`TwinError::Syntax`] for what is not TOML or not a twin, [`TwinError::Value`] for a value out of range or in conflict.
+    /// [`TwinError::Syntax`] for what is not TOML or not a twin, [`TwinError::Value`] for a value out of range or in conflict,
+    /// [`TwinError::CsvFile`] or [`TwinError::Curve`] for an unusable file of the drive.
     pub fn parse(text: &str, name: &str) -> Result<Self, TwinError> {
         let mut twin: Self = toml::from_str(text).map_err(|e| error::from_toml(&e, text, name))?;
         twin.name = name.to_owned();
@@ -215,6 +241,7 @@ impl Twin {
             .parent()
             .map(Path::to_owned)
             .unwrap_or_default();
+        twin.read_curves()?;
         match twin.find_bad_value() {
             Some(bad) => Err(bad.placed_in(text)),
             None => Ok(twin),
@@ -239,6 +266,49 @@ impl Twin {
     pub fn to_toml(&self) -> Result<String, TwinError> {
         self.check()?;
         Ok(toml::to_string(self)?)
+    }
+
+    /// Teeth that are missing at the end of the turn, as a table and the core's decoder know it.
+    ///
+    /// # Errors
+    /// [`TwinError::Gaps`] for a wheel with gaps elsewhere.
+    pub fn missing_teeth(&self) -> Result<u32, TwinError> {
+        let missing = self.encoder.missing_at_end();
+        missing.ok_or_else(|| TwinError::Gaps {
+            name: self.name.clone(),
+        })
+    }
+
+    /// Reads the drive's CSV file, if it has one.
+    fn read_curves(&mut self) -> Result<(), TwinError> {
+        match &mut self.drive {
+            Drive::Profile(profile) => {
+                if let Some(csv) = &profile.csv {
+                    let rows = curve::read(&self.folder.join(csv), "r_min")?;
+                    let point = |(t_s, r_min)| Step { t_s, r_min };
+                    profile.listed = rows.into_iter().map(point).collect();
+                }
+            }
+            Drive::Torque(torque) => {
+                if let Some(csv) = &torque.csv {
+                    let rows = curve::read(&self.folder.join(csv), "torque_n_m")?;
+                    let point = |(t_s, torque_n_m)| TorquePoint { t_s, torque_n_m };
+                    torque.listed = rows.into_iter().map(point).collect();
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Paths of the CSV files that the twin names.
+    pub(crate) fn csv_paths(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let drive = match &mut self.drive {
+            Drive::Profile(profile) => profile.csv.as_mut(),
+            Drive::Torque(torque) => torque.csv.as_mut(),
+            _ => None,
+        };
+        self.errors.csv.as_mut().into_iter().chain(drive)
     }
 
     /// `errors.csv` as a path that can be opened: relative to the twin's own file.

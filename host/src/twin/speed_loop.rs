@@ -51,7 +51,7 @@ impl Twin {
         else {
             return None;
         };
-        let inertia = self.shaft.inertia_kg_m2;
+        let inertia = self.shaft.inertia_or_one();
         let target = self.drive.nominal_rad_s();
         let gains = match bandwidth_hz {
             Some(bandwidth) => {

@@ -58,10 +58,10 @@ pub enum OtherEncoder {
 ///
 /// # Errors
 /// [`OtherEncoder`].
-pub fn plan(encoder: Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncoder> {
+pub fn plan(encoder: &Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncoder> {
     let channels = survey.header.channels;
     let (kind, lines) = match (encoder, channels) {
-        (Encoder::Quadrature { lines, index }, Channels::Quadrature { index: recorded }) => {
+        (&Encoder::Quadrature { lines, index }, Channels::Quadrature { index: recorded }) => {
             let index_state = match (index, recorded) {
                 (false, _) => None,
                 (true, false) => return Err(OtherEncoder::NoIndexChannel),
@@ -70,9 +70,10 @@ pub fn plan(encoder: Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncode
             };
             (SensorKind::Quadrature { index_state }, lines)
         }
-        (Encoder::Hall { pole_pairs }, Channels::Hall) => (SensorKind::Hall, pole_pairs),
-        (Encoder::Wheel { teeth, missing }, Channels::Wheel | Channels::Pulses) => {
+        (&Encoder::Hall { pole_pairs }, Channels::Hall) => (SensorKind::Hall, pole_pairs),
+        (&Encoder::Wheel { teeth, .. }, Channels::Wheel | Channels::Pulses) => {
             // More teeth than the decoder can miss are refused with their number cut.
+            let missing = encoder.missing_at_end().unwrap_or(u32::MAX);
             let missing = u16::try_from(missing).unwrap_or(u16::MAX);
             (SensorKind::of(channels, None, missing), teeth)
         }
@@ -93,7 +94,7 @@ pub fn plan(encoder: Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncode
 /// Turns that a recording without an index pulse may have at the most, where that is less than one: it needs no index to be too short.
 #[must_use]
 #[allow(clippy::cast_precision_loss)]
-pub fn part_of_a_turn(encoder: Encoder, survey: &Survey) -> Option<f64> {
+pub fn part_of_a_turn(encoder: &Encoder, survey: &Survey) -> Option<f64> {
     let turns = survey.rows as f64 / f64::from(encoder.grid_edges());
     (survey.index_pulses == 0 && turns < 1.0).then_some(turns)
 }
@@ -110,7 +111,7 @@ pub fn as_declared(plan: SensorPlan, row: Row) -> Row {
     }
 }
 
-fn declared(encoder: Encoder) -> &'static str {
+fn declared(encoder: &Encoder) -> &'static str {
     match encoder {
         Encoder::Quadrature { .. } => "a quadrature encoder (channels A and B)",
         Encoder::Hall { .. } => "three Hall sensors (channels A, B and C)",

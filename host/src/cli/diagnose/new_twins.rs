@@ -11,7 +11,7 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::cli::failure::Failure;
 use crate::diagnose::run::Diagnosed;
-use crate::twin::{ErrorListFault, Errors, Twin, TwinError};
+use crate::twin::{ErrorListFault, Errors, Twin, TwinError, edited};
 
 /// A file to be written.
 pub(super) struct NewFile {
@@ -27,11 +27,16 @@ pub(super) fn names(first: &Path, recordings: usize) -> Vec<PathBuf> {
         .collect::<Vec<_>>()
 }
 
-/// The files of a diagnosis, the first recording's twin going to `first`.
+/// The files of a diagnosis, the first recording's twin going to `first`. `declared` are texts and twins as they were given, one for
+/// each recording or one for all.
 ///
 /// # Errors
 /// A twin that can't be written, or a list of errors that does not fit its encoder.
-pub(super) fn files(first: &Path, diagnosed: &Diagnosed) -> Result<Vec<NewFile>, Failure> {
+pub(super) fn files(
+    first: &Path,
+    diagnosed: &Diagnosed,
+    declared: &[(String, Twin)],
+) -> Result<Vec<NewFile>, Failure> {
     let list = |index: usize| diagnosed.error_lists.get(index).and_then(Option::as_ref);
     let twins = &diagnosed.twins;
     let alike = (1..twins.len()).all(|index| twins[index] == twins[0] && list(index) == list(0));
@@ -40,19 +45,24 @@ pub(super) fn files(first: &Path, diagnosed: &Diagnosed) -> Result<Vec<NewFile>,
     for (index, twin) in twins.iter().take(count).enumerate() {
         let path = numbered(first, index);
         let mut twin = twin.clone();
-        match list(index) {
-            Some(errors_rad) => {
-                let list = list_name(&path);
-                let text = list_csv(&list, errors_rad, &twin)?;
-                twin.errors = Errors {
-                    csv: list.file_name().map(PathBuf::from),
-                    ..Errors::default()
-                };
-                files.push(NewFile { path: list, text });
-            }
-            None => twin.errors.csv = twin.errors.csv.map(|csv| moved(&csv, &twin.folder, &path)),
+        let folder = twin.folder.clone();
+        for csv in twin.csv_paths() {
+            *csv = moved(csv, &folder, &path);
         }
-        let text = remarks(diagnosed, index) + &twin.to_toml()?;
+        if let Some(errors_rad) = list(index) {
+            let list = list_name(&path);
+            let text = list_csv(&list, errors_rad, &twin)?;
+            twin.errors = Errors {
+                csv: list.file_name().map(PathBuf::from),
+                ..Errors::default()
+            };
+            files.push(NewFile { path: list, text });
+        }
+        let text = match declared.get(index).or(declared.first()) {
+            Some((text, old)) => edited(text, old, &twin)?,
+            None => twin.to_toml()?,
+        };
+        let text = remarks(diagnosed, index) + &text;
         files.push(NewFile { path, text });
     }
     Ok(files)

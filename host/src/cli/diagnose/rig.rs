@@ -13,7 +13,7 @@ use crate::recording::Header;
 use crate::sensor::PlanError;
 use crate::sim::Simulation;
 use crate::survey::Survey;
-use crate::twin::{Encoder, Twin};
+use crate::twin::{Drive, Encoder, Twin, TwinError};
 
 use super::encoder::{self, OtherEncoder};
 
@@ -80,10 +80,12 @@ impl Named<'_> {
         let mut declared: Vec<Declared<'_>> = Vec::new();
         for path in self.twins {
             let twin = Twin::load(path)?;
+            has_all(&twin)?;
             // Lists of errors are read, and edges looked at for their order, before a long recording is.
             Simulation::new(&twin)?;
+            twin.missing_teeth()?;
             if let Some(first) = declared.first()
-                && disc(first.twin.encoder) != disc(twin.encoder)
+                && disc(&first.twin.encoder) != disc(&twin.encoder)
             {
                 return Err(Failure::OtherRig {
                     this: path.clone(),
@@ -104,14 +106,34 @@ impl Named<'_> {
     }
 }
 
+/// Refuses a twin without what the residual's model starts from.
+fn has_all(twin: &Twin) -> Result<(), TwinError> {
+    let lacks = |key, advice| {
+        Err(TwinError::Lacks {
+            name: twin.name.clone(),
+            key,
+            advice,
+        })
+    };
+    match twin.drive {
+        Drive::Unknown => lacks("[drive]", "a diagnosis needs what turns the shaft: add one"),
+        Drive::Torque(_) => lacks("speed", "a diagnosis needs a drive that declares one"),
+        _ if twin.shaft.inertia_kg_m2 == 0.0 => lacks(
+            "shaft.inertia_kg_m2",
+            "a diagnosis needs the inertia of all that turns: add it",
+        ),
+        _ => Ok(()),
+    }
+}
+
 /// An encoder without its index, which may be connected for one recording and not for another.
-const fn disc(encoder: Encoder) -> Encoder {
+fn disc(encoder: &Encoder) -> Encoder {
     match encoder {
-        Encoder::Quadrature { lines, .. } => Encoder::Quadrature {
+        &Encoder::Quadrature { lines, .. } => Encoder::Quadrature {
             lines,
             index: false,
         },
-        other => other,
+        other => other.clone(),
     }
 }
 
@@ -127,7 +149,7 @@ fn recorded(
         source,
     };
     let file = input.recording.display().to_string();
-    let encoder = declared.twin.encoder;
+    let encoder = &declared.twin.encoder;
     let plan = encoder::plan(encoder, survey).map_err(|source| {
         match encoder::part_of_a_turn(encoder, survey) {
             Some(turns) if source == OtherEncoder::NoIndexPulse => DiagnoseError::TooShort {

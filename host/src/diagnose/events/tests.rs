@@ -23,18 +23,19 @@ fn sensors() -> [Encoder; 4] {
         Encoder::Wheel {
             teeth: 30,
             missing: 0,
+            gaps: Vec::new(),
         },
     ]
 }
 
-fn plan(encoder: Encoder) -> SensorPlan {
-    let (kind, lines) = match encoder {
+fn plan(encoder: &Encoder) -> SensorPlan {
+    let (kind, lines) = match *encoder {
         Encoder::Quadrature { lines, index } => {
             let index_state = index.then_some(Levels(Levels::A));
             (SensorKind::Quadrature { index_state }, lines)
         }
         Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
-        Encoder::Wheel { teeth, missing } => {
+        Encoder::Wheel { teeth, missing, .. } => {
             let missing = u16::try_from(missing).unwrap();
             let both_edges = true;
             (
@@ -50,11 +51,11 @@ fn plan(encoder: Encoder) -> SensorPlan {
 }
 
 /// A shaft that wanders, with a disc that is not perfect.
-fn rig(encoder: Encoder, seed: u64) -> Twin {
+fn rig(encoder: &Encoder, seed: u64) -> Twin {
     let step = std::f64::consts::TAU / plan(encoder).shape().unwrap().edges() as f64;
     Twin {
         seed,
-        encoder,
+        encoder: encoder.clone(),
         duration: Duration::Turns(5.0),
         drive: Drive::Constant { r_min: 60.0 },
         ripple: Vec::new(),
@@ -81,7 +82,7 @@ fn track(twin: &Twin) -> Track {
         .map(|event| event.row)
         .collect();
     let rows = rows.into_iter().map(Ok::<_, PlanError>);
-    Track::of(plan(twin.encoder), twin.timer.clock_hz, rows).unwrap()
+    Track::of(plan(&twin.encoder), twin.timer.clock_hz, rows).unwrap()
 }
 
 /// Places by time in ticks.
@@ -121,7 +122,7 @@ fn all_of(events: &[Event], mechanism: Mechanism) {
 
 #[test]
 fn lost_edges_are_counted_through_whatever_the_sensor() {
-    for encoder in sensors() {
+    for encoder in &sensors() {
         for seed in 1..=4 {
             let clean = rig(encoder, seed);
             let edges = u64::from(plan(encoder).shape().unwrap().edges());
@@ -158,7 +159,7 @@ fn lost_edges_are_counted_through_whatever_the_sensor() {
 fn several_edges_lost_in_a_row_are_one_event_though_levels_agree() {
     for lost in 2..=4_u64 {
         for seed in 1..=4 {
-            let clean = rig(sensors()[1], seed);
+            let clean = rig(&sensors()[1], seed);
             let mut lossy = clean.clone();
             lossy.faults.lost_edges = (0..lost).map(|n| 1700 + 13 * seed + n).collect();
             let disturbed = track(&lossy);
@@ -174,7 +175,7 @@ fn several_edges_lost_in_a_row_are_one_event_though_levels_agree() {
 
 #[test]
 fn short_pulses_are_taken_out_whatever_the_sensor() {
-    for encoder in sensors() {
+    for encoder in &sensors() {
         let edges = f64::from(plan(encoder).shape().unwrap().edges());
         for seed in 1..=4 {
             let clean = rig(encoder, seed);
@@ -199,7 +200,7 @@ fn an_index_that_slips_moves_no_edge() {
         for r_min in [60.0, -60.0] {
             let clean = Twin {
                 drive: Drive::Constant { r_min },
-                ..rig(sensors()[0], seed)
+                ..rig(&sensors()[0], seed)
             };
             let mut slipping = clean.clone();
             slipping.index_slip = vec![twin::IndexSlip { at_s, edges }];
@@ -221,7 +222,7 @@ fn an_index_that_slips_moves_no_edge() {
 #[test]
 fn an_index_that_slips_and_edges_lost_and_pulses_are_told_apart_in_one_recording() {
     for seed in 1..=4 {
-        let clean = rig(sensors()[0], seed);
+        let clean = rig(&sensors()[0], seed);
         let mut disturbed = clean.clone();
         disturbed.faults.lost_edges = vec![1503, 3001 + seed];
         disturbed.faults.glitch_probability = 1e-3;

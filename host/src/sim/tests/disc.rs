@@ -48,10 +48,11 @@ fn edges_happen_at_their_grid_angle_less_their_error() {
         Encoder::Wheel {
             teeth: 60,
             missing: 2,
+            gaps: Vec::new(),
         },
     ] {
         let mut twin = plain(-60.0, 3.0);
-        twin.encoder = encoder;
+        twin.encoder = encoder.clone();
         twin.errors.position = Some(Position::Normal {
             rms_rad: 1e-3,
             per: Per::Line,
@@ -134,6 +135,7 @@ fn an_error_list_is_read_from_csv_and_its_faults_are_placed() {
         twin.encoder = Encoder::Wheel {
             teeth: 2,
             missing: 0,
+            gaps: Vec::new(),
         };
         twin.errors.csv = Some("errors.csv".into());
         twin.folder = folder.path().to_owned();
@@ -173,4 +175,43 @@ fn twins_with_the_same_errors_seed_are_recordings_of_one_disc() {
     assert_ne!(ticks(first), ticks(second));
     // Left out, it is the twin's own.
     assert_eq!(twin(9, None).true_errors(), twin(1, Some(9)).true_errors());
+}
+
+#[test]
+fn an_exported_table_is_numbered_by_the_class_of_its_edges() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("table.csv");
+    let read = |encoder: Encoder, rows: &str| {
+        std::fs::write(
+            &path,
+            format!("edge,class,error_rad,standard_error_rad\n{rows}"),
+        )
+        .unwrap();
+        let mut twin = plain(15.0, 1.0);
+        twin.encoder = encoder;
+        twin.errors.csv = Some("table.csv".into());
+        twin.folder = folder.path().to_owned();
+        true_errors(&twin)
+    };
+    let hall = || Encoder::Hall { pole_pairs: 1 };
+    let rows = "0,A falls,0.1,1\n1,B rises,0.2,1\n2,C falls,0.3,1\n3,A rises,0.4,1\n4,B falls,0.5,1\n5,C rises,0.6,1\n";
+    assert_eq!(read(hall(), rows).unwrap(), [0.2, 0.3, 0.4, 0.5, 0.6, 0.1]);
+    let other = read(hall(), &rows.replace("C falls", "C rises"));
+    let shown = other.unwrap_err().to_string();
+    assert!(
+        shown.contains("table.csv:4: edge 2 is of class 'C rises'"),
+        "{shown}"
+    );
+    let wheel = |missing| Encoder::Wheel {
+        teeth: 3,
+        missing,
+        gaps: Vec::new(),
+    };
+    let teeth = "0,tooth,0.1,1\n1,tooth,0.2,1\n";
+    assert_eq!(
+        read(wheel(1), teeth).unwrap(),
+        [0.1, 0.1, 0.2, 0.2, 0.0, 0.0]
+    );
+    let shown = read(wheel(0), teeth).unwrap_err().to_string();
+    assert!(shown.contains("k = 2 is missing"), "{shown}");
 }

@@ -1,6 +1,7 @@
 mod capture;
 mod delay;
 mod disc;
+mod drives;
 mod elastic;
 mod extended;
 mod finer;

@@ -1,7 +1,7 @@
 //! Ranges and conflicts of springs and of the drive's drift.
 
 use super::{Checker, TIME_MAX, TORQUE_MAX};
-use crate::twin::{Drive, SpeedDrift, Twin};
+use crate::twin::{SpeedDrift, Twin};
 
 impl Twin {
     pub(super) fn check_drift(&self, c: &mut Checker<'_>) {
@@ -48,12 +48,12 @@ impl Twin {
             let key = "stick_slip.stiffness_n_m_rad";
             c.positive(key, stiffness, TORQUE_MAX, "give the spring's stiffness");
             c.require(
-                stiffness <= 1e12 * self.shaft.inertia_kg_m2,
+                stiffness <= 1e12 * self.shaft.inertia_or_one(),
                 key,
                 stiffness,
                 &format!(
                     "up to {:?} with this inertia",
-                    1e12 * self.shaft.inertia_kg_m2
+                    1e12 * self.shaft.inertia_or_one()
                 ),
                 "lower it or raise the inertia: the shaft swings above 160 kHz",
             );
@@ -99,10 +99,10 @@ impl Twin {
 
     fn check_open_loop(&self, c: &mut Checker<'_>, key: &str) {
         c.require(
-            !matches!(self.drive, Drive::SpeedLoop { .. }),
+            self.follows_a_speed(),
             key,
-            "with a speed loop",
-            "an open-loop drive",
+            "with this drive",
+            "a drive that follows a speed in open loop",
             "take it out, or change the drive",
         );
     }

@@ -3,12 +3,60 @@
 use std::f64::consts::PI;
 
 use super::{ANGLE_ADVICE, Checker};
-use crate::twin::{Encoder, Errors, Position, Twin};
+use crate::twin::{Encoder, Errors, Gap, Position, Twin};
+
+const LEAVE_ONE: &str = "leave at least one tooth on the wheel";
+/// Most gaps of a wheel.
+const GAPS_MAX: usize = 1000;
+
+fn check_gaps(c: &mut Checker<'_>, teeth: u32, gaps: &[Gap]) {
+    c.list("encoder.wheel.gaps", gaps.len(), GAPS_MAX);
+    let mut left = teeth;
+    let mut taken: Vec<Gap> = Vec::new();
+    for (i, gap) in gaps.iter().take(GAPS_MAX).enumerate() {
+        let key = format!("encoder.wheel.gaps[{i}]");
+        let last = teeth.saturating_sub(1);
+        c.count(
+            &format!("{key}.at"),
+            gap.at,
+            0,
+            last,
+            "count places from 0, the first tooth after the reference",
+        );
+        c.count(
+            &format!("{key}.missing"),
+            gap.missing,
+            1,
+            teeth.saturating_sub(gap.at),
+            "a gap ends with the turn: write what is beyond as a gap at 0",
+        );
+        let apart = |other: &Gap| {
+            gap.at >= other.at.saturating_add(other.missing)
+                || other.at >= gap.at.saturating_add(gap.missing)
+        };
+        c.require(
+            taken.iter().all(apart),
+            &key,
+            format_args!("at {}", gap.at),
+            "places that no other gap has",
+            "let gaps not overlap",
+        );
+        taken.push(*gap);
+        left = left.saturating_sub(gap.missing);
+    }
+    c.require(
+        left > 0 || teeth == 0,
+        "encoder.wheel.gaps",
+        "no tooth left",
+        "gaps of less than all teeth",
+        LEAVE_ONE,
+    );
+}
 
 impl Twin {
     pub(super) fn check_encoder(&self, c: &mut Checker<'_>) {
-        match self.encoder {
-            Encoder::Quadrature { lines, .. } => {
+        match &self.encoder {
+            &Encoder::Quadrature { lines, .. } => {
                 c.count(
                     "encoder.quadrature.lines",
                     lines,
@@ -17,7 +65,7 @@ impl Twin {
                     "give the grating lines of one turn",
                 );
             }
-            Encoder::Hall { pole_pairs } => {
+            &Encoder::Hall { pole_pairs } => {
                 c.count(
                     "encoder.hall.pole_pairs",
                     pole_pairs,
@@ -26,7 +74,12 @@ impl Twin {
                     "give the magnet pole pairs of one turn",
                 );
             }
-            Encoder::Wheel { teeth, missing } => {
+            Encoder::Wheel {
+                teeth,
+                missing,
+                gaps,
+            } => {
+                let (teeth, missing) = (*teeth, *missing);
                 c.count(
                     "encoder.wheel.teeth",
                     teeth,
@@ -39,8 +92,16 @@ impl Twin {
                     missing,
                     0,
                     teeth.saturating_sub(1),
-                    "leave at least one tooth on the wheel",
+                    LEAVE_ONE,
                 );
+                c.require(
+                    missing == 0 || gaps.is_empty(),
+                    "encoder.wheel.gaps",
+                    "given together with missing",
+                    "missing alone, or gaps alone",
+                    "put the missing teeth into the list of gaps",
+                );
+                check_gaps(c, teeth, gaps);
             }
         }
     }

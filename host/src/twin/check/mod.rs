@@ -1,8 +1,10 @@
 //! Ranges and conflicts of a twin's values.
 
+mod cost;
 mod delay;
 mod elastic;
 mod encoder;
+mod inertia;
 mod motion;
 mod rotating;
 mod signal;
@@ -64,6 +66,17 @@ impl Checker<'_> {
         self.require(ok, key, value, &format!("{min} to {max}"), advice);
     }
 
+    /// A list of up to `most` entries.
+    fn list(&mut self, key: &str, entries: usize, most: usize) {
+        self.require(
+            entries <= most,
+            key,
+            format_args!("{entries} entries"),
+            &format!("up to {most} entries"),
+            "leave out the smallest ones",
+        );
+    }
+
     fn seed(&mut self, key: &str, seed: u64) {
         let largest = i64::MAX.unsigned_abs();
         self.require(
@@ -81,7 +94,7 @@ impl Checker<'_> {
     }
 
     /// A channel that this encoder has.
-    fn channel(&mut self, key: &str, channel: Option<Channel>, encoder: Encoder) {
+    fn channel(&mut self, key: &str, channel: Option<Channel>, encoder: &Encoder) {
         let ok = match channel {
             None | Some(Channel::A) => true,
             Some(Channel::B) => !matches!(encoder, Encoder::Wheel { .. }),
@@ -126,6 +139,7 @@ impl Twin {
         self.check_shaft(&mut c);
         self.check_friction(&mut c);
         self.check_drive(&mut c);
+        self.check_inertia(&mut c);
         self.check_ripple(&mut c);
         self.check_loads(&mut c);
         self.check_rotating(&mut c);
@@ -139,6 +153,7 @@ impl Twin {
         self.check_slips(&mut c);
         self.check_latency(&mut c);
         self.check_capture(&mut c);
+        self.check_cost(&mut c);
         c.bad
     }
 

@@ -1,14 +1,46 @@
 //! Ranges and conflicts of shaft, drive and duration.
 
+use std::path::PathBuf;
+
 use super::{ANGLE_ADVICE, Checker, DAMPING_MAX, TIME_MAX, TORQUE_MAX};
-use crate::twin::{Drive, Duration, Twin};
+use crate::twin::curve::POINTS_MAX;
+use crate::twin::{Drive, Duration, Step, Twin};
+
+const TIMES_RISE: &str = "times start at 0 or later and do not fall";
+
+/// Speeds over time.
+fn check_speeds(c: &mut Checker<'_>, key: &str, points: &[Step]) {
+    let mut last = 0.0;
+    for (i, point) in points.iter().enumerate() {
+        let time = format!("{key}[{i}].t_s");
+        c.between(&time, point.t_s, last, TIME_MAX, TIMES_RISE);
+        c.speed(&format!("{key}[{i}].r_min"), point.r_min);
+        last = point.t_s;
+    }
+}
+
+/// Points of a curve in the twin or in a file of their own.
+fn check_source(c: &mut Checker<'_>, key: &str, points: usize, csv: &Option<PathBuf>) {
+    c.require(
+        (points > 0) != csv.is_some(),
+        key,
+        match points {
+            0 => "no points",
+            _ => "points and csv",
+        },
+        "points, or the csv file that has them",
+        "give one of the two",
+    );
+    c.list(&format!("{key}.points"), points, POINTS_MAX);
+}
 
 impl Twin {
     pub(super) fn check_shaft(&self, c: &mut Checker<'_>) {
         let s = &self.shaft;
+        let inertia = s.inertia_or_one();
         c.positive(
             "shaft.inertia_kg_m2",
-            s.inertia_kg_m2,
+            inertia,
             1e9,
             "give the inertia of all that turns",
         );
@@ -33,7 +65,7 @@ impl Twin {
             TORQUE_MAX,
             "leave it out for pure torque mode",
         );
-        let damping = (s.viscous_n_m_s + s.stiffness_n_m_s) / s.inertia_kg_m2;
+        let damping = (s.viscous_n_m_s + s.stiffness_n_m_s) / inertia;
         c.require(
             damping <= DAMPING_MAX,
             if s.viscous_n_m_s > s.stiffness_n_m_s {
@@ -42,10 +74,7 @@ impl Twin {
                 "shaft.stiffness_n_m_s"
             },
             s.viscous_n_m_s.max(s.stiffness_n_m_s),
-            &format!(
-                "up to {:?} with this inertia",
-                DAMPING_MAX * s.inertia_kg_m2
-            ),
+            &format!("up to {:?} with this inertia", DAMPING_MAX * inertia),
             "lower it or raise the inertia: the time constant is below a microsecond",
         );
         c.between(
@@ -56,11 +85,11 @@ impl Twin {
             ANGLE_ADVICE,
         );
         c.require(
-            s.stiffness_n_m_s == 0.0 || !matches!(self.drive, Drive::SpeedLoop { .. }),
+            s.stiffness_n_m_s == 0.0 || self.follows_a_speed(),
             "shaft.stiffness_n_m_s",
             s.stiffness_n_m_s,
-            "0 with a speed loop",
-            "take it out: the loop itself holds the speed",
+            "0 with a speed loop or a torque",
+            "take it out: it pulls an open-loop drive towards a declared speed",
         );
     }
 
@@ -87,7 +116,7 @@ impl Twin {
             "give the speed over which the friction goes",
         );
         let speed = self.drive.nominal_rad_s().abs().max(1.0);
-        let most = 0.5 * DAMPING_MAX * s.inertia_kg_m2 / speed;
+        let most = 0.5 * DAMPING_MAX * s.inertia_or_one() / speed;
         c.require(
             s.drag_n_m_s2 <= most,
             "shaft.drag_n_m_s2",
@@ -95,7 +124,7 @@ impl Twin {
             &format!("up to {most:?} with this inertia and speed"),
             "lower it or raise the inertia: the time constant is below a microsecond",
         );
-        let most = DAMPING_MAX * s.inertia_kg_m2 * s.stribeck_rad_s;
+        let most = DAMPING_MAX * s.inertia_or_one() * s.stribeck_rad_s;
         c.require(
             s.stribeck_n_m <= most,
             "shaft.stribeck_n_m",
@@ -103,6 +132,11 @@ impl Twin {
             &format!("up to {most:?} with this inertia and stribeck_rad_s"),
             "lower it or raise stribeck_rad_s: the time constant is below a microsecond",
         );
+    }
+
+    /// Whether an open-loop drive follows a declared speed, or may do so: nothing is said against it where the drive is not known.
+    pub(super) fn follows_a_speed(&self) -> bool {
+        !matches!(self.drive, Drive::SpeedLoop { .. } | Drive::Torque(_))
     }
 
     pub(super) fn check_drive(&self, c: &mut Checker<'_>) {
@@ -130,20 +164,30 @@ impl Twin {
                     "one step or more",
                     "list { t_s, r_min } entries",
                 );
+                check_speeds(c, "drive.steps", steps);
+            }
+            Drive::Profile(profile) => {
+                check_source(c, "drive.profile", profile.points.len(), &profile.csv);
+                check_speeds(c, "drive.profile.points", &profile.points);
+            }
+            Drive::Torque(torque) => {
+                c.speed("drive.torque.start_r_min", torque.start_r_min);
+                check_source(c, "drive.torque", torque.points.len(), &torque.csv);
                 let mut last = 0.0;
-                for (i, step) in steps.iter().enumerate() {
-                    let key = format!("drive.steps[{i}].t_s");
+                for (i, point) in torque.points.iter().enumerate() {
+                    let key = |name: &str| format!("drive.torque.points[{i}].{name}");
+                    c.between(&key("t_s"), point.t_s, last, TIME_MAX, TIMES_RISE);
                     c.between(
-                        &key,
-                        step.t_s,
-                        last,
-                        TIME_MAX,
-                        "times start at 0 or later and do not fall",
+                        &key("torque_n_m"),
+                        point.torque_n_m,
+                        -TORQUE_MAX,
+                        TORQUE_MAX,
+                        "give the drive's torque, negative for reverse",
                     );
-                    c.speed(&format!("drive.steps[{i}].r_min"), step.r_min);
-                    last = step.t_s;
+                    last = point.t_s;
                 }
             }
+            Drive::Unknown => {}
             Drive::RunDown { r_min, off_s } => {
                 c.speed("drive.run_down.r_min", *r_min);
                 c.between(
@@ -160,10 +204,10 @@ impl Twin {
         if let Duration::Turns(turns) = self.duration {
             c.positive("duration.turns", turns, 1e9, "say how many turns to record");
             c.require(
-                nominal != 0.0,
+                nominal != 0.0 || self.drive == Drive::Unknown,
                 "duration.turns",
                 turns,
-                "seconds for a drive at 0 r/min",
+                "seconds for a drive that starts and stays at 0 r/min",
                 "use duration.seconds",
             );
         }

@@ -17,7 +17,7 @@ impl Twin {
                 "give the bump's sigma",
             );
             c.between(&key("error_rad"), defect.error_rad, -PI, PI, ANGLE_ADVICE);
-            c.channel(&key("channel"), defect.channel, self.encoder);
+            c.channel(&key("channel"), defect.channel, &self.encoder);
         }
     }
 
@@ -33,7 +33,7 @@ impl Twin {
             c.positive(&key("f_hz"), ripple.f_hz, 1e6, "give a frequency");
             c.phase(&key("phase_rad"), ripple.phase_rad);
             c.between(&key("angle_rad"), ripple.angle_rad, 0.0, left, advice);
-            c.channel(&key("channel"), ripple.channel, self.encoder);
+            c.channel(&key("channel"), ripple.channel, &self.encoder);
             left -= ripple.angle_rad;
         }
         for (i, drift) in self.threshold_drift.iter().enumerate() {
@@ -52,7 +52,7 @@ impl Twin {
                 TIME_MAX,
                 "say when it begins",
             );
-            c.channel(&key("channel"), drift.channel, self.encoder);
+            c.channel(&key("channel"), drift.channel, &self.encoder);
             left -= drift.angle_rad.abs();
         }
     }
@@ -61,7 +61,7 @@ impl Twin {
         if let Some(hysteresis) = &self.hysteresis {
             let key = "hysteresis.angle_rad";
             c.between(key, hysteresis.angle_rad, 0.0, 1.0, ANGLE_ADVICE);
-            c.channel("hysteresis.channel", hysteresis.channel, self.encoder);
+            c.channel("hysteresis.channel", hysteresis.channel, &self.encoder);
         }
         if let Some(backlash) = &self.backlash {
             c.between("backlash.gap_rad", backlash.gap_rad, 0.0, PI, ANGLE_ADVICE);

@@ -50,7 +50,7 @@ impl Twin {
                     0.9,
                     "give the swing over the nominal speed",
                 );
-                let turning = self.drive.nominal_rad_s() != 0.0;
+                let turning = self.may_turn();
                 c.require(
                     turning,
                     &key,
@@ -71,6 +71,11 @@ impl Twin {
                 "give it one size",
             ),
         }
+    }
+
+    /// Whether the drive has a speed that sizes may be relative to; nothing is said against it where the drive is not known.
+    fn may_turn(&self) -> bool {
+        self.drive.nominal_rad_s() != 0.0 || self.drive == Drive::Unknown
     }
 
     pub(super) fn check_loads(&self, c: &mut Checker<'_>) {
@@ -146,7 +151,7 @@ impl Twin {
                 "leave it out for one nominal interval",
             ),
             None => c.require(
-                self.drive.nominal_rad_s() != 0.0,
+                self.may_turn(),
                 key,
                 "missing",
                 "a time, as this drive has no nominal interval",
@@ -159,18 +164,18 @@ impl Twin {
         let nominal = self.drive.nominal_rad_s().abs();
         let (key, s) = ("noise.speed_wander", &self.shaft);
         c.require(
-            nominal != 0.0,
+            self.may_turn(),
             key,
             rms_fraction,
             "a drive that turns",
             "use noise.white",
         );
         c.require(
-            !matches!(self.drive, Drive::SpeedLoop { .. }),
+            self.follows_a_speed(),
             key,
             rms_fraction,
-            "an open-loop drive",
-            "use noise.white: a loop shapes the wander itself",
+            "a drive that follows a speed in open loop",
+            "use noise.white: here the drive shapes the wander itself",
         );
         match correlation_rad {
             Some(correlation) => {
@@ -181,9 +186,11 @@ impl Twin {
                     1e6,
                     "give the angle over which the speed forgets",
                 );
-                let longest = s.inertia_kg_m2 * nominal / s.viscous_n_m_s;
+                let longest = s.inertia_or_one() * nominal / s.viscous_n_m_s;
                 c.require(
-                    correlation <= longest,
+                    correlation <= longest
+                        || self.drive == Drive::Unknown
+                        || s.viscous_n_m_s == 0.0,
                     key,
                     correlation,
                     &format!("up to J w / viscous = {longest:?}"),

@@ -1,4 +1,9 @@
+mod cost;
+mod drives;
+mod edit;
+mod gaps;
 mod mechanisms;
+mod whole;
 
 use super::*;
 
@@ -171,6 +176,7 @@ fn conflicts_are_refused() {
     no_channel.encoder = Encoder::Wheel {
         teeth: 60,
         missing: 2,
+        gaps: Vec::new(),
     };
     let mut third = Twin::paper();
     third.channel_skew = Some(ChannelSkew {

@@ -26,10 +26,10 @@ fn silent(header: &mut Header) {
 fn the_twin_decides_whether_the_index_counts() {
     let survey = survey(QUADRATURE, silent);
     let lines = survey.lines().unwrap();
-    let with = plan(quadrature(lines, true), &survey).unwrap();
+    let with = plan(&quadrature(lines, true), &survey).unwrap();
     let state = Some(survey.index_state());
     assert_eq!(with.kind, SensorKind::Quadrature { index_state: state });
-    let without = plan(quadrature(lines, false), &survey).unwrap();
+    let without = plan(&quadrature(lines, false), &survey).unwrap();
     assert_eq!(without.kind, SensorKind::Quadrature { index_state: None });
     let row = Row {
         ticks: 1,
@@ -38,7 +38,7 @@ fn the_twin_decides_whether_the_index_counts() {
     assert_eq!(as_declared(with, row), row);
     assert_eq!(as_declared(without, row).levels, Levels(Levels::A));
     assert_eq!(
-        plan(quadrature(lines + 1, true), &survey),
+        plan(&quadrature(lines + 1, true), &survey),
         Err(OtherEncoder::Lines {
             declared: lines + 1,
             shown: lines,
@@ -52,19 +52,19 @@ fn the_twin_decides_whether_the_index_counts() {
 fn a_recording_with_less_than_the_twin_declares_is_refused() {
     let mut survey = survey(HALL, silent);
     let hall = Encoder::Hall { pole_pairs: 2 };
-    assert_eq!(plan(hall, &survey).unwrap().lines, 2);
+    assert_eq!(plan(&hall, &survey).unwrap().lines, 2);
     survey.header.channels = Channels::Quadrature { index: false };
     assert!(matches!(
-        plan(hall, &survey),
+        plan(&hall, &survey),
         Err(OtherEncoder::Kind { .. })
     ));
     assert_eq!(
-        plan(quadrature(3, true), &survey),
+        plan(&quadrature(3, true), &survey),
         Err(OtherEncoder::NoIndexChannel)
     );
     survey.header.channels = Channels::Quadrature { index: true };
     assert_eq!(
-        plan(quadrature(3, true), &survey),
+        plan(&quadrature(3, true), &survey),
         Err(OtherEncoder::NoIndexPulse)
     );
 }
@@ -76,24 +76,26 @@ fn one_pulse_a_tooth_is_enough_for_a_wheel() {
     let wheel = Encoder::Wheel {
         teeth: 12,
         missing: 0,
+        gaps: Vec::new(),
     };
     let pulses = SensorKind::Wheel {
         both_edges: false,
         missing: 0,
     };
-    assert_eq!(plan(wheel, &survey).unwrap().kind, pulses);
+    assert_eq!(plan(&wheel, &survey).unwrap().kind, pulses);
     let gone = Encoder::Wheel {
         teeth: 12,
         missing: 9,
+        gaps: Vec::new(),
     };
-    assert!(matches!(plan(gone, &survey), Err(OtherEncoder::Plan(_))));
+    assert!(matches!(plan(&gone, &survey), Err(OtherEncoder::Plan(_))));
 }
 
 #[test]
 fn a_header_contradicts_and_so_does_a_strong_pattern_without_one() {
     let with_notes = survey(HALL, |_| ());
     let other = Encoder::Hall { pole_pairs: 3 };
-    let lines = |survey: &Survey| match plan(other, survey) {
+    let lines = |survey: &Survey| match plan(&other, survey) {
         Err(OtherEncoder::Lines {
             shown, shown_by, ..
         }) => Some((shown, shown_by)),

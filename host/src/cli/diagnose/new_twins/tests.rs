@@ -7,7 +7,7 @@ fn every_recording_has_its_twin_and_equal_ones_share_a_file() {
     let mut diagnosed = full();
     diagnosed.twins[1].seed += 1;
     let paths = |diagnosed: &Diagnosed| -> Vec<String> {
-        let files = files(Path::new("out/new.toml"), diagnosed).unwrap();
+        let files = files(Path::new("out/new.toml"), diagnosed, &[]).unwrap();
         files.iter().map(|f| f.path.display().to_string()).collect()
     };
     assert_eq!(paths(&diagnosed), ["out/new.toml", "out/new-2.toml"]);
@@ -33,7 +33,7 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     diagnosed.twins.truncate(1);
     diagnosed.error_lists = vec![Some(list.clone())];
     let first = folder.path().join("new.toml");
-    for file in files(&first, &diagnosed).unwrap() {
+    for file in files(&first, &diagnosed, &[]).unwrap() {
         fs::write(file.path, file.text).unwrap();
     }
     let read = Twin::load(&first).unwrap();
@@ -46,7 +46,7 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     assert!(text.contains("# eccentricity: all edges alike"));
     for wrong in [edges - 1, edges + 1] {
         diagnosed.error_lists = vec![Some(vec![0.0; wrong as usize])];
-        assert!(files(&first, &diagnosed).is_err(), "{wrong}");
+        assert!(files(&first, &diagnosed, &[]).is_err(), "{wrong}");
     }
 }
 

@@ -6,7 +6,7 @@ use super::*;
 
 #[test]
 fn a_shaft_that_turns_back_runs_down_or_is_loaded_makes_no_event() {
-    for encoder in sensors() {
+    for encoder in &sensors() {
         for seed in 1..=6 {
             let noisy = Twin {
                 noise: Some(Noise::White {
