@@ -125,6 +125,7 @@ impl Diagnose {
             recordings: &self.recordings,
             twins: &self.twins,
             reading: &self.reading,
+            drive_needed: self.engine == Engine::Old,
         };
         let rig = named.read(globals)?;
         let mut progress = Progress::share("Diagnosing", globals);

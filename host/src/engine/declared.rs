@@ -169,6 +169,11 @@ impl Asked {
     pub fn of(twin: &Twin) -> Self {
         let rad_s = |r_min: f64| r_min * (TAU / 60.0);
         let points = match &twin.drive {
+            Drive::Unknown | Drive::Torque(_) => Vec::new(),
+            Drive::Profile(profile) => {
+                let each = profile.points().iter();
+                each.map(|point| (point.t_s, rad_s(point.r_min))).collect()
+            }
             Drive::Constant { r_min }
             | Drive::RunDown { r_min, .. }
             | Drive::SpeedLoop { r_min, .. } => vec![(0.0, rad_s(*r_min))],
@@ -217,6 +222,8 @@ pub fn knots(twin: &Twin) -> Vec<f64> {
         Drive::Ramp { over_s, .. } => vec![*over_s],
         Drive::Steps(steps) => steps.iter().skip(1).map(|step| step.t_s).collect(),
         Drive::RunDown { off_s, .. } => vec![*off_s],
+        Drive::Profile(profile) => profile.points().iter().map(|point| point.t_s).collect(),
+        Drive::Torque(torque) => torque.points().iter().map(|point| point.t_s).collect(),
         _ => Vec::new(),
     }
 }
@@ -353,6 +360,22 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
         return (
             scene.plant.response(scene.course, push, |_| 0.0, &breaks),
             samples.ties,
+        );
+    }
+    if twin.drive == Drive::Unknown {
+        return (vec![0.0; scene.record.len()], Vec::new());
+    }
+    if let Drive::Torque(torque) = &twin.drive {
+        let points: Vec<(f64, f64)> = torque
+            .points()
+            .iter()
+            .map(|point| (point.t_s, point.torque_n_m / law.inertia))
+            .collect();
+        let given = Asked { points };
+        let push = |here: Here| given.at(here.time_s, here.inside_s).0 + friction(here);
+        return (
+            scene.plant.response(scene.course, push, |_| 0.0, &breaks),
+            Vec::new(),
         );
     }
     let push = |here: Here| {

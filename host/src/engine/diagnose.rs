@@ -19,7 +19,7 @@ use crate::diagnose::events::undeclared;
 use crate::diagnose::one_channel::turned;
 use crate::diagnose::run::{DiagnoseError, Recorded};
 use crate::mechanism::Mechanism;
-use crate::sim::Simulation;
+use crate::sim;
 
 /// Edges that a recording needs, and turns.
 const EDGES_LEAST: usize = 200;
@@ -74,7 +74,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             turns,
         });
     }
-    let errors = Simulation::new(&one.twin)?.true_errors();
+    let errors = sim::disc_errors(&one.twin)?;
     let noise = Noise {
         torque: 1.0,
         stamp_s: record.tick_s,

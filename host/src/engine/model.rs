@@ -158,20 +158,30 @@ impl Board {
         let noise = Noise {
             torque: 1.0,
             stamp_s: tick_s,
-            drift: 0.0,
+            drift: if benches
+                .iter()
+                .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown)
+            {
+                1.0
+            } else {
+                0.0
+            },
             angle_rad: 0.0,
         };
         let known = benches.iter().all(|bench| {
             let errors = &bench.twin.errors;
             *errors != crate::twin::Errors::default() || !bench.twin.local_defect.is_empty()
         });
+        let undriven = benches
+            .iter()
+            .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
         let pattern = if known { None } else { Pattern::new(&benches) };
         let mut board = Self {
             benches,
             noise,
             free: Free {
                 torque: true,
-                drift: false,
+                drift: undriven,
                 stamp: true,
             },
             pattern: None,
@@ -236,6 +246,7 @@ impl Board {
         }
     }
 
+    /// Edges of all recordings.
     #[must_use]
     pub fn edges(&self) -> usize {
         self.benches.iter().map(|bench| bench.record.len()).sum()

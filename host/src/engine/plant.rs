@@ -53,7 +53,7 @@ impl Law {
     #[must_use]
     pub fn of(twin: &Twin) -> Self {
         let shaft = &twin.shaft;
-        let inertia = shaft.inertia_kg_m2;
+        let inertia = shaft.inertia_or_one();
         let viscous = shaft.viscous_n_m_s / inertia;
         let nominal = twin.drive.nominal_rad_s().abs();
         let held = match twin.noise {
@@ -63,6 +63,10 @@ impl Law {
             }) => nominal / correlation,
             _ => viscous + shaft.stiffness_n_m_s / inertia,
         };
+        if twin.drive == Drive::Unknown {
+            // What an unknown drive does against friction is unknown too: both are in the free course.
+            return Self::free(inertia);
+        }
         let looped = twin.speed_loop().is_some();
         let interval_s = TAU / (f64::from(twin.encoder.grid_edges()) * nominal);
         let hold_s = match twin.noise {
@@ -94,6 +98,22 @@ impl Law {
                 }
             }),
             hold_s: if hold_s.is_finite() { hold_s } else { 0.0 },
+        }
+    }
+
+    /// Of a shaft of which only the inertia is known.
+    const fn free(inertia: f64) -> Self {
+        Self {
+            inertia,
+            viscous: 0.0,
+            stiffness: 0.0,
+            coulomb: 0.0,
+            drag: 0.0,
+            stribeck: 0.0,
+            stribeck_rad_s: 0.0,
+            off_s: f64::INFINITY,
+            mode: None,
+            hold_s: 0.0,
         }
     }
 

@@ -59,6 +59,9 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
 pub fn search(board: &mut Board) -> (Fit, Bank) {
     let bank = Bank::new(board);
     let mut fit = board.fit(&nuisances(board));
+    if board.free.drift {
+        fit = free_course(board, &bank, fit);
+    }
     let coarse = rounded_alike(board, &fit);
     for group in 0..FINDINGS {
         let found = candidates(board, &bank, &fit);
@@ -113,6 +116,34 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
         }
     }
     (fit, bank)
+}
+
+/// Changes of the drive at the most.
+const CHANGES: usize = 16;
+
+/// A drive that the twin does not declare may change at any instant: its changes are part of the course, not findings.
+fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
+    for change in 0..CHANGES {
+        let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+        let basis = Basis::of(&columns);
+        let mut cleared = fit.clone();
+        basis.clear(&mut cleared.left);
+        let found = cells::loads(board, bank, &cleared, &basis);
+        let best = found.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
+        let Some(best) = best.filter(|best| evidence(board, best.gain, best.numbers()) > SURE)
+        else {
+            break;
+        };
+        let mut model = fit.model.clone();
+        model.add(&best.effects, usize::MAX - 2 - change);
+        if let Some(term) = model.terms.last_mut() {
+            term.nuisance = true;
+        }
+        fit = board.fit(&model);
+        board.fit_noise(&fit.model);
+        fit = board.fit(&fit.model);
+    }
+    fit
 }
 
 /// Whether stamps are as coarse as their ticks and rounding hangs together from edge to edge: it is no white noise then.

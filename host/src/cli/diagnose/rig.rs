@@ -11,7 +11,7 @@ use crate::diagnose::run::{DiagnoseError, Recorded};
 use crate::diagnose::track::Track;
 use crate::recording::Header;
 use crate::sensor::PlanError;
-use crate::sim::Simulation;
+use crate::sim::{Simulation, disc_errors};
 use crate::survey::Survey;
 use crate::twin::{Drive, Encoder, Twin, TwinError};
 
@@ -23,6 +23,8 @@ pub(super) struct Named<'a> {
     /// One for all recordings, or one each.
     pub(super) twins: &'a [PathBuf],
     pub(super) reading: &'a ReadingArgs,
+    /// Whether each twin has to say what turns its shaft.
+    pub(super) drive_needed: bool,
 }
 
 /// A twin by its file.
@@ -80,9 +82,13 @@ impl Named<'_> {
         let mut declared: Vec<Declared<'_>> = Vec::new();
         for path in self.twins {
             let twin = Twin::load(path)?;
-            has_all(&twin)?;
             // Lists of errors are read, and edges looked at for their order, before a long recording is.
-            Simulation::new(&twin)?;
+            if self.drive_needed {
+                has_all(&twin)?;
+                Simulation::new(&twin)?;
+            } else {
+                disc_errors(&twin)?;
+            }
             twin.missing_teeth()?;
             if let Some(first) = declared.first()
                 && disc(&first.twin.encoder) != disc(&twin.encoder)
