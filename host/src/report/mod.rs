@@ -18,6 +18,7 @@
 mod bars;
 mod decimate;
 mod draw;
+mod heat;
 mod histogram;
 mod number;
 mod page;
@@ -45,6 +46,7 @@ pub use source::{Footer, InputFile};
 struct Verdict {
     level: Level,
     headline: String,
+    action: String,
     tiles: Vec<Tile>,
 }
 
@@ -80,8 +82,17 @@ impl Report {
         self.verdict = Some(Verdict {
             level,
             headline: headline.into(),
+            action: String::new(),
             tiles,
         });
+        self
+    }
+
+    /// Says under the verdict's sentence what to do now; nothing without a verdict.
+    pub fn action(&mut self, text: impl Into<String>) -> &mut Self {
+        if let Some(verdict) = &mut self.verdict {
+            verdict.action = text.into();
+        }
         self
     }
 

@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::draw::{Canvas, legend};
 use super::number::si;
-use super::parts::{Block, Body, Cell, Figure, Level, Tile};
+use super::parts::{Block, Body, Card, Cell, Figure, Level, Tile};
 use super::source::Footer;
 use super::{Report, Verdict};
 
@@ -52,6 +52,7 @@ fn verdict(verdict: &Verdict) -> Markup {
                 }
                 (verdict.headline)
             }
+            @if !verdict.action.is_empty() { p.action { (verdict.action) } }
             @if !verdict.tiles.is_empty() {
                 div.tiles { @for t in &verdict.tiles { (tile(t)) } }
             }
@@ -82,11 +83,30 @@ fn body(content: &Body) -> Markup {
                 Block::Pair(pair) => div.pair {
                     @for f in pair.iter() { (figure(f, Canvas::Half)) }
                 },
+                Block::Card(c) => (card(c)),
                 Block::Details { title, body: inner } => details {
                     summary { (title) }
                     (body(inner))
                 },
             }
+        }
+    }
+}
+
+fn card(card: &Card) -> Markup {
+    html! {
+        section.card {
+            h3 { (card.title) }
+            div.facts.split[card.figure.is_some()] {
+                dl {
+                    @for (name, texts) in &card.facts {
+                        dt { (name) }
+                        dd { @for text in texts { p { (text) } } }
+                    }
+                }
+                @if let Some(f) = &card.figure { (figure(f, Canvas::Half)) }
+            }
+            (body(&card.body))
         }
     }
 }

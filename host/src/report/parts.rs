@@ -140,10 +140,20 @@ pub(super) enum Block {
     },
     Figure(Box<Figure>),
     Pair(Box<[Figure; 2]>),
+    Card(Box<Card>),
     Details {
         title: String,
         body: Body,
     },
+}
+
+/// One thing with named facts, a figure beside them and more below.
+#[derive(Clone, Debug)]
+pub(super) struct Card {
+    pub(super) title: String,
+    pub(super) facts: Vec<(String, Vec<String>)>,
+    pub(super) figure: Option<Figure>,
+    pub(super) body: Body,
 }
 
 /// Text, tables and figures in order.
@@ -206,6 +216,23 @@ impl Body {
             figure(right.0.into(), right.1),
         ];
         self.blocks.push(Block::Pair(Box::new(pair)));
+        self
+    }
+
+    /// Adds a card: one thing, its named facts of one or more lines each, a figure beside them, and more below.
+    pub fn card(
+        &mut self,
+        title: impl Into<String>,
+        facts: Vec<(String, Vec<String>)>,
+        figure: Option<(Plot, String)>,
+        body: Body,
+    ) -> &mut Self {
+        self.blocks.push(Block::Card(Box::new(Card {
+            title: title.into(),
+            facts,
+            figure: figure.map(|(plot, caption)| Figure { plot, caption }),
+            body,
+        })));
         self
     }
 

@@ -3,6 +3,7 @@
 use maud::Markup;
 
 pub use super::bars::Bars;
+pub use super::heat::Heat;
 pub use super::histogram::Histogram;
 pub use super::polar::Polar;
 pub use super::scale::Axis;
@@ -65,6 +66,8 @@ pub enum Plot {
     Histogram(Histogram),
     /// Named magnitudes beside each other.
     Bars(Bars),
+    /// Magnitudes by row and column.
+    Heat(Heat),
 }
 
 macro_rules! into_plot {
@@ -76,7 +79,7 @@ macro_rules! into_plot {
         }
     )*};
 }
-into_plot!(Xy, Spectrum, Strip, Polar, Histogram, Bars);
+into_plot!(Xy, Spectrum, Strip, Polar, Histogram, Bars, Heat);
 
 impl Plot {
     pub(super) fn keys(&self) -> Vec<Key> {
@@ -86,7 +89,7 @@ impl Plot {
             Self::Strip(_) => Vec::new(),
             Self::Polar(p) => p.keys(),
             Self::Histogram(p) => p.keys(),
-            Self::Bars(_) => Vec::new(),
+            Self::Bars(_) | Self::Heat(_) => Vec::new(),
         }
     }
 
@@ -98,6 +101,7 @@ impl Plot {
             Self::Polar(p) => p.draw(label),
             Self::Histogram(p) => p.draw(canvas, label),
             Self::Bars(p) => p.draw(canvas, label),
+            Self::Heat(p) => p.draw(canvas, label),
         }
     }
 

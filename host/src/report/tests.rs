@@ -1,4 +1,4 @@
-use super::plot::{Axis, Band, Bars, Histogram, Polar, Series, Spectrum, Strip, Xy};
+use super::plot::{Axis, Band, Bars, Heat, Histogram, Polar, Series, Spectrum, Strip, Xy};
 use super::*;
 
 const NASTY: &str = "<b>&\"'</title>";
@@ -23,6 +23,11 @@ fn every_kind(x: &[f64], y: &[f64]) -> Vec<Plot> {
                 .name(1.0, NASTY)
                 .name(f64::NAN, NASTY),
         ),
+        y.iter()
+            .fold(Heat::new(NASTY, &[NASTY, "n"]), |heat, v| {
+                heat.row(NASTY, &[Some(*v), None])
+            })
+            .into(),
         Strip::new(NASTY, "rad").turn(y).turn(&[]).turn(x).into(),
         Polar::new(Axis::new(NASTY, "rad"))
             .series(NASTY, x, y, Colour::Green)
@@ -75,6 +80,12 @@ fn full_report(x: &[f64], y: &[f64]) -> Report {
     }
     let mut inner = Body::new();
     inner.section(NASTY, &[NASTY]);
+    report.action(NASTY).body().card(
+        NASTY,
+        vec![(NASTY.to_owned(), vec![NASTY.to_owned()])],
+        None,
+        inner.clone(),
+    );
     report.details(NASTY, inner).footer(Footer {
         version: NASTY.into(),
         command: NASTY.into(),

@@ -42,7 +42,7 @@ pub fn report(diagnosed: &Diagnosed, footer: Footer) -> Report {
     report
 }
 
-fn subtitle(diagnosis: &Diagnosis) -> String {
+pub(super) fn subtitle(diagnosis: &Diagnosis) -> String {
     let recordings = diagnosis.recordings.iter();
     let files: Vec<String> = recordings.clone().map(|facts| facts.file.clone()).collect();
     let mut twins: Vec<String> = recordings.map(|facts| facts.twin.clone()).collect();
@@ -50,7 +50,7 @@ fn subtitle(diagnosis: &Diagnosis) -> String {
     format!("{} against {}", words::list(&files), words::list(&twins))
 }
 
-fn level(diagnosis: &Diagnosis) -> Level {
+pub(super) fn level(diagnosis: &Diagnosis) -> Level {
     match diagnosis.verdict {
         Verdict::Complete | Verdict::Explained => {
             match Rest::of(&diagnosis.fit, !diagnosis.findings.is_empty()) {

@@ -77,7 +77,7 @@ fn spectrum(body: &mut Body, diagnosis: &Diagnosis, plot: &RecordingPlot, found:
 }
 
 /// What was read.
-pub(super) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
+pub(in crate::reports) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
     let rows = recordings.iter().map(|facts| {
         vec![
             facts.file.as_str().into(),
@@ -113,7 +113,7 @@ pub(super) fn table(body: &mut Body, recordings: &[RecordingFacts]) {
 }
 
 /// Where angles count from.
-fn origin(facts: &RecordingFacts) -> String {
+pub(in crate::reports) fn origin(facts: &RecordingFacts) -> String {
     match facts.start_rad {
         _ if facts.anchored => "the disc's index".to_owned(),
         Some(start) => format!("the start at {:.1} degrees", start.to_degrees()),

@@ -1,0 +1,193 @@
+//! The report and the text of the diagnosis engine's answer.
+
+mod behind;
+#[cfg(test)]
+pub(crate) mod example;
+mod fit;
+mod map;
+mod shape;
+mod sure;
+#[cfg(test)]
+mod tests;
+mod told;
+mod words;
+
+use crate::diagnose::diagnosis::{Diagnosis, Finding, Verdict};
+use crate::engine::answer::Answer;
+use crate::report::{Body, Footer, Report, Tile};
+
+use super::diagnose::words as of_verdict;
+use map::Strongest;
+pub use words::{cell, words};
+
+/// The page of an answer.
+#[must_use]
+pub fn report(answer: &Answer, footer: Footer) -> Report {
+    let diagnosis = &answer.diagnosis;
+    let mut report = Report::new("Diagnosis", super::diagnose::subtitle(diagnosis));
+    report
+        .verdict(
+            super::diagnose::level(diagnosis),
+            of_verdict::headline(diagnosis),
+            tiles(diagnosis),
+        )
+        .action(action(answer));
+    let body = report.body();
+    map::section(body, answer);
+    findings(body, answer);
+    fit::section(body, answer);
+    report.details("The numbers behind it", behind::numbers(answer));
+    report.details("Recordings", behind::recordings(diagnosis));
+    report.footer(footer);
+    report
+}
+
+/// What `quadcal diagnose` prints of an answer: names and values, one a line; a name may be empty, where a line goes on with the one above.
+#[must_use]
+pub fn text(answer: &Answer) -> Vec<(String, String)> {
+    let diagnosis = &answer.diagnosis;
+    let mut lines = Vec::new();
+    let mut add = |name: &str, value: String| lines.push((name.to_owned(), value));
+    let verdict = diagnosis.verdict;
+    add(
+        "Verdict",
+        format!(
+            "{}: {}",
+            of_verdict::verdict_id(verdict),
+            of_verdict::meaning(verdict)
+        ),
+    );
+    if !diagnosis.summary.trim().is_empty() {
+        add("", of_verdict::headline(diagnosis));
+    }
+    add("What to do", action(answer));
+    for (index, finding) in diagnosis.findings.iter().enumerate() {
+        let told = told::told(answer, index, finding);
+        add(&format!("Finding {}", index + 1), told.title);
+        for (name, texts) in told.facts {
+            for (at, text) in texts.into_iter().enumerate() {
+                let name = match at {
+                    0 => format!("  {}", name.to_lowercase()),
+                    _ => String::new(),
+                };
+                add(&name, text);
+            }
+        }
+    }
+    let found = !diagnosis.findings.is_empty();
+    for (at, part) in fit::parts(&diagnosis.fit).iter().enumerate() {
+        let name = match at {
+            0 => "Residual, RMS".to_owned(),
+            _ => format!("  {}", part.name.to_lowercase()),
+        };
+        add(&name, fit::line(part, found));
+    }
+    if let Some(noise) = fit::noise(&diagnosis.fit, found) {
+        add("  is noise, probability", noise);
+    }
+    let map = &answer.map;
+    let mut strongest = Strongest::of(map, &map.before).map(|cell| cell.words());
+    if let (true, Some(text), Some(after)) = (found, &mut strongest, Strongest::of(map, &map.after))
+    {
+        *text = format!("{text}; after: {}", after.words());
+    }
+    if let Some(text) = strongest {
+        add("Strongest mismatch", text);
+    }
+    for recording in &diagnosis.recordings {
+        add("Recording", behind::recording(recording));
+    }
+    lines
+}
+
+/// The one line to act on.
+fn action(answer: &Answer) -> String {
+    let diagnosis = &answer.diagnosis;
+    if let Some(next) = &diagnosis.next_recording {
+        return format!("Record next: {}", of_verdict::next(next));
+    }
+    let left = Strongest::of(&answer.map, &answer.map.after)
+        .filter(|cell| map::worth(diagnosis).is_some_and(|worth| cell.gain >= worth));
+    let count = diagnosis.findings.len();
+    let write = match count {
+        0 => String::new(),
+        1 => "Write the finding into the twin (--write-twin) and go on with that. ".to_owned(),
+        count => {
+            format!("Write the {count} findings into the twin (--write-twin) and go on with that. ")
+        }
+    };
+    let rest = match (diagnosis.verdict, left) {
+        (_, Some(cell)) => format!("Still to be explained: {}.", cell.words()),
+        (Verdict::Complete, None) => "Use the twin as it is.".to_owned(),
+        (Verdict::Explained, None) => String::new(),
+        (_, None) if count > 0 => match open(&diagnosis.findings) {
+            Some(finding) => {
+                format!(
+                    "First tell what finding {finding} is: its card says what else it could be."
+                )
+            }
+            None => String::new(),
+        },
+        (_, None) => {
+            "Record the same rig at another speed, to see what the residual keeps step with."
+                .to_owned()
+        }
+    };
+    format!("{write}{rest}").trim_end().to_owned()
+}
+
+/// The first finding that may be something else, by its number.
+fn open(findings: &[Finding]) -> Option<usize> {
+    let alike = |finding: &Finding| !finding.look_alikes.is_empty();
+    findings.iter().position(alike).map(|at| at + 1)
+}
+
+fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
+    let fit = &diagnosis.fit;
+    let found = !diagnosis.findings.is_empty();
+    let verdict = Tile::new(
+        "Verdict",
+        of_verdict::verdict_id(diagnosis.verdict),
+        "",
+        of_verdict::meaning(diagnosis.verdict),
+    );
+    let name = if found { "Residual before" } else { "Residual" };
+    let after = fit.rms_after_rad.filter(|_| found);
+    let residuals = [
+        (name, fit.rms_before_rad, "RMS, the twin as given"),
+        ("Residual after", after, "RMS, with the findings"),
+        ("Noise", fit.floor_rad, "RMS, no twin can do better"),
+    ];
+    let tile =
+        |(name, rms, note): (&str, Option<f64>, &str)| Some(Tile::si(name, rms?, "rad", note));
+    let mut tiles = vec![verdict];
+    tiles.extend(residuals.into_iter().filter_map(tile));
+    if let Some(percent) = of_verdict::removed(diagnosis) {
+        tiles.push(Tile::new(
+            "Foretold",
+            format!("{percent:.1}"),
+            "%",
+            "of what findings can explain at best, on turns held out",
+        ));
+    }
+    tiles
+}
+
+/// A card for each finding.
+fn findings(body: &mut Body, answer: &Answer) {
+    let all = &answer.diagnosis.findings;
+    if all.is_empty() {
+        return;
+    }
+    body.section("Findings", &[]);
+    for (index, finding) in all.iter().enumerate() {
+        let told = told::told(answer, index, finding);
+        let effects = told::effects(answer, index);
+        body.card(
+            format!("{}. {}", index + 1, told.title),
+            told.facts,
+            shape::plot(effects, &answer.diagnosis.recordings),
+            Body::new(),
+        );
+    }
+}
