@@ -22,7 +22,7 @@ use super::Globals;
 use super::failure::Failure;
 use super::footer::footer;
 use super::input::ReadingArgs;
-use super::output::{JsonArg, ReportArg, Target, spare};
+use super::output::{Facts, JsonArg, ReportArg, Target, spare};
 use super::progress::Progress;
 pub use encoder::OtherEncoder;
 use rig::Named;
@@ -83,7 +83,7 @@ pub struct Diagnose {
         conflicts_with_all = ["recordings", "twins", "write_twin"]
     )]
     mechanisms: Option<Option<Mechanism>>,
-    /// Engine: the one that is, or the new one while it grows (text and JSON only)
+    /// Engine: the one that is, or the new one while it grows; the new one writes no twins yet
     #[arg(long, value_enum, default_value_t = Engine::Old, hide = true)]
     engine: Engine,
     #[command(flatten)]
@@ -119,6 +119,9 @@ impl Diagnose {
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
         if let Some(one) = self.mechanisms {
             return Target::Stdout.write(catalogue::text(one).as_bytes());
+        }
+        if self.engine == Engine::New && self.write_twin.is_some() {
+            return Err(Failure::NoTwinYet);
         }
         self.spare()?;
         let named = Named {
@@ -181,15 +184,31 @@ impl Diagnose {
 
     /// Writes what the new engine says.
     fn write_answer(&self, answer: &Answer) -> Result<(), Failure> {
+        let inputs: Vec<&Path> = self.inputs().collect();
+        let page = match &self.report.report {
+            Some(target) => {
+                let page = reports::engine::report(answer, footer(&inputs)?);
+                Some((target, page.render()))
+            }
+            None => None,
+        };
         let mut staged = Staged::default();
+        if let Some((target, page)) = page {
+            staged.add(target.clone(), page.as_bytes())?;
+        }
         if let Some(target) = &self.json.json {
             staged.add(target.clone(), &target.json_of(answer)?)?;
         }
         staged.commit()?;
-        if self.json.json.as_ref() == Some(&Target::Stdout) {
+        let asked = [self.report.report.as_ref(), self.json.json.as_ref()];
+        if asked.contains(&Some(&Target::Stdout)) {
             return Ok(());
         }
-        Target::Stdout.write(facts::facts(&answer.diagnosis).to_string().as_bytes())
+        let mut text = Facts::default();
+        for (name, value) in reports::engine::text(answer) {
+            text.push(name, value);
+        }
+        Target::Stdout.write(text.to_string().as_bytes())
     }
 
     /// Refuses outputs that would take each other's place, or an input's.

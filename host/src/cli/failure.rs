@@ -105,6 +105,9 @@ pub enum Failure {
         /// One given before it.
         other: PathBuf,
     },
+    /// The new engine writes no twins yet.
+    #[error("--write-twin: the new engine writes no twins yet; leave out --engine new")]
+    NoTwinYet,
     /// Neither one twin nor one for each recording.
     #[error(
         "--twin: given {twins} times for {recordings} {name}; give it once for all, or once for each in the same order",

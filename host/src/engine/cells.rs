@@ -212,7 +212,14 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     ] {
         all.push(some.into_iter().map(power).collect());
     }
-    for share in STRIBECK {
+    let least = board
+        .benches
+        .iter()
+        .flat_map(|bench| &bench.course.speed)
+        .fold(f64::INFINITY, |least, speed| least.min(speed.abs()));
+    // It has to show somewhere.
+    let shows = |share: &f64| least < 2.0 * share * top;
+    for share in STRIBECK.into_iter().filter(shows) {
         let stribeck = Effect::new(Site::Torque, Carrier::Stribeck(share * top));
         all.push(vec![stribeck]);
         all.push(vec![power(0.0), stribeck]);

@@ -72,6 +72,12 @@ impl Course {
         self.time_s[at - 1] + share * (self.time_s[at] - self.time_s[at - 1])
     }
 
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
     /// Greatest speed either way, rad/s.
     #[must_use]
     pub fn top(&self) -> f64 {

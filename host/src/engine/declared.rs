@@ -262,7 +262,7 @@ impl Declared {
                 }
             }
         }
-        late(twin, record, course, &mut off);
+        late(twin, course, &mut off);
         Self {
             off,
             response,
@@ -271,15 +271,15 @@ impl Declared {
     }
 }
 
-/// What a declared task holds up, as far as its busy time is known: a stamp at its end was anywhere in it, in the middle at best.
-fn late(twin: &Twin, record: &Record, course: &Course, off: &mut [f64]) {
+/// What a declared latency of every capture makes of edges in the mean.
+fn late(twin: &Twin, course: &Course, off: &mut [f64]) {
     if let Some(CaptureLatency {
         mean_s: Some(mean_s),
         ..
     }) = twin.capture_latency
     {
-        for at in 0..record.len() {
-            off[at] -= course.speed[at] * mean_s;
+        for (off, speed) in off.iter_mut().zip(&course.speed) {
+            *off -= speed * mean_s;
         }
     }
 }

@@ -8,9 +8,10 @@ use super::cells::Bank;
 use super::effect::{Carrier, Effect};
 use super::filter::Noise;
 use super::judge::Parts;
-use super::model::{Board, Fit, Model};
+use super::lsq;
+use super::model::{Board, Fit};
 use super::record::Record;
-use super::{events, name, search, stamps};
+use super::{events, map, name, search, stamps};
 use crate::diagnose::diagnosis::{
     Band, Diagnosis, Evidence, Finding, Fit as Agreement, HeldOut, NextRecording, Place,
     RecordingFacts, RunnerUp, Verdict,
@@ -55,7 +56,14 @@ pub fn diagnose(
     progress(0.6, "Weighing look-alikes");
     let alike = swapped(&mut board, &bank, &mut fit);
     progress(0.85, "Judging");
-    Ok(answer(rig, &given, &board, &fit, &alike))
+    let mut answer = answer(rig, &given, &board, &fit, &alike);
+    let nuisances = fit.model.nuisances();
+    let before = board.fit(&nuisances);
+    answer.map = map::map(
+        &search::candidates(&board, &bank, &before),
+        &search::candidates(&board, &bank, &fit),
+    );
+    Ok(answer)
 }
 
 /// A recording beside its twin.
@@ -74,7 +82,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
             turns,
         });
     }
-    let errors = sim::disc_errors(&one.twin)?;
+    let errors = sim::true_errors(&one.twin)?;
     let noise = Noise {
         torque: 1.0,
         stamp_s: record.tick_s,
@@ -90,7 +98,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
 
 /// A recording of one channel whose count is whole turns off after a reversal, which its edges alone do not show: the twin's course does.
 fn whole_turns(bench: &Bench) -> Option<Record> {
-    const NEAR: usize = 12;
+    const NEAR: usize = 6;
     if bench.record.classes > 2 {
         return None;
     }
@@ -194,9 +202,18 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         let loss = fit.loss(group);
         let worth = search::evidence(board, loss, fit.model.numbers(group));
         let foretold = parts.foretold(fit, group);
-        let once = effects
-            .iter()
-            .any(|effect| matches!(effect.carrier, Carrier::Window(..) | Carrier::Settling(..)));
+        // What comes once, or once along the course, can't be foretold from elsewhere.
+        let once = effects.iter().any(|effect| {
+            matches!(
+                effect.carrier,
+                Carrier::Window(..)
+                    | Carrier::Settling(..)
+                    | Carrier::Time
+                    | Carrier::Direction
+                    | Carrier::Power(_)
+                    | Carrier::Stribeck(_)
+            )
+        });
         let mut mechanism = name::mechanism(&effects);
         if !once && foretold < FORETELLS * loss {
             mechanism = Mechanism::Unknown;
@@ -499,20 +516,30 @@ fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
                 .for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
         }
     }
+    for (bench, rest) in board.benches.iter().zip(&mut rests) {
+        less_start(bench, rest);
+    }
     rests
+}
+
+/// Takes off a residual what an unknown start makes of it: angle, speed and how that fades.
+fn less_start(bench: &Bench, rest: &mut [f64]) {
+    let first = bench.record.time_s[0];
+    let line: Vec<f64> = bench
+        .record
+        .time_s
+        .iter()
+        .map(|time| time - first)
+        .collect();
+    let fades = bench.plant.fading(&bench.course);
+    let one = vec![1.0; rest.len()];
+    let solved = lsq::solve(&[&one, &line, &fades], rest);
+    rest.copy_from_slice(&solved.left);
 }
 
 /// How well twins and recordings agree before and after.
 fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
-    let nuisances = Model {
-        terms: fit
-            .model
-            .terms
-            .iter()
-            .filter(|term| term.nuisance)
-            .cloned()
-            .collect(),
-    };
+    let nuisances = fit.model.nuisances();
     // As given, in the noise that was found: so that only the model differs.
     let mut before = given.clone();
     before.pattern = None;
@@ -649,15 +676,7 @@ fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
 
 fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<Curve> {
     let plain = Fit {
-        model: Model {
-            terms: fit
-                .model
-                .terms
-                .iter()
-                .filter(|term| term.nuisance)
-                .cloned()
-                .collect(),
-        },
+        model: fit.model.nuisances(),
         ..fit.clone()
     };
     let mut before = given.clone();

@@ -106,10 +106,10 @@ impl<const N: usize> Filter<N> {
                 settling = SETTLES + usize::from(noise.drift > 0.0);
             } else {
                 p = through(&leap.way, &p);
-                for row in 0..N {
-                    for column in 0..N {
-                        p[row][column] += noise.torque * leap.torque[row][column]
-                            + noise.drift * leap.drift[row][column];
+                for (row, (torque, drift)) in p.iter_mut().zip(leap.torque.iter().zip(&leap.drift))
+                {
+                    for (p, (torque, drift)) in row.iter_mut().zip(torque.iter().zip(drift)) {
+                        *p += noise.torque * torque + noise.drift * drift;
                     }
                 }
             }

@@ -17,6 +17,7 @@ pub mod events;
 pub mod filter;
 pub mod judge;
 pub mod lsq;
+pub mod map;
 pub mod model;
 pub mod name;
 pub mod noise;
@@ -27,3 +28,5 @@ pub mod scan;
 pub mod search;
 mod speed_loop;
 pub mod stamps;
+#[cfg(test)]
+mod tests;

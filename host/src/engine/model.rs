@@ -108,6 +108,15 @@ impl Model {
         groups
     }
 
+    /// What is no finding.
+    #[must_use]
+    pub fn nuisances(&self) -> Self {
+        let some = self.terms.iter().filter(|term| term.nuisance);
+        Self {
+            terms: some.cloned().collect(),
+        }
+    }
+
     /// The same without a group.
     #[must_use]
     pub fn without(&self, group: usize) -> Self {

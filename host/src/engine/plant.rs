@@ -311,6 +311,22 @@ impl Plant {
         state
     }
 
+    /// Angle at each edge of a shaft that starts with unit speed and is not pushed, s.
+    #[must_use]
+    pub fn fading(&self, course: &Course) -> Vec<f64> {
+        let (mut angle, mut speed) = (0.0, 1.0);
+        (0..course.len())
+            .map(|at| {
+                if at > 0 {
+                    let [(reach, stays), _] = self.reaches[at];
+                    angle += reach * speed;
+                    speed *= stays;
+                }
+                angle
+            })
+            .collect()
+    }
+
     /// How sensitive a score is to an acceleration over each interval: the transposed of [`Self::response`] for one that is even over
     /// it. `score` is what one rad at each edge adds to the score.
     #[must_use]

@@ -156,7 +156,7 @@ pub fn change(class: usize, classes: i64) -> Change {
     let (channel, rises) = match classes {
         4 => (class % 2, class < 2),
         // B rise, C fall, A rise, B fall, C rise, A fall: edge 0 is the step from 001 to 011.
-        6 => ([1, 2, 0][class % 3], class % 2 == 0),
+        6 => ([1, 2, 0][class % 3], class.is_multiple_of(2)),
         2 => (0, class == 0),
         _ => (0, true),
     };

@@ -35,9 +35,11 @@ impl Candidate {
 }
 
 /// Peaks of a spectrum that are looked at.
-const PEAKS: usize = 3;
-/// Carriers that are tried at every site, and candidates whose frequency is looked for closely.
-const CARRIERS: usize = 6;
+const PEAKS: usize = 2;
+/// Bounds of bands, as shares of half the edges' rate: what swings slowly has images at high frequencies, which must not hide it.
+const BANDS: [f64; 2] = [0.02, 0.2];
+/// Carriers of each band that are tried at every site, and candidates whose frequency is looked for closely.
+const CARRIERS: usize = 4;
 const REFINED: usize = 5;
 
 /// What is scanned: the score of each edge of each recording.
@@ -98,20 +100,21 @@ pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
         }
     }
     use rayon::prelude::*;
-    let found: Vec<Vec<(f64, Carrier)>> = sites
+    let found: Vec<Vec<(usize, f64, Carrier)>> = sites
         .par_iter()
         .map(|(site, over)| scores.peaks(board, *site, *over))
         .collect();
-    let mut peaks: Vec<(f64, Carrier)> = found.into_iter().flatten().collect();
-    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut peaks: Vec<(usize, f64, Carrier)> = found.into_iter().flatten().collect();
+    peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut carriers: Vec<Carrier> = Vec::new();
-    for (_, carrier) in peaks {
+    let mut of_band = [0; BANDS.len() + 1];
+    for (band, _, carrier) in peaks {
         let reach = board.reach(&Effect::new(Site::Torque, carrier))[0];
-        if carriers.iter().all(|other| !near(*other, carrier, reach)) {
+        if of_band[band] < CARRIERS && carriers.iter().all(|other| !near(*other, carrier, reach)) {
+            of_band[band] += 1;
             carriers.push(carrier);
         }
     }
-    carriers.truncate(CARRIERS);
     // Whatever showed it, it may enter at any site.
     let everywhere = carriers.iter().flat_map(|carrier| {
         let over = if matches!(carrier, Carrier::Order(_)) {
@@ -146,6 +149,11 @@ pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
         .par_iter()
         .map(|(gain, effect)| refined(board, basis, fit, effect, *gain))
         .collect()
+}
+
+/// Band of a share of half the edges' rate.
+fn band_of(share: f64) -> usize {
+    BANDS.iter().filter(|bound| share > **bound).count()
 }
 
 /// Whether two carriers can't be told apart.
@@ -219,7 +227,7 @@ fn refined(board: &Board, basis: &Basis, fit: &Fit, effect: &Effect, gain: f64) 
 
 impl Scores {
     /// The orders or frequencies that stand out, strongest first.
-    fn peaks(&self, board: &Board, site: Site, over: Over) -> Vec<(f64, Carrier)> {
+    fn peaks(&self, board: &Board, site: Site, over: Over) -> Vec<(usize, f64, Carrier)> {
         let each: Vec<Spectrum> = board
             .benches
             .iter()
@@ -296,16 +304,23 @@ impl Scores {
         order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
         let mut taken: Vec<usize> = Vec::new();
         for at in order {
-            if taken.iter().all(|other| other.abs_diff(at) > 4) {
+            let band = band_of(at as f64 / count as f64);
+            let beside = taken
+                .iter()
+                .filter(|&&other| band_of(other as f64 / count as f64) == band);
+            if beside.count() < PEAKS && taken.iter().all(|other| other.abs_diff(at) > 4) {
                 taken.push(at);
-                if taken.len() == PEAKS {
-                    break;
-                }
             }
         }
         taken
             .into_iter()
-            .map(|at| (power[at], carrier(at as f64)))
+            .map(|at| {
+                (
+                    band_of(at as f64 / count as f64),
+                    power[at],
+                    carrier(at as f64),
+                )
+            })
             .collect()
     }
 }

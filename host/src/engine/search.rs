@@ -69,26 +69,6 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
         let most = found
             .first()
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
-        if std::env::var("ENGINE_TRACE").is_ok() {
-            for candidate in found.iter().take(12) {
-                eprintln!(
-                    "{group} {:.1} {:?}",
-                    evidence(board, candidate.gain, candidate.numbers()),
-                    candidate.effects
-                );
-            }
-            for candidate in found
-                .iter()
-                .filter(|c| matches!(c.effects[0].carrier, Carrier::Bump(..)))
-                .take(4)
-            {
-                eprintln!(
-                    "   bump {:.1} {:?}",
-                    evidence(board, candidate.gain, candidate.numbers()),
-                    candidate.effects
-                );
-            }
-        }
         let mut next: Option<(f64, Fit)> = None;
         let told = found
             .iter()

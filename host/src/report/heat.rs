@@ -187,7 +187,7 @@ fn short(value: f64) -> String {
     };
     let text = match size {
         s if s < 0.05 => "0".to_owned(),
-        s if s == 1.0 => "1".to_owned(),
+        1.0 => "1".to_owned(),
         s if s < 9.95 => format!("{s:.1}"),
         s if s < 999.5 => format!("{s:.0}"),
         s => {

@@ -97,14 +97,6 @@ pub struct Simulation {
     ran_away_s: Option<f64>,
 }
 
-/// Errors e(k) of a twin's disc, rad, for every edge of the grid, whether or not the twin can be run.
-///
-/// # Errors
-/// As [`Simulation::new`], of the disc alone.
-pub fn disc_errors(twin: &Twin) -> Result<Vec<f64>, TwinError> {
-    Ok(Disc::new(twin)?.errors().to_vec())
-}
-
 impl Simulation {
     /// Sets up the run of a twin.
     ///

@@ -11,7 +11,7 @@ use crate::diagnose::run::{DiagnoseError, Recorded};
 use crate::diagnose::track::Track;
 use crate::recording::Header;
 use crate::sensor::PlanError;
-use crate::sim::{Simulation, disc_errors};
+use crate::sim::{Simulation, true_errors};
 use crate::survey::Survey;
 use crate::twin::{Drive, Encoder, Twin, TwinError};
 
@@ -87,7 +87,7 @@ impl Named<'_> {
                 has_all(&twin)?;
                 Simulation::new(&twin)?;
             } else {
-                disc_errors(&twin)?;
+                true_errors(&twin)?;
             }
             twin.missing_teeth()?;
             if let Some(first) = declared.first()

@@ -41,6 +41,7 @@ impl Failure {
             | Self::OtherEncoder { .. }
             | Self::OtherClock { .. }
             | Self::OtherRig { .. }
+            | Self::NoTwinYet
             | Self::TwinCount { .. }
             | Self::Diagnose(_)
             | Self::Calibrate { .. }

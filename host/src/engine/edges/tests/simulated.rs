@@ -86,6 +86,7 @@ fn gapped(draw: &mut Draw) -> Vec<bool> {
 fn swinging(seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Event> {
     let places = present.len();
     let encoder = Encoder::Wheel {
+        gaps: Vec::new(),
         teeth: places as u32,
         missing: 0,
     };
@@ -185,6 +186,7 @@ fn wrong_by_one(edges: &Edges, events: &[Event]) -> usize {
 fn one_pulse_and_three_edges_a_turn_are_placed() {
     for pulses in [1, 3] {
         let encoder = Encoder::Wheel {
+            gaps: Vec::new(),
             teeth: pulses,
             missing: 0,
         };
@@ -227,7 +229,7 @@ fn reversing_sensors_with_a_code_are_placed() {
         (hall, Sensor::Hall { pole_pairs: 7 }, 6),
         (quadrature, indexed(500), 2_000),
     ] {
-        let events = run(&to_and_fro(encoder));
+        let events = run(&to_and_fro(encoder.clone()));
         let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
         assert_eq!(wrong(&edges, &events, whole), 0, "{encoder:?}");
         assert_eq!(edges.events, [], "{encoder:?}");

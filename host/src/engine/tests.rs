@@ -1,0 +1,171 @@
+//! Whole diagnoses of simulated recordings, and the filter held against its own transposed.
+
+use super::answer::Answer;
+use super::diagnose::diagnose;
+use super::filter::{Filter, Noise, STIFF};
+use super::plant::{Law, Plant};
+use super::record::Record;
+use super::{course::Course, declared, lsq::dot};
+use crate::diagnose::diagnosis::Verdict;
+use crate::diagnose::run::Recorded;
+use crate::diagnose::track::Track;
+use crate::mechanism::Mechanism;
+use crate::sensor::{PlanError, SensorKind, SensorPlan};
+use crate::sim::Simulation;
+use crate::twin::{Encoder, Twin};
+use quadcal::edge::Levels;
+
+const PAIR_FAST: &str = include_str!("../../twins/pair-fast.toml");
+const WHEEL: &str = include_str!("../../twins/wheel-60-2.toml");
+const LOAD: &str = include_str!("../../twins/load-step.toml");
+
+fn twin(text: &str) -> Twin {
+    Twin::parse(text, "a.toml").unwrap()
+}
+
+fn track(twin: &Twin) -> (SensorPlan, Track) {
+    let (kind, lines) = match &twin.encoder {
+        Encoder::Quadrature { lines, index } => (
+            SensorKind::Quadrature {
+                index_state: index.then_some(Levels(Levels::A)),
+            },
+            *lines,
+        ),
+        Encoder::Hall { pole_pairs } => (SensorKind::Hall, *pole_pairs),
+        Encoder::Wheel { teeth, missing, .. } => (
+            SensorKind::Wheel {
+                both_edges: true,
+                missing: u16::try_from(*missing).unwrap(),
+            },
+            *teeth,
+        ),
+    };
+    let plan = SensorPlan { kind, lines };
+    let rows = Simulation::new(twin)
+        .unwrap()
+        .map(|event| Ok::<_, PlanError>(event.row));
+    let track = Track::of(plan, twin.timer.clock_hz, rows).unwrap();
+    (plan, track)
+}
+
+/// A recording of one twin beside another.
+fn against(real: &str, given: &str) -> Answer {
+    let (plan, track) = track(&twin(real));
+    let one = Recorded {
+        file: "a.csv".to_owned(),
+        plan,
+        track,
+        twin: twin(given),
+    };
+    diagnose(&[one], &mut |_, _| {}).unwrap()
+}
+
+#[test]
+fn a_twin_explains_its_own_recording() {
+    for text in [PAIR_FAST, WHEEL, LOAD] {
+        let answer = against(text, text);
+        assert_eq!(
+            answer.diagnosis.verdict,
+            Verdict::Complete,
+            "{:?}",
+            answer.diagnosis.findings
+        );
+        assert!(answer.diagnosis.fit.whiteness_p.unwrap() > 1e-3);
+    }
+}
+
+#[test]
+fn a_load_that_the_twin_lacks_is_named_with_its_size_and_instants() {
+    let begins = LOAD.find("[[load_step]]").unwrap();
+    let rest = &LOAD[begins..];
+    let ends = rest[1..]
+        .find("\n[")
+        .map_or(LOAD.len(), |at| begins + 1 + at);
+    let given = format!("{}{}", &LOAD[..begins], &LOAD[ends..]);
+    let truth = twin(LOAD).load_step[0];
+    let answer = against(LOAD, &given);
+    let first = &answer.diagnosis.findings[0];
+    assert_eq!(first.mechanism, Mechanism::LoadStep);
+    let [low, high] = first.parameters["torque_n_m"].ci95.unwrap();
+    let wide = high - low;
+    assert!(
+        (low - wide..high + wide).contains(&truth.torque_n_m),
+        "{low} {high} {}",
+        truth.torque_n_m
+    );
+    assert!((first.parameters["from_s"].value - truth.from_s).abs() < 0.01);
+}
+
+#[test]
+fn a_tone_at_one_speed_is_named_with_its_look_alike_and_the_residual_falls() {
+    let tone = "\n[[torque_tone]]\nf_hz = 37.3\ntorque_n_m = 3e-4\nphase_rad = 0.4\n";
+    let answer = against(&format!("{PAIR_FAST}{tone}"), PAIR_FAST);
+    let first = &answer.diagnosis.findings[0];
+    // At one speed an order is a frequency: 37.3 Hz are order 3.73 of 10 turns a second.
+    let mut both = first.look_alikes.clone();
+    both.push(first.mechanism);
+    assert!(
+        both.contains(&Mechanism::TorqueTone) && both.contains(&Mechanism::GearMesh),
+        "{both:?}"
+    );
+    assert_eq!(answer.diagnosis.verdict, Verdict::Ambiguous);
+    let torque = &first.parameters["torque_n_m"];
+    assert!((torque.value / 3e-4 - 1.0).abs() < 0.05, "{torque:?}");
+    let held = &answer.diagnosis.fit.held_out;
+    assert!(held.rms_after_rad < held.rms_before_rad);
+    assert!(held.reducible_removed.unwrap() > 0.9);
+}
+
+#[test]
+fn the_transposed_filter_is_the_filters_adjoint() {
+    let twin = twin(PAIR_FAST);
+    let record = Record::of(&track(&twin).1, &twin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let plant = Plant::new(Law::of(&twin), &course);
+    let leaps = plant.leaps::<STIFF>(&course);
+    let noise = Noise {
+        torque: 1e-4,
+        stamp_s: 1e-8,
+        drift: 0.0,
+        angle_rad: 0.0,
+    };
+    let filter = Filter::new(&leaps, &noise);
+    let wave =
+        |by: f64| -> Vec<f64> { (0..record.len()).map(|at| (by * at as f64).sin()).collect() };
+    let (one, other) = (wave(0.37), wave(0.011));
+    let mut there = one.clone();
+    filter.whiten(&mut there);
+    let mut back = other.clone();
+    filter.transposed(&mut back);
+    let (a, b) = (dot(&there, &other), dot(&one, &back));
+    assert!((a - b).abs() < 1e-9 * a.abs().max(b.abs()), "{a} {b}");
+}
+
+#[test]
+fn a_torque_swings_the_shaft_as_its_transfer_function_says() {
+    let mut twin = twin(PAIR_FAST);
+    twin.errors = Default::default();
+    let record = Record::of(&track(&twin).1, &twin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let plant = Plant::new(Law::of(&twin), &course);
+    let w: f64 = 2.0 * std::f64::consts::PI * 30.0;
+    let angles = plant.response(&course, |here| (w * here.time_s).sin(), |_| w, &[]);
+    let b = plant.damping[1];
+    let expected = 1.0 / (w * w.hypot(b));
+    // Over whole periods late in the recording, beside a straight way.
+    let half = record.len() / 2;
+    let time: Vec<f64> = record.time_s[half..].to_vec();
+    let sin: Vec<f64> = time.iter().map(|t| (w * t).sin()).collect();
+    let cos: Vec<f64> = time.iter().map(|t| (w * t).cos()).collect();
+    let one = vec![1.0; time.len()];
+    let solved = super::lsq::solve(&[&one, &time, &sin, &cos], &angles[half..]);
+    let swing = solved.sizes[2].hypot(solved.sizes[3]);
+    assert!((swing / expected - 1.0).abs() < 1e-3, "{swing} {expected}");
+}
+
+#[test]
+fn effects_of_a_twin_are_as_many_as_its_sections_say() {
+    let twin = twin(include_str!("../../twins/mechanisms.toml"));
+    // One gear, two bearings, a tone, a load, a level's ripple and drift, two plays, a drift of the speed.
+    assert_eq!(declared::effects(&twin).len(), 10);
+}
