@@ -27,6 +27,10 @@ const EDGES_LEAST: usize = 200;
 const TURNS_LEAST: f64 = 3.0;
 /// Difference of evidence within which two explanations are alike.
 const ALIKE: f64 = 10.0;
+/// Part of a finding's evidence that another cell has to have to be fitted in its place, how many are, and by how much a better one is.
+const NEAR: f64 = 0.5;
+const RIVALS: usize = 4;
+const BETTER: f64 = 2.0;
 /// Part of what a finding explains that it has to foretell.
 const FORETELLS: f64 = 0.6;
 /// Probability of whiteness below which something is left.
@@ -145,38 +149,43 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let mechanism = name::mechanism(&own);
         let rest = board.fit(&fit.model.without(group));
         let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
-        let mut others: Vec<(Mechanism, f64)> = Vec::new();
-        let mut better: Option<(f64, Vec<Effect>)> = None;
+        // The best of each other name that comes near, fitted with everything else.
+        let mut rivals: Vec<(Mechanism, f64, Fit)> = Vec::new();
         for candidate in search::candidates(board, bank, &rest) {
             let here = search::evidence(board, candidate.gain, candidate.numbers());
-            if here > worth + 2.0 && better.as_ref().is_none_or(|(most, _)| here > *most) {
-                better = Some((here, candidate.effects.clone()));
-            }
             let named = name::mechanism(&candidate.effects);
-            if named != mechanism
-                && worth - here < ALIKE
-                && others.iter().all(|(other, _)| *other != named)
-            {
-                others.push((named, worth - here));
+            let near = here > NEAR * worth - ALIKE;
+            if !near || rivals.len() == RIVALS {
+                break;
+            }
+            if rivals.iter().all(|(other, ..)| *other != named) {
+                let mut model = rest.model.clone();
+                model.add(&candidate.effects, group);
+                let tried = board.fit(&model);
+                let fitted = search::evidence(board, rest.rss - tried.rss, candidate.numbers());
+                rivals.push((named, fitted, tried));
             }
         }
-        if let Some((_, effects)) = better {
-            let mut model = rest.model.clone();
-            model.add(&effects, group);
-            let tried = board.fit(&model);
-            let numbers = model.numbers(group);
-            if search::evidence(board, rest.rss - tried.rss, numbers) > worth + 2.0 {
-                let named = name::mechanism(&effects);
-                others.retain(|(other, _)| *other != named);
-                if named != mechanism {
-                    let apart = search::evidence(board, rest.rss - tried.rss, numbers) - worth;
-                    if apart < ALIKE {
-                        others.push((mechanism, apart));
-                    }
-                }
-                *fit = tried;
+        rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut worth = worth;
+        let mut named = mechanism;
+        if rivals
+            .first()
+            .is_some_and(|(_, best, _)| *best > worth + BETTER)
+        {
+            let (other, best, tried) = rivals.swap_remove(0);
+            if other != mechanism {
+                rivals.push((mechanism, worth, fit.clone()));
             }
+            (named, worth) = (other, best);
+            *fit = tried;
         }
+        let alike = rivals
+            .iter()
+            .filter(|(other, here, _)| *other != named && worth - here < ALIKE);
+        let mut others: Vec<(Mechanism, f64)> = alike
+            .map(|(other, here, _)| (*other, worth - here))
+            .collect();
         others.retain(|(other, _)| *other != Mechanism::Unknown);
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
         all.push(Alike { group, others });
