@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::answer::{Answer, Curve, Map, Sized};
 use super::bench::Bench;
 use super::cells::Bank;
-use super::effect::{Carrier, Effect};
+use super::effect::Carrier;
 use super::filter::Noise;
 use super::judge::Parts;
 use super::lsq;

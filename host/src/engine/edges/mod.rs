@@ -1,7 +1,7 @@
 //! A recording as places: for each edge when it came, which edge of the disc it is, and where the count is broken.
 //!
 //! Nothing here looks at ratios of neighbouring intervals. Every sensor's edges go through one search for the likeliest way of the
-//! shaft (see [`follow`]): what levels allow, what the pattern of a whole turn asks for, and a speed that changes smoothly.
+//! shaft (see `follow`): what levels allow, what the pattern of a whole turn asks for, and a speed that changes smoothly.
 
 mod coded;
 mod find;
