@@ -75,7 +75,7 @@ pub(super) fn numbers(answer: &Answer) -> Body {
     if !rows.is_empty() {
         body.table(
             "Parameters. One is identifiable where its 95 % interval leaves zero out; a phase, where that is within 1 rad to either side.",
-            &["Finding", "In twin and JSON", "Value", "95 % interval", "Identifiable"],
+            &["Finding", "In twin and JSON", "Value, 95 % interval", "Identifiable"],
             rows,
         );
     }
