@@ -140,13 +140,14 @@ impl Heat {
 
     fn scale_bar(&self, y: f64, width: f64) -> Markup {
         let (lo, hi) = self.range;
-        let piece = width / PIECES as f64;
+        // Whole pixels, as neighbours that share one would be darker there.
+        let end = |i: usize| (width * i as f64 / PIECES as f64).round();
         let decades = (lo.log10() - 1e-9).ceil() as i32..=(hi.log10() + 1e-9).floor() as i32;
         html! {
             @for i in 0..PIECES {
                 @let opacity = FULLEST * (i as f64 + 0.5) / PIECES as f64;
                 rect.cell.(Colour::Blue.class()) fill-opacity={ (format!("{opacity:.3}")) }
-                    x=(Px(piece * i as f64)) y=(Px(y)) width=(Px(piece)) height="8" {}
+                    x=(Px(end(i))) y=(Px(y)) width=(Px(end(i + 1) - end(i))) height="8" {}
             }
             @for e in decades {
                 @let value = 10f64.powi(e);
@@ -179,29 +180,22 @@ fn hatch(x: f64, y: f64, w: f64, h: f64) -> String {
 
 /// Two or three digits: `0.4`, `48`, `1.2k`.
 fn short(value: f64) -> String {
+    let steps = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
     let size = value.abs();
-    let sign = if value < 0.0 && size >= 0.05 {
+    let step = steps.into_iter().find(|(by, _)| size >= 0.9995 * by);
+    let (by, letter) = step.unwrap_or((1.0, ""));
+    let text = match size / by {
+        n if n >= 9999.5 => return si_digits(value, "", 2).0,
+        n if n < 9.95 => format!("{n:.1}"),
+        n => format!("{n:.0}"),
+    };
+    let text = text.strip_suffix(".0").unwrap_or(&text);
+    let sign = if value < 0.0 && text != "0" {
         MINUS
     } else {
         ""
     };
-    let text = match size {
-        s if s < 0.05 => "0".to_owned(),
-        1.0 => "1".to_owned(),
-        s if s < 9.95 => format!("{s:.1}"),
-        s if s < 999.5 => format!("{s:.0}"),
-        s => {
-            let steps = [(1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T")];
-            let step = steps.into_iter().rfind(|(by, _)| s >= 0.9995 * by);
-            let (by, letter) = step.unwrap_or((1e3, "k"));
-            match s / by {
-                n if n >= 9999.5 => si_digits(s, "", 2).0,
-                n if n < 9.95 && (n - 1.0).abs() > 1e-9 => format!("{n:.1}{letter}"),
-                n => format!("{n:.0}{letter}"),
-            }
-        }
-    };
-    format!("{sign}{text}")
+    format!("{sign}{text}{letter}")
 }
 
 /// Four digits.

@@ -162,14 +162,6 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
         |(name, rms, note): (&str, Option<f64>, &str)| Some(Tile::si(name, rms?, "rad", note));
     let mut tiles = vec![verdict];
     tiles.extend(residuals.into_iter().filter_map(tile));
-    if let Some(percent) = of_verdict::removed(diagnosis) {
-        tiles.push(Tile::new(
-            "Foretold",
-            format!("{percent:.1}"),
-            "%",
-            "of what findings can explain at best, on turns held out",
-        ));
-    }
     tiles
 }
 

@@ -1,12 +1,12 @@
 //! The numbers behind an answer: evidence, identifiable parameters, recordings.
 
-use crate::diagnose::diagnosis::{Diagnosis, Finding, RecordingFacts};
+use crate::diagnose::diagnosis::{Diagnosis, Finding, Parameter, RecordingFacts};
 use crate::engine::answer::Answer;
 use crate::report::{Body, Cell, si, si_digits};
 use crate::reports::diagnose::recordings::{origin, speed, table};
-use crate::reports::diagnose::words::{list, probability, value};
+use crate::reports::diagnose::words::{list, probability};
 
-use super::sure::{confidence, determined, interval};
+use super::sure::{confidence, determined};
 use super::told::{self, title};
 
 /// Evidence and parameters of each finding.
@@ -54,20 +54,19 @@ pub(super) fn numbers(answer: &Answer) -> Body {
     let mut rows = Vec::new();
     for (index, finding) in findings.iter().enumerate() {
         for (name, parameter) in &finding.parameters {
-            let units = told::unit(finding, name, parameter, told::effects(answer, index));
-            let parameter = crate::diagnose::diagnosis::Parameter {
-                unit: units,
+            let unit = told::unit(finding, name, parameter, told::effects(answer, index));
+            let parameter = Parameter {
+                unit,
                 ..parameter.clone()
             };
             rows.push(vec![
                 names(index, finding),
                 name.as_str().into(),
-                Cell::Number(value(parameter.value, &parameter.unit)),
-                Cell::Number(interval(&parameter)),
+                Cell::Number(told::number(&parameter)),
                 match determined(name, &parameter) {
                     Some(true) => "yes",
                     Some(false) => "no",
-                    None => "counted",
+                    None => "exact",
                 }
                 .into(),
             ]);
@@ -76,7 +75,7 @@ pub(super) fn numbers(answer: &Answer) -> Body {
     if !rows.is_empty() {
         body.table(
             "Parameters. One is identifiable where its 95 % interval leaves zero out; a phase, where that is within 1 rad to either side.",
-            &["Finding", "In twin and JSON", "Value", "95 % interval", "Identifiable"],
+            &["Finding", "In twin and JSON", "Value, 95 % interval", "Identifiable"],
             rows,
         );
     }

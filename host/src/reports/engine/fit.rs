@@ -4,7 +4,7 @@ use crate::diagnose::diagnosis::Fit;
 use crate::engine::answer::Answer;
 use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Body, Cell, Colour, si};
-use crate::reports::diagnose::words::probability;
+use crate::reports::diagnose::words::{probability, removed};
 
 /// One part of the residual: its name and its RMS before, after and of noise alone, rad.
 pub(super) struct Part {
@@ -91,6 +91,11 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
         .to_owned();
     if let Some(noise) = noise(fit, found) {
         text += &format!(" Probability that noise alone leaves as much: {noise}.");
+    }
+    if let Some(percent) = removed(&answer.diagnosis) {
+        text += &format!(
+            " On turns held out of the fit the findings foretell {percent:.1} % of what they can explain at best."
+        );
     }
     body.section("Residual", &[&text]);
     let cell = |rms: Option<f64>| rms.map_or(Cell::Empty, |rms| Cell::si(rms, "rad"));

@@ -78,9 +78,12 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
     }
     text += "The strongest cell is outlined; hatched cells cannot be.";
     body.section("Mismatch map", &[&text]);
-    // Both have one scale, or the second would look as bright as the first.
+    // Both have one scale, which goes on beyond what a parameter is worth: noise looks pale in either.
     let all = map.before.iter().chain(&map.after).flatten().flatten();
-    let most = all.copied().filter(|v| v.is_finite()).fold(10.0, f64::max);
+    let most = all
+        .copied()
+        .filter(|v| v.is_finite())
+        .fold(10.0 * worth.unwrap_or(1.0), f64::max);
     let top = 10f64.powf((most.log10() - 1e-9).ceil());
     let heat = |values: &[Vec<Option<f64>>]| {
         let mut heat = Heat::new("Gain per parameter", &map.carriers).range(1.0, top);

@@ -88,7 +88,12 @@ pub(super) fn plot(effects: &[Sized], recordings: &[RecordingFacts]) -> Option<(
         (true, 2) => format!("Amplitude of {noun}"),
         _ => sentence(&noun),
     };
-    let y_axis = Axis::new(name, axis_unit(&first.effect.site));
+    let mut y_axis = Axis::new(name, axis_unit(&first.effect.site));
+    let most = y.iter().copied().fold(0.0, f64::max);
+    if growth && y.iter().all(|y| *y >= 0.0) {
+        // A growth is to be seen beside the size itself.
+        y_axis = y_axis.range(0.0, 1.08 * most);
+    }
     let plot = Xy::new(axis, y_axis).series(Series::line("fitted", &x, &y).colour(Colour::Green));
     let caption = match growth {
         true => "How its size goes, as fitted.",

@@ -2,7 +2,7 @@
 
 use crate::diagnose::diagnosis::{Evidence, Finding, Parameter};
 use crate::report::si_digits;
-use crate::reports::diagnose::words::{probability, value};
+use crate::reports::diagnose::words::probability;
 
 /// Difference of Schwarz's criterion from which on evidence is strong (R. Kass and A. Raftery, JASA 90, 1995).
 pub const STRONG: f64 = 10.0;
@@ -128,19 +128,6 @@ pub fn determined(name: &str, parameter: &Parameter) -> Option<bool> {
         "phase_rad" | "phase_s" => half < VAGUE_RAD,
         _ => half.is_finite() && (low > 0.0 || high < 0.0),
     })
-}
-
-/// Interval of a parameter; "exact" where it has none.
-#[must_use]
-pub fn interval(parameter: &Parameter) -> String {
-    match parameter.ci95 {
-        None => "exact".to_owned(),
-        Some([low, high]) => format!(
-            "{} to {}",
-            value(low, &parameter.unit),
-            value(high, &parameter.unit)
-        ),
-    }
 }
 
 #[cfg(test)]

@@ -26,12 +26,12 @@ pub(super) fn effects(answer: &Answer, index: usize) -> &[Sized] {
     answer.cells.get(index).map_or(&[], Vec::as_slice)
 }
 
-/// Title of a finding: its mechanism's, or its cell where that has no name.
+/// Title of a finding: its mechanism's with its id, or its cell where that has no name.
 pub(super) fn title(finding: &Finding, effects: &[Sized]) -> String {
     match finding.mechanism {
         Mechanism::Unknown if effects.is_empty() => sentence(Mechanism::Unknown.title()),
         Mechanism::Unknown => sentence(&cell(effects)),
-        mechanism => sentence(mechanism.title()),
+        mechanism => sentence(&named(mechanism)),
     }
 }
 
@@ -45,28 +45,28 @@ pub(super) fn told(answer: &Answer, index: usize, finding: &Finding) -> Told {
             facts.push((name.to_owned(), lines));
         }
     };
-    add("What", vec![what(finding, effects)]);
+    add("What", vec![without_name(finding, effects)]);
     add("Where", vec![place(finding, effects), instants(finding)]);
     add("How much", how_much(finding, effects));
     add("How sure", vec![sure(finding)]);
     let share = answer.shares.get(index).copied().flatten();
     add("Explains", vec![share.map_or_else(String::new, explains)]);
     add("Could also be", vec![alike(finding)]);
-    let recording = finding.next_recording.as_ref().map(next);
-    add("Record next", vec![recording.unwrap_or_default()]);
+    add("Record next", vec![recording(answer, finding)]);
     Told {
         title: title(finding, effects),
         facts,
     }
 }
 
-fn what(finding: &Finding, effects: &[Sized]) -> String {
+/// Says so where it is none of the catalogue's.
+fn without_name(finding: &Finding, effects: &[Sized]) -> String {
     match (finding.mechanism, effects) {
         (Mechanism::Unknown, []) => "An effect that no mechanism of the catalogue makes".to_owned(),
         (Mechanism::Unknown, _) => {
             "An effect without a name in the catalogue; its cell and sizes are its model".to_owned()
         }
-        (mechanism, _) => sentence(&named(mechanism)),
+        _ => String::new(),
     }
 }
 
@@ -113,14 +113,27 @@ fn how_much(finding: &Finding, effects: &[Sized]) -> Vec<String> {
             unit: unit(finding, name, parameter, effects),
             ..parameter.clone()
         };
-        let words = sentence(&parameter_name(name, &parameter.unit));
+        let words = match parameter_name(name, &parameter.unit).as_str() {
+            "f" => "Frequency".to_owned(),
+            words => sentence(words),
+        };
         let open = match determined(name, &parameter) {
             Some(false) => ": not determined by these recordings",
             _ => "",
         };
-        format!("{words} {}{open}", with_interval(&parameter))
+        format!("{words} {}{open}", number(&parameter))
     });
     each.collect()
+}
+
+/// A number with its interval; what is counted has no decimals.
+pub(super) fn number(parameter: &Parameter) -> String {
+    match parameter.ci95 {
+        None if parameter.unit == "1" && parameter.value.fract() == 0.0 => {
+            format!("{:.0}", parameter.value).replace('-', "\u{2212}")
+        }
+        _ => with_interval(parameter),
+    }
 }
 
 /// The unit of a number: where no card names it that of its cell, or the one at the end of its name.
@@ -164,4 +177,15 @@ fn explains(share: f64) -> String {
 fn alike(finding: &Finding) -> String {
     let names: Vec<String> = finding.look_alikes.iter().copied().map(named).collect();
     sentence(&list_or(&names))
+}
+
+/// The recording that would tell; what is said at the top is not said again.
+fn recording(answer: &Answer, finding: &Finding) -> String {
+    match &finding.next_recording {
+        None => String::new(),
+        same if *same == answer.diagnosis.next_recording => {
+            "The recording named at the top would tell".to_owned()
+        }
+        Some(other) => next(other),
+    }
 }
