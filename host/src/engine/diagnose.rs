@@ -33,6 +33,8 @@ const RIVALS: usize = 4;
 const BETTER: f64 = 2.0;
 /// Part of what a finding explains that it has to foretell.
 const FORETELLS: f64 = 0.6;
+/// Confidence of a name beside something that has none, at the most.
+const BESIDE_UNKNOWN: f64 = 0.9;
 /// Probability of whiteness below which something is left.
 const NOT_WHITE: f64 = 1e-6;
 /// Lags that whiteness is tested over.
@@ -335,6 +337,16 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         findings.push((unknown(), Vec::new(), None));
     }
     merge_unknown(&mut findings);
+    // Beside something that no cell explains, no name is sure: it may be a part of that.
+    let nameless = |finding: &Finding| finding.mechanism == Mechanism::Unknown;
+    if findings.iter().any(|(finding, ..)| nameless(finding)) {
+        for (finding, ..) in findings
+            .iter_mut()
+            .filter(|(finding, ..)| !nameless(finding))
+        {
+            finding.confidence = finding.confidence.min(BESIDE_UNKNOWN);
+        }
+    }
     findings.sort_by(|a, b| b.0.evidence.delta_bic.total_cmp(&a.0.evidence.delta_bic));
     let verdict = verdict(&findings);
     let last = verdict != Verdict::Unknown;
