@@ -199,6 +199,9 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
 
 fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Alike]) -> Answer {
     let parts = Parts::blocks(board, fit);
+    let [none, early, _] = Parts::held_out(board, fit).judged(fit);
+    // Where all findings together make held-out turns worse, none of them has a name.
+    let worse = early > none;
     let total: f64 = fit
         .model
         .groups()
@@ -226,7 +229,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             )
         });
         let mut mechanism = name::mechanism(&effects);
-        if !once && foretold < FORETELLS * loss {
+        if worse || !once && foretold < FORETELLS * loss {
             mechanism = Mechanism::Unknown;
         }
         let others: &[(Mechanism, f64)] = alike
@@ -627,7 +630,7 @@ fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
         whiteness_p: Some(whiteness(board, &other)),
         held_out: HeldOut {
             rms_before_rad: to_rad(none),
-            rms_after_rad: to_rad(if found { early } else { none }),
+            rms_after_rad: to_rad(if found { early.min(none) } else { none }),
             floor_rad: to_rad(held),
             reducible_removed: reducible,
         },
