@@ -512,20 +512,7 @@ fn summary(verdict: Verdict, findings: &[Finding]) -> String {
 
 /// Residual angles as given and with the model, rad.
 fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
-    let predicted = board.predicted(&fit.model);
-    let mut rests: Vec<Vec<f64>> = board
-        .benches
-        .iter()
-        .zip(&predicted)
-        .map(|(bench, predicted)| {
-            bench
-                .residual
-                .iter()
-                .zip(predicted)
-                .map(|(all, of)| all - of)
-                .collect()
-        })
-        .collect();
+    let mut rests = board.rest(&fit.model);
     if let Some(pattern) = &board.pattern {
         let white: Vec<Vec<f64>> = board
             .benches

@@ -218,20 +218,7 @@ impl Board {
             let Some(mut pattern) = self.pattern.take() else {
                 return;
             };
-            let predicted = self.predicted(model);
-            let rest: Vec<Vec<f64>> = self
-                .benches
-                .iter()
-                .zip(&predicted)
-                .map(|(bench, predicted)| {
-                    bench
-                        .residual
-                        .iter()
-                        .zip(predicted)
-                        .map(|(all, of)| all - of)
-                        .collect()
-                })
-                .collect();
+            let rest = self.rest(model);
             // Its worth goes by the present noise.
             if let Some(fresh) = Pattern::new(&self.benches) {
                 pattern = fresh;
@@ -340,6 +327,17 @@ impl Board {
                 sum
             })
             .collect()
+    }
+
+    /// What a model leaves of each edge's angle, rad, for each recording.
+    #[must_use]
+    pub fn rest(&self, model: &Model) -> Vec<Vec<f64>> {
+        let mut rest = self.predicted(model);
+        for (bench, rest) in self.benches.iter().zip(&mut rest) {
+            let each = rest.iter_mut().zip(&bench.residual);
+            each.for_each(|(rest, all)| *rest = all - *rest);
+        }
+        rest
     }
 
     /// Steps of an effect's knobs that hardly change it: what two of them are apart by to be told apart.
@@ -532,20 +530,7 @@ impl Board {
         if self.pattern.is_some() {
             return self.size_up(model);
         }
-        let predicted = self.predicted(model);
-        let rest: Vec<Vec<f64>> = self
-            .benches
-            .iter()
-            .zip(&predicted)
-            .map(|(bench, predicted)| {
-                bench
-                    .residual
-                    .iter()
-                    .zip(predicted)
-                    .map(|(all, of)| all - of)
-                    .collect()
-            })
-            .collect();
+        let rest = self.rest(model);
         let (noise, _) = bench::fit_noise(&self.benches, &rest, self.noise, self.free);
         self.set_noise(noise);
     }

@@ -31,20 +31,7 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
         .and_then(|latency| latency.mean_s)
         .unwrap_or(0.0);
     let declared2 = tick2 + first.twin.timer.jitter_s.powi(2) + late * late;
-    let predicted = board.predicted(&fit.model);
-    let rest: Vec<Vec<f64>> = board
-        .benches
-        .iter()
-        .zip(&predicted)
-        .map(|(bench, predicted)| {
-            bench
-                .residual
-                .iter()
-                .zip(predicted)
-                .map(|(all, of)| all - of)
-                .collect()
-        })
-        .collect();
+    let rest = board.rest(&fit.model);
     let leaps: Vec<&Leaps> = board.benches.iter().map(|bench| &bench.leaps).collect();
     let fitted = |stamp_s: f64, stamp: bool| {
         let start = Noise {
