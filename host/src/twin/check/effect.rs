@@ -7,6 +7,8 @@ use crate::twin::{DeclaredEffect, EffectSite, Follows, Twin};
 
 /// Largest rate, power or depth of an effect's growth.
 const GROWTH_MAX: f64 = 1e6;
+/// Widest bump of a torque, rad: its ends meet half a turn away, at less than 1e-8 of its peak.
+const PUSH_WIDTH_MAX: f64 = 0.5;
 /// Largest power of the speed.
 const POWER_MAX: f64 = 8.0;
 
@@ -142,6 +144,7 @@ fn check_size(c: &mut Checker<'_>, one: &DeclaredEffect, key: &dyn Fn(&str) -> S
 }
 
 fn check_ranges(c: &mut Checker<'_>, one: &DeclaredEffect, key: &dyn Fn(&str) -> String) {
+    let pushes = matches!(one.site, EffectSite::Torque | EffectSite::Drive);
     for (name, value) in one.numbers() {
         let Some(value) = value else {
             continue;
@@ -152,7 +155,10 @@ fn check_ranges(c: &mut Checker<'_>, one: &DeclaredEffect, key: &dyn Fn(&str) ->
             "f_hz" | "modulation_hz" => c.positive(&key, value, 1e6, "give a frequency"),
             "rate_hz_s" => c.between(&key, value, -1e6, 1e6, "give Hz a second"),
             "angle_rad" => c.between(&key, value, -1e3, 1e3, ANGLE_ADVICE),
-            "width_rad" => c.positive(&key, value, PI, "give the bump's sigma"),
+            "width_rad" => {
+                let most = if pushes { PUSH_WIDTH_MAX } else { PI };
+                c.positive(&key, value, most, "give the bump's sigma");
+            }
             "tau_s" => c.positive(&key, value, TIME_MAX, "give its time constant"),
             "from_s" | "until_s" => c.between(&key, value, -TIME_MAX, TIME_MAX, "give a time"),
             "power" => c.between(&key, value, 0.0, POWER_MAX, "give a power of the speed"),
@@ -160,11 +166,7 @@ fn check_ranges(c: &mut Checker<'_>, one: &DeclaredEffect, key: &dyn Fn(&str) ->
                 &key,
                 value,
                 // What moves the shaft has to stay finite where it stands.
-                if matches!(one.site, EffectSite::Torque | EffectSite::Drive) {
-                    0.0
-                } else {
-                    -POWER_MAX
-                },
+                if pushes { 0.0 } else { -POWER_MAX },
                 POWER_MAX,
                 "give a power of the speed",
             ),
