@@ -17,7 +17,7 @@ pub struct Answer {
     pub cells: Vec<Vec<Sized>>,
     /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
     pub shares: Vec<Option<f64>>,
-    /// Angle residual along time, for plots.
+    /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,
 }
@@ -44,12 +44,12 @@ pub struct Map {
     pub after: Vec<Vec<Option<f64>>>,
 }
 
-/// Residual of a recording along time, less its mean over a turn.
+/// RMS of the innovations of a recording, in windows along time.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// The recording's file.
     pub file: String,
-    /// Times, s.
+    /// Start of each window, s.
     pub time_s: Vec<f64>,
     /// With the twin as given, rad.
     pub before_rad: Vec<f64>,

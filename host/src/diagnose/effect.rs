@@ -27,9 +27,7 @@ impl Effect {
     #[must_use]
     pub fn columns(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         match self.site {
-            Site::Torque | Site::Drive => (0..self.sizes())
-                .map(|size| self.pushed(scene, size))
-                .collect(),
+            Site::Torque | Site::Drive => self.pushed(scene),
             Site::Disc(_) | Site::Level(_) | Site::Stamp(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
@@ -64,7 +62,7 @@ impl Effect {
         }
     }
 
-    fn pushed(&self, scene: &Scene<'_>, size: usize) -> Vec<f64> {
+    fn pushed(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         let rate = |speed: f64| match self.carrier {
             Carrier::Order(order) => order * speed,
             Carrier::Tone(f_hz) => TAU * f_hz,
@@ -85,31 +83,33 @@ impl Effect {
         }
         breaks.sort_by(f64::total_cmp);
         let law = &scene.plant.law;
-        match self.site {
+        let all = 0..scene.course.len();
+        let responses = match self.site {
             Site::Drive => {
                 let change = |here: Here| {
                     if here.inside_s >= law.off_s {
-                        return 0.0;
+                        return [0.0; 2];
                     }
                     // What the drive adds to follow: J dw/dt, and damping times what it asks for on top.
                     let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
-                    let Sloped {
-                        at: value,
-                        slope: change,
-                    } = self.value(along_time(here))[size];
-                    rate * value
-                        + asked * change
-                        + law.damping(here.inside_s, here.speed) * asked * value
+                    let both = self.value(along_time(here));
+                    let damping = law.damping(here.inside_s, here.speed);
+                    both.map(|Sloped { at: value, slope }| {
+                        rate * value + asked * slope + damping * asked * value
+                    })
                 };
-                scene.plant.response(scene.course, change, rate, &breaks)
+                scene
+                    .plant
+                    .responses(all, scene.course, change, rate, &breaks)
             }
-            _ => scene.plant.response(
-                scene.course,
-                |here| self.value(here)[size] / law.inertia,
-                rate,
-                &breaks,
-            ),
-        }
+            _ => {
+                let push = |here: Here| self.value(here).map(|torque| torque / law.inertia);
+                scene
+                    .plant
+                    .responses(all, scene.course, push, rate, &breaks)
+            }
+        };
+        responses.into_iter().take(self.sizes()).collect()
     }
 }
 

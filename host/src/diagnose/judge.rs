@@ -8,7 +8,7 @@ use super::model::{Board, Fit};
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 4;
 /// Share of each recording that is held out for the figures of the fit: its last part.
-const HELD_OUT: f64 = 0.3;
+pub const HELD_OUT: f64 = 0.3;
 
 /// Products of a fit's columns and target over some rows.
 #[derive(Clone, Debug)]
