@@ -10,6 +10,8 @@ use crate::sim::{self, Simulation};
 use crate::twin::{DeclaredEffect, Twin};
 use quadcal::edge::Levels;
 
+/// Least of an effect, rad, that is held against its columns: a hundred times what a tick is at these speeds.
+const TOLD_RAD: f64 = 8e-6;
 /// A shaft that goes faster and slower, one way.
 const ONE_WAY: &str = "points = [{ t_s = 0.0, r_min = 40.0 }, { t_s = 1.5, r_min = 80.0 }, { t_s = 4.0, r_min = 35.0 }]";
 /// One that turns round twice.
@@ -19,7 +21,7 @@ const BOTH_WAYS: &str = "points = [{ t_s = 0.0, r_min = 60.0 }, { t_s = 1.2, r_m
 fn rig(profile: &str) -> Twin {
     let text = format!(
         "seed = 1\n[duration]\nseconds = 4.0\n[encoder.quadrature]\nlines = 500\nindex = true\n[shaft]\ninertia_kg_m2 = 1e-4\n\
-         viscous_n_m_s = 1e-4\nstiffness_n_m_s = 4e-4\ninitial_angle_rad = 0.3\n[drive.profile]\n{profile}\n[timer]\nclock_hz = 4e9\n"
+         viscous_n_m_s = 1e-4\nstiffness_n_m_s = 4e-4\ninitial_angle_rad = 0.3\n[drive.profile]\n{profile}\n[timer]\nclock_hz = 84e6\n"
     );
     Twin::parse(&text, "a.toml").unwrap()
 }
@@ -39,7 +41,7 @@ fn bench(real: &Twin, given: &Twin) -> Bench {
     let errors = sim::true_errors(given).unwrap();
     let noise = Noise {
         torque: 1e-6,
-        stamp_s: 1e-9,
+        stamp_s: 1e-8,
         drift: 0.0,
         angle_rad: 0.0,
     };
@@ -78,20 +80,6 @@ fn off(effect: &Effect, sizes: &[f64], profile: &str) -> (f64, f64) {
         .zip(&foretold)
         .map(|(seen, foretold)| seen - foretold)
         .collect();
-    if std::env::var("DEBUG_OFF").is_ok() {
-        let mut events: Vec<_> = Simulation::new(&real).unwrap().filter(|e| e.truth.edge.is_some()).collect();
-        while events.len() > bench.record.len() { events.remove(0); }
-        let d: Vec<i64> = events.iter().zip(&bench.record.place).map(|(e, p)| p - (e.truth.angle_rad / bench.record.step_rad()).round() as i64).collect();
-        println!("{effect:?} events {} record {}", events.len(), bench.record.len());
-        for at in 1..d.len() {
-            if d[at] != d[at - 1] {
-                for i in at.saturating_sub(4)..(at + 4).min(d.len()) {
-                    println!("  {i} t {:.6} angle/step {:.4} class {:?} | place {} t {:.6} way {}", events[i].truth.time_s, events[i].truth.angle_rad / bench.record.step_rad(), events[i].truth.class, bench.record.place[i], bench.record.time_s[i], bench.record.way[i]);
-                }
-                break;
-            }
-        }
-    }
     let (left, all) = (less_start(&bench, &left), less_start(&bench, &foretold));
     (rms(&left) / rms(&all), rms(&all))
 }
@@ -164,8 +152,13 @@ fn what_an_effect_does_in_the_simulator_is_what_its_columns_foretell() {
                 let turns = matches!(carrier, Carrier::Direction | Carrier::Power(_));
                 let profile = if turns { BOTH_WAYS } else { ONE_WAY };
                 let (off, of) = off(&effect, &sizes[..effect.sizes()], profile);
-                // What an unknown start makes as well can't be told from it.
-                if of > 1e-7 && off > 0.01 {
+                // What an unknown start makes as well can't be told from it. Between the edges at a reversal the course is not known.
+                let most = if turns && site == Site::Drive {
+                    0.03
+                } else {
+                    0.01
+                };
+                if of > TOLD_RAD && off > most {
                     wrong.push(format!("{off:.4} of {of:.2e} rad: {effect:?}"));
                 }
             }
