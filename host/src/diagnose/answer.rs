@@ -17,6 +17,9 @@ pub struct Answer {
     pub cells: Vec<Vec<Sized>>,
     /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
     pub shares: Vec<Option<f64>>,
+    /// Errors of the disc's edges, rad, where the twins do not give it and it was learned.
+    #[serde(skip)]
+    pub pattern: Option<Vec<f64>>,
     /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,

@@ -30,5 +30,6 @@ pub mod scan;
 pub mod search;
 mod speed_loop;
 pub mod stamps;
+pub mod write;
 #[cfg(test)]
 mod tests;

@@ -433,6 +433,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         map: Map::default(),
         cells,
         shares,
+        pattern: learned(board, &board.rest(&fit.model)),
         curves: curves(rig, given, board, fit),
     }
 }
@@ -562,17 +563,18 @@ fn summary(verdict: Verdict, findings: &[Finding]) -> String {
     }
 }
 
+/// Errors of the edges of a disc that the twins do not give, rad, from what a model leaves.
+fn learned(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let pattern = board.pattern.as_ref()?;
+    let each = board.benches.iter().zip(rests);
+    let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+    Some(pattern.errors(&board.benches, &white.concat()))
+}
+
 /// Residual angles as given and with the model, rad.
 fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
     let mut rests = board.rest(&fit.model);
-    if let Some(pattern) = &board.pattern {
-        let white: Vec<Vec<f64>> = board
-            .benches
-            .iter()
-            .zip(&rests)
-            .map(|(bench, rest)| bench.white(rest))
-            .collect();
-        let errors = pattern.errors(&board.benches, &white.concat());
+    if let Some(errors) = learned(board, &rests) {
         for (bench, rest) in board.benches.iter().zip(&mut rests) {
             rest.iter_mut()
                 .enumerate()

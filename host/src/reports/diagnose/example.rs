@@ -302,6 +302,7 @@ pub(crate) fn full() -> Answer {
             None,
             None,
         ],
+        pattern: None,
         curves: vec![curve("slow.csv", 20.0), curve("fast.csv", 13.3)],
     }
 }
