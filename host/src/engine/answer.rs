@@ -1,5 +1,7 @@
 //! What the engine says: the diagnosis, the mismatch map before and after, and each finding's cell.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::effect::Effect;
@@ -17,6 +19,8 @@ pub struct Answer {
     pub cells: Vec<Vec<Sized>>,
     /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
     pub shares: Vec<Option<f64>>,
+    /// Of each finding, in the findings' order, the numbers of the twin that it corrects, as the twin declares them.
+    pub declared: Vec<BTreeMap<String, f64>>,
     /// Angle residual along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,

@@ -11,7 +11,7 @@ use super::judge::Parts;
 use super::lsq;
 use super::model::{Board, Fit};
 use super::record::Record;
-use super::{events, map, name, search, stamps};
+use super::{correct, events, map, name, search, stamps};
 use crate::diagnose::diagnosis::{
     Band, Diagnosis, Evidence, Finding, Fit as Agreement, HeldOut, NextRecording, Place,
     RecordingFacts, RunnerUp, Verdict,
@@ -148,7 +148,10 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     let mut all = Vec::new();
     for group in fit.model.groups() {
         let own = fit.model.effects(group);
-        let mechanism = name::mechanism(&own);
+        let mechanism = board.mechanism(&own);
+        let corrects = own.iter().any(|effect| board.correction(effect).is_some());
+        // What the twin declares comes first.
+        let better = if corrects { ALIKE } else { BETTER };
         let rest = board.fit(&fit.model.without(group));
         let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
         // The best of each other name that comes near, fitted with everything else.
@@ -159,6 +162,9 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             let near = here > NEAR * worth - ALIKE;
             if !near || rivals.len() == RIVALS {
                 break;
+            }
+            if corrects && board.same_columns(fit, group, &candidate.effects) {
+                continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {
                 let mut model = rest.model.clone();
@@ -173,7 +179,7 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let mut named = mechanism;
         if rivals
             .first()
-            .is_some_and(|(_, best, _)| *best > worth + BETTER)
+            .is_some_and(|(_, best, _)| *best > worth + better)
         {
             let (other, best, tried) = rivals.swap_remove(0);
             if other != mechanism {
@@ -228,7 +234,13 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                     | Carrier::Stribeck(_)
             )
         });
-        let mut mechanism = name::mechanism(&effects);
+        let corrected = correct::measured(board, fit, group);
+        let once = if corrected.is_empty() {
+            once
+        } else {
+            parts.only_once(fit, group)
+        };
+        let mut mechanism = board.mechanism(&effects);
         if worse || !once && foretold < FORETELLS * loss {
             mechanism = Mechanism::Unknown;
         }
@@ -236,7 +248,11 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .iter()
             .find(|one| one.group == group)
             .map_or(&[], |one| &one.others);
-        let mut numbers = fit.numbers(group);
+        let mut numbers = if corrected.is_empty() {
+            fit.numbers(group)
+        } else {
+            corrected.iter().map(|one| one.number.clone()).collect()
+        };
         for number in &mut numbers {
             number.error = number.error.map(|error| error * spread);
         }
@@ -267,7 +283,11 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         let ratio = (1.0 - foretold / (fit.rss + loss)).max(0.0).sqrt();
         let finding = Finding {
             mechanism,
-            text: name::text(&effects),
+            text: if corrected.is_empty() {
+                name::text(&effects)
+            } else {
+                correct::text(&corrected, spread)
+            },
             confidence,
             parameters: if mechanism == Mechanism::Unknown {
                 std::collections::BTreeMap::new()
@@ -379,6 +399,10 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             next_recording: next,
         },
         map: Map::default(),
+        declared: cells
+            .iter()
+            .map(|cells| correct::declared(board, cells))
+            .collect(),
         cells,
         shares,
         curves: curves(rig, given, board, fit),

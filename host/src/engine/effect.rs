@@ -47,6 +47,8 @@ pub enum Site {
     Level(On),
     /// A time of the stamp, s: it comes so much later. Flanks are those of the signal.
     Stamp(On),
+    /// A number that the twin declares, as the board counts those that it corrects.
+    Declared(u16),
 }
 
 /// What an effect follows.
@@ -184,7 +186,7 @@ impl Effect {
             Site::Torque | Site::Drive => (0..self.sizes())
                 .map(|size| self.pushed(scene, size))
                 .collect(),
-            Site::Disc(_) | Site::Level(_) | Site::Stamp(_) => {
+            Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
                     let by = self.by_edge(scene, at);

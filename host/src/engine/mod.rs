@@ -8,6 +8,7 @@
 pub mod answer;
 pub mod bench;
 pub mod cells;
+pub mod correct;
 pub mod course;
 pub mod declared;
 pub mod diagnose;
@@ -21,6 +22,7 @@ pub mod map;
 pub mod model;
 pub mod name;
 pub mod noise;
+pub mod numbers;
 pub mod pattern;
 pub mod plant;
 pub mod record;

@@ -24,7 +24,7 @@ pub struct Mode {
 }
 
 /// Friction and drive of a twin, over its inertia.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Law {
     /// Inertia, kg m^2.
     pub inertia: f64,
@@ -653,6 +653,14 @@ impl Gains {
         match self {
             Self::Stiff(filter) => filter.whiten_from(first, angles),
             Self::Sprung(filter) => filter.whiten_from(first, angles),
+        }
+    }
+
+    /// See [`filter::Filter::colour`].
+    pub fn colour(&self, white: &mut [f64]) {
+        match self {
+            Self::Stiff(filter) => filter.colour(white),
+            Self::Sprung(filter) => filter.colour(white),
         }
     }
 

@@ -2,9 +2,11 @@
 //! changes.
 
 use super::cells::{self, Bank};
+use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Site};
 use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
+use super::plant::Law;
 use super::scan::{self, Candidate};
 
 /// Findings at the most.
@@ -13,6 +15,8 @@ const FINDINGS: usize = 7;
 const TRIED: usize = 4;
 /// Part of the best one's evidence that another one has to have to be fitted too.
 const NEARLY: f64 = 0.8;
+/// Evidence by which a new effect has to be better than a correction of what the twin declares.
+const ALIKE: f64 = 10.0;
 /// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
 const SURE: f64 = 12.0;
 
@@ -57,7 +61,8 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
 /// Searches until nothing is left that is worth its numbers.
 #[must_use]
 pub fn search(board: &mut Board) -> (Fit, Bank) {
-    let bank = Bank::new(board);
+    let mut bank = Bank::new(board);
+    let mut slopes = correct::all(board);
     let mut fit = board.fit(&nuisances(board));
     if board.free.drift {
         fit = free_course(board, &bank, fit);
@@ -86,9 +91,28 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
                 next = Some((here, tried));
             }
         }
-        let Some((_, next)) = next else { break };
-        board.fit_noise(&next.model);
-        fit = board.fit(&next.model);
+        // What the twin declares comes first, if it explains as much.
+        let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
+        if let Some((better, corrected)) = correction(board, &slopes, &fit, group, least) {
+            let laws = |board: &Board| -> Vec<Law> {
+                let each = board.benches.iter();
+                each.map(|bench| bench.plant.law.clone()).collect()
+            };
+            let answers_alike = laws(board) == laws(&better);
+            *board = better;
+            fit = corrected;
+            board.fit_noise(&fit.model);
+            fit = board.fit(&fit.model);
+            if !answers_alike {
+                bank = Bank::new(board);
+                slopes = correct::all(board);
+            }
+        } else if let Some((_, next)) = next {
+            board.fit_noise(&next.model);
+            fit = board.fit(&next.model);
+        } else {
+            break;
+        }
         // What another one has made superfluous.
         let model = dropped(board, &fit);
         if model.terms.len() < fit.model.terms.len() {
@@ -96,6 +120,41 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
         }
     }
     (fit, bank)
+}
+
+/// The declared number that explains most beside a fit, if it has so much evidence: the board beside twins with it, and the fit.
+fn correction(
+    board: &Board,
+    slopes: &[Slopes],
+    fit: &Fit,
+    free: usize,
+    least: f64,
+) -> Option<(Board, Fit)> {
+    let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+    let basis = Basis::of(&columns);
+    let mut cleared = fit.clone();
+    basis.clear(&mut cleared.left);
+    let mut best: Option<(f64, Board, Fit)> = None;
+    for candidate in correct::candidates(board, slopes, &cleared, &basis)
+        .into_iter()
+        .take(TRIED)
+    {
+        let numbers = candidate.slopes.declared.len();
+        if evidence(board, candidate.gain, numbers) < 0.7 * SURE {
+            break;
+        }
+        let mut wider = board.clone();
+        let effects = wider.correct(candidate.slopes);
+        let mut model = fit.model.clone();
+        let group = board.group_of(&model, &candidate.slopes.knob, free);
+        model.add(&effects, group);
+        let (better, tried, gain) = wider.settle(&model, fit);
+        let here = evidence(board, gain, numbers);
+        if here > least.max(SURE) && best.as_ref().is_none_or(|(most, ..)| here > *most) {
+            best = Some((here, better, tried));
+        }
+    }
+    best.map(|(_, board, fit)| (board, fit))
 }
 
 /// Changes of the drive at the most.
@@ -178,14 +237,7 @@ fn larger_than_rounding(board: &Board, candidate: &Candidate, fit: &Fit) -> bool
 /// A model without groups that are no longer worth their numbers.
 fn dropped(board: &Board, fit: &Fit) -> Model {
     let mut model = fit.model.clone();
-    let mut groups: Vec<usize> = model
-        .terms
-        .iter()
-        .filter(|term| !term.nuisance)
-        .map(|term| term.group)
-        .collect();
-    groups.dedup();
-    for group in groups {
+    for group in model.groups() {
         if evidence(board, fit.loss(group), model.numbers(group)) < SURE {
             model.terms.retain(|term| term.group != group);
             return model;
