@@ -32,7 +32,6 @@ fn a_small_blind_trial_finds_what_it_found_before() {
     folders.draw(&draw, 2, || {}).unwrap();
     let quadcal = Quadcal {
         program: Path::new(env!("CARGO_BIN_EXE_quadcal-under-test")).to_owned(),
-        arguments: Vec::new(),
     };
     let names = folders.names().unwrap();
     let scores = folders.judge(&names, &quadcal, 2, || {}).unwrap();

@@ -8,7 +8,6 @@ pub mod delays;
 pub mod demo;
 pub mod device;
 pub mod diagnose;
-pub mod engine;
 pub mod findings;
 pub mod free_run;
 pub mod locate;

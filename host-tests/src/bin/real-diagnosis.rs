@@ -48,10 +48,10 @@ fn main() -> Result<ExitCode> {
     let temporary = tempfile::TempDir::new()?;
     let folder = options.folder.as_deref().unwrap_or(temporary.path());
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let Quadcal { program, arguments } = options.under_trial.quadcal()?;
+    let Quadcal { program } = options.under_trial.quadcal()?;
     let bench = Bench {
         program,
-        arguments,
+        arguments: Vec::new(),
         folder: folder.to_owned(),
     };
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/recordings");

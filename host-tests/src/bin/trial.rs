@@ -212,7 +212,6 @@ impl Options {
         if self.again > 0 {
             let _ = write!(text, " --again {}", self.again);
         }
-        text.push_str(&self.under_trial.again());
         if let Some(path) = &self.markdown {
             let _ = write!(text, " --markdown {}", path.display());
         }

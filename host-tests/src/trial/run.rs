@@ -19,8 +19,6 @@ const LIMIT: Duration = Duration::from_secs(180);
 pub struct Quadcal {
     /// The program, as an absolute path.
     pub program: PathBuf,
-    /// What `diagnose` is given on top of recordings and twins.
-    pub arguments: Vec<String>,
 }
 
 impl Quadcal {
@@ -46,10 +44,7 @@ impl Quadcal {
 
     fn run(&self, folder: &Path, json: &Path) -> Result<(), String> {
         let mut command = Command::new(&self.program);
-        command
-            .current_dir(folder)
-            .arg("diagnose")
-            .args(&self.arguments);
+        command.current_dir(folder).arg("diagnose");
         let files = files(folder);
         command.args(files.iter().map(|(recording, _)| recording));
         for (_, twin) in &files {

@@ -15,9 +15,6 @@ pub struct UnderTrial {
     /// The command under trial; else the quadcal that is built beside this one
     #[arg(long, value_name = "PROGRAM")]
     quadcal: Option<PathBuf>,
-    /// Engine of the diagnosis, as 'quadcal diagnose --engine' takes it; else the command's own choice
-    #[arg(long, value_name = "NAME")]
-    engine: Option<String>,
 }
 
 impl UnderTrial {
@@ -26,19 +23,9 @@ impl UnderTrial {
     /// # Errors
     /// Where there is no such program.
     pub fn quadcal(&self) -> Result<Quadcal> {
-        let engine = self.engine.iter();
-        let arguments = engine.flat_map(|name| ["--engine".to_owned(), name.clone()]);
         Ok(Quadcal {
             program: self.program()?,
-            arguments: arguments.collect(),
         })
-    }
-
-    /// What makes the same choice again, for a command line.
-    #[must_use]
-    pub fn again(&self) -> String {
-        let engine = self.engine.iter();
-        engine.map(|name| format!(" --engine {name}")).collect()
     }
 
     fn program(&self) -> Result<PathBuf> {

@@ -2,21 +2,19 @@
 
 mod catalogue;
 mod encoder;
-mod facts;
 mod new_twins;
 mod rig;
 mod staged;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use crate::diagnose::run::{self, DiagnoseError, Diagnosed};
-use crate::engine::{self, answer::Answer};
+use crate::diagnose::answer::Answer;
+use crate::diagnose::pipeline;
+use crate::diagnose::rig::DiagnoseError;
 use crate::mechanism::Mechanism;
-use crate::report::Report;
 use crate::reports;
-use crate::twin::Twin;
 
 use super::Globals;
 use super::failure::Failure;
@@ -83,9 +81,6 @@ pub struct Diagnose {
         conflicts_with_all = ["recordings", "twins", "write_twin"]
     )]
     mechanisms: Option<Option<Mechanism>>,
-    /// Engine: the one that is, or the new one while it grows; the new one writes no twins yet
-    #[arg(long, value_enum, default_value_t = Engine::Old, hide = true)]
-    engine: Engine,
     #[command(flatten)]
     reading: ReadingArgs,
     /// Write the twin with the findings in it; of several recordings the others' get a number (new-2.toml)
@@ -95,15 +90,6 @@ pub struct Diagnose {
     report: ReportArg,
     #[command(flatten)]
     json: JsonArg,
-}
-
-/// Which engine diagnoses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Engine {
-    /// `crate::diagnose`.
-    Old,
-    /// `crate::engine`.
-    New,
 }
 
 /// A name of a file, as a twin may come with a list beside it.
@@ -120,74 +106,24 @@ impl Diagnose {
         if let Some(one) = self.mechanisms {
             return Target::Stdout.write(catalogue::text(one).as_bytes());
         }
-        if self.engine == Engine::New && self.write_twin.is_some() {
-            return Err(Failure::NoTwinYet);
-        }
         self.spare()?;
         let named = Named {
             recordings: &self.recordings,
             twins: &self.twins,
             reading: &self.reading,
-            drive_needed: self.engine == Engine::Old,
         };
         let rig = named.read(globals)?;
         let mut progress = Progress::share("Diagnosing", globals);
-        if self.engine == Engine::New {
-            let answer =
-                engine::diagnose::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
-            drop(progress);
-            return self.write_answer(&answer);
-        }
-        let diagnosed = run::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
+        let answer = pipeline::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
         drop(progress);
-        self.write(&diagnosed)
+        self.write(&answer)
     }
 
-    fn write(&self, diagnosed: &Diagnosed) -> Result<(), Failure> {
-        let new = match &self.write_twin {
-            Some(first) => {
-                let declared = self.twins.iter().map(|path| Twin::load_with_text(path));
-                let declared = declared.collect::<Result<Vec<_>, _>>()?;
-                new_twins::files(first, diagnosed, &declared)?
-            }
-            None => Vec::new(),
-        };
-        let page = match &self.report.report {
-            Some(target) => Some((target, self.page(diagnosed)?.render())),
-            None => None,
-        };
-        let json = match &self.json.json {
-            Some(target) => Some((target, target.json_of(&diagnosed.diagnosis)?)),
-            None => None,
-        };
-        let mut staged = Staged::default();
-        for file in &new {
-            staged.add(Target::File(file.path.clone()), file.text.as_bytes())?;
-        }
-        if let Some((target, page)) = page {
-            staged.add(target.clone(), page.as_bytes())?;
-        }
-        if let Some((target, json)) = json {
-            staged.add(target.clone(), &json)?;
-        }
-        staged.commit()?;
-        let asked = [self.report.report.as_ref(), self.json.json.as_ref()];
-        if asked.contains(&Some(&Target::Stdout)) {
-            return Ok(());
-        }
-        let mut text = facts::facts(&diagnosed.diagnosis);
-        for file in &new {
-            text.push("Written", file.path.display());
-        }
-        Target::Stdout.write(text.to_string().as_bytes())
-    }
-
-    /// Writes what the new engine says.
-    fn write_answer(&self, answer: &Answer) -> Result<(), Failure> {
+    fn write(&self, answer: &Answer) -> Result<(), Failure> {
         let inputs: Vec<&Path> = self.inputs().collect();
         let page = match &self.report.report {
             Some(target) => {
-                let page = reports::engine::report(answer, footer(&inputs)?);
+                let page = reports::diagnose::report(answer, footer(&inputs)?);
                 Some((target, page.render()))
             }
             None => None,
@@ -205,7 +141,7 @@ impl Diagnose {
             return Ok(());
         }
         let mut text = Facts::default();
-        for (name, value) in reports::engine::text(answer) {
+        for (name, value) in reports::diagnose::text(answer) {
             text.push(name, value);
         }
         Target::Stdout.write(text.to_string().as_bytes())
@@ -226,11 +162,6 @@ impl Diagnose {
     fn inputs(&self) -> impl Iterator<Item = &Path> {
         let all = self.recordings.iter().chain(&self.twins);
         all.map(PathBuf::as_path)
-    }
-
-    fn page(&self, diagnosed: &Diagnosed) -> Result<Report, Failure> {
-        let inputs: Vec<&Path> = self.inputs().collect();
-        Ok(reports::diagnose::report(diagnosed, footer(&inputs)?))
     }
 }
 

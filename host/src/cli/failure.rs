@@ -13,7 +13,8 @@ use thiserror::Error;
 use crate::calibrate::{CalibrateError, Disagreement};
 use crate::demo::DemoError;
 use crate::device::{BadAddress, DeviceError, KeyError, TableMismatch};
-use crate::diagnose::run::DiagnoseError;
+use crate::diagnose::edges::PlaceError;
+use crate::diagnose::rig::DiagnoseError;
 use crate::free_run::FreeRunError;
 use crate::locate::LocateError;
 use crate::recording::ReadError;
@@ -105,9 +106,14 @@ pub enum Failure {
         /// One given before it.
         other: PathBuf,
     },
-    /// The new engine writes no twins yet.
-    #[error("--write-twin: the new engine writes no twins yet; leave out --engine new")]
-    NoTwinYet,
+    /// A recording's edges can't be placed on the disc.
+    #[error("{recording}: {source}", recording = recording.display())]
+    Placing {
+        /// The recording.
+        recording: PathBuf,
+        /// Why.
+        source: PlaceError,
+    },
     /// Neither one twin nor one for each recording.
     #[error(
         "--twin: given {twins} times for {recordings} {name}; give it once for all, or once for each in the same order",

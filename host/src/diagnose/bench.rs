@@ -1,253 +1,236 @@
-//! One recording with the noise that makes its residual white.
+//! A recording beside its twin: the residual, its noise, and the filter that makes both white.
 
-use super::column::Part;
-use super::every_turn::EveryTurn;
-use super::kalman::{ShaftNoise, Whitener};
-use super::noise_fit::{self, Free};
-use super::seen::Seen;
-use super::shaft::ShaftLaw;
+use super::course::Course;
+use super::declared::{self, Declared};
+use super::effect::{Effect, Scene, Site};
+use super::filter::Noise;
+use super::noise::{self, Free};
+use super::plant::{Gains, Here, Law, Leaps, Plant};
+use super::record::Record;
+use crate::sim;
+use crate::twin::Twin;
 
-/// Parts of each recording that sums are kept for: the last ones are held out, and what is real is in all of them.
-pub const PARTS: usize = 10;
-/// Parts that parameters are fitted on when the others judge.
-pub const FITTED: usize = 7;
-
-/// Evidence, as twice a difference of logarithms of likelihood, that torque noise is held and not white, or the other way round.
-const SURELY: f64 = 12.0;
-
-/// Edges up to which the noise is fitted from two starts.
-const FEW: usize = 5000;
-
-/// One recording.
+/// One recording with its twin.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// Its residual.
-    pub seen: Seen,
-    /// Its shaft.
-    pub law: ShaftLaw,
-    /// Its noise.
-    pub noise: ShaftNoise,
-    /// What the twin says of it.
-    pub declared: Option<ShaftNoise>,
-    /// Best stamp its timer can give, s.
-    pub least_stamp_s: f64,
-    /// Torques that the twin declares: order and N m.
-    pub torques: Vec<(f64, f64)>,
-    /// Whether the mean speed is the recording's own, so that a steady push says nothing.
-    pub free_speed: bool,
-    /// Mean speed, rad/s, either way.
-    pub mean_speed: f64,
-    /// Time for which torque noise would be held, s, if it were.
-    hold_s: f64,
-    whitener: Whitener,
-    /// The residual, white.
-    pub white: Vec<f64>,
+    /// The edges.
+    pub record: Record,
+    /// The twin.
+    pub twin: Twin,
+    /// Errors of its disc as the recording counts edges, rad.
+    pub disc: Vec<f64>,
+    /// Where the shaft was.
+    pub course: Course,
+    /// Its law.
+    pub plant: Plant,
+    /// What the twin says of each edge.
+    pub declared: Declared,
+    /// The filter's steps.
+    pub leaps: Leaps,
+    /// The gains for the present noise.
+    pub gains: Gains,
+    /// 1 / deviation of each innovation, 1/rad.
+    pub scales: Vec<f64>,
+    /// Weight of each edge: less where it is far out.
+    pub weights: Vec<f64>,
+    /// Grid angles less all that the twin says, rad.
+    pub own: Vec<f64>,
+    /// The same as far as the twin was given: numbers that are corrected count as declared.
+    pub residual: Vec<f64>,
+    /// What unit of each correction does to each edge, rad; empty where the twin does not declare it.
+    pub tangents: Vec<Vec<f64>>,
+    /// What ties of a speed loop decided the other way do to each edge, rad; empty without a loop.
+    tied: Vec<f64>,
+    /// The present noise.
+    noise: Noise,
 }
 
 impl Bench {
-    /// With the noise that a twin declares, else one found.
+    /// Compares a recording with its twin.
     #[must_use]
-    pub fn new(
-        seen: Seen,
-        law: ShaftLaw,
-        declared: Option<ShaftNoise>,
-        least_stamp_s: f64,
-        free_speed: bool,
-        hold_s: f64,
-    ) -> Self {
-        let noise = declared.unwrap_or_else(|| first_guess(&seen, &law, least_stamp_s));
-        let mut bench = Self {
-            mean_speed: seen.mean_speed(),
-            hold_s,
-            seen,
-            law,
-            noise,
+    pub fn new(record: Record, twin: &Twin, errors: &[f64], noise: &Noise) -> Self {
+        let disc = declared::of_recorded(errors, record.edges);
+        let law = Law::of(twin);
+        let off: Vec<f64> = (0..record.len())
+            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
+            .collect();
+        let mut course = Course::new(&record, &off);
+        let mut plant = Plant::new(law.clone(), &course);
+        let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
+        // Once more about the course without what shifts edges.
+        course = Course::new(&record, &declared.off);
+        plant = Plant::new(law, &course);
+        declared = Declared::new(&record, twin, &disc, &course, &plant);
+        let mut leaps = Leaps::of(&plant, &course);
+        leaps.jolt(&declared::jolts(twin, &course, &plant));
+        let gains = leaps.filter(0..record.len(), noise);
+        let own: Vec<f64> = (0..record.len())
+            .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])
+            .collect();
+        Self {
+            scales: gains.scales(),
+            weights: vec![1.0; record.len()],
+            twin: twin.clone(),
+            record,
+            disc,
+            course,
+            plant,
             declared,
-            least_stamp_s,
-            free_speed,
-            torques: Vec::new(),
-            whitener: Whitener::default(),
-            white: Vec::new(),
-        };
-        if declared.is_none() {
-            bench.noise = bench.noise_at_first();
-            // Ties are decided from noise that has room for them.
-            if free_speed && bench.law.held() && bench.seen.ties.is_empty() {
-                bench.set_noise(bench.noise);
-                bench.level();
-                bench.noise = bench.noise_at_first();
-            }
+            leaps,
+            gains,
+            residual: own.clone(),
+            own,
+            tangents: Vec::new(),
+            tied: Vec::new(),
+            noise: *noise,
         }
-        bench.set_noise(bench.noise);
-        bench
     }
 
-    /// The noise of a residual of which nothing is explained yet: without what comes again every turn, where that is worth its numbers
-    /// (G. Schwarz, Annals of Statistics 6, 1978).
-    fn noise_at_first(&self) -> ShaftNoise {
-        let cost = |angles: &[f64], noise, numbers: usize| {
-            let likely = noise_fit::cost(&self.seen.readings, angles, noise);
-            likely + numbers as f64 * (self.seen.len() as f64).ln()
+    /// Goes by another noise.
+    pub fn set_noise(&mut self, noise: &Noise) {
+        self.noise = *noise;
+        self.gains = self.leaps.filter(0..self.record.len(), noise);
+        self.scales = self.gains.scales();
+    }
+
+    /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it.
+    pub fn decide_ties(&mut self) {
+        const EDGES: usize = 12;
+        let mut white = self.own.clone();
+        self.gains.whiten(&mut white);
+        let count = self.record.len();
+        self.tied = vec![0.0; count];
+        for tie in self.declared.ties.clone() {
+            let after = self.course.time_s.partition_point(|time| *time <= tie.at_s);
+            let first = after.saturating_sub(1);
+            if after == 0 || after >= count {
+                continue;
+            }
+            let until_s = tie.at_s + tie.step_s;
+            let push = |here: Here| {
+                if here.inside_s < tie.at_s {
+                    0.0
+                } else if here.inside_s < until_s {
+                    tie.push
+                } else {
+                    tie.lasting
+                }
+            };
+            let breaks = [tie.at_s, until_s];
+            let answer = |until: usize| {
+                self.plant
+                    .response_over(first..until, &self.course, push, |_| 0.0, &breaks)
+            };
+            let mut short = answer((after + EDGES).min(count));
+            self.gains.whiten_from(first, &mut short);
+            let here = white[first..].iter().zip(&short);
+            let gain: f64 = here
+                .map(|(white, other)| white * white - (white - other).powi(2))
+                .sum();
+            if gain > 0.0 {
+                let mut long = answer(count);
+                for (at, by) in (first..).zip(&long) {
+                    self.tied[at] += by;
+                    self.own[at] -= by;
+                    self.residual[at] -= by;
+                }
+                self.gains.whiten_from(first, &mut long);
+                white[first..]
+                    .iter_mut()
+                    .zip(&long)
+                    .for_each(|(white, by)| *white -= by);
+            }
+        }
+    }
+
+    /// The residual beside a changed twin, about the same course; none where there is no such twin. A change that bears on how the shaft
+    /// answers changes the filter too: these are the angles whose innovations by the present filter are those of the changed one.
+    #[must_use]
+    pub fn beside(&self, twin: &Twin) -> Option<Vec<f64>> {
+        let same_disc =
+            twin.errors == self.twin.errors && twin.local_defect == self.twin.local_defect;
+        let disc = if same_disc {
+            self.disc.clone()
+        } else {
+            declared::of_recorded(&sim::true_errors(twin).ok()?, self.record.edges)
         };
-        let whole = self.noise_of(&self.seen.angles);
-        let mut best = (cost(&self.seen.angles, whole, 0), whole);
-        let Some(every) = EveryTurn::of(&self.seen) else {
-            return whole;
-        };
-        // A mean takes its share of the noise with it: of stamps what it has numbers for, of torque noise, which is slow, all.
-        let taken = every.turns / (every.turns - 1.0);
-        for (angles, numbers) in every.off(&self.seen) {
-            let noise = self.noise_of(&angles);
-            let there = cost(&angles, noise, numbers);
-            if there < best.0 {
-                let more = ShaftNoise {
-                    acceleration: noise.acceleration * taken,
-                    stamp_s: noise.stamp_s / (1.0 - numbers as f64 / self.seen.len() as f64).sqrt(),
-                    drift: noise.drift * taken,
-                    ..noise
+        let law = Law::of(twin);
+        let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
+        let plant = other.as_ref().unwrap_or(&self.plant);
+        let declared = Declared::new(&self.record, twin, &disc, &self.course, plant);
+        let mut rest: Vec<f64> = (0..self.record.len())
+            .map(|at| self.record.grid_rad(at) - declared.off[at] - declared.response[at])
+            .collect();
+        rest.iter_mut()
+            .zip(&self.tied)
+            .for_each(|(rest, by)| *rest -= by);
+        if let Some(plant) = &other {
+            let mut leaps = Leaps::of(plant, &self.course);
+            leaps.jolt(&declared::jolts(twin, &self.course, plant));
+            let gains = leaps.filter(0..rest.len(), &self.noise);
+            gains.whiten(&mut rest);
+            let scales = gains.scales().into_iter().zip(&self.scales);
+            for (white, (theirs, own)) in rest.iter_mut().zip(scales) {
+                *white = if theirs > 0.0 {
+                    *white * own / theirs
+                } else {
+                    0.0
                 };
-                best = (there, more);
             }
+            self.gains.colour(&mut rest);
         }
-        best.1
+        rest.iter().all(|rest| rest.is_finite()).then_some(rest)
     }
 
-    /// The noise that a residual shows.
+    /// A row of angles, white and weighed.
     #[must_use]
-    pub fn noise_of(&self, angles: &[f64]) -> ShaftNoise {
-        let free = if self.law.held() || self.seen.pushed {
-            Free::Sizes
-        } else {
-            Free::All
-        };
-        let readings = &self.seen.readings;
-        let from = |start| noise_fit::fit(readings, angles, self.least_stamp_s, start, free);
-        let mut noise = from(self.noise);
-        // A few edges may let one noise pass for another: a fit from elsewhere says which it is.
-        if self.seen.len() < FEW {
-            let again = from(ShaftNoise {
-                stamp_s: 3.0 * self.least_stamp_s,
-                acceleration: self.noise.acceleration.min(noise.acceleration),
-                ..self.noise
-            });
-            let cost = |noise| noise_fit::cost(readings, angles, noise);
-            if cost(again) < cost(noise) {
-                noise = again;
-            }
+    pub fn white(&self, angles: &[f64]) -> Vec<f64> {
+        let mut white = angles.to_vec();
+        self.gains.whiten(&mut white);
+        white
+            .iter_mut()
+            .zip(&self.weights)
+            .for_each(|(white, weight)| *white *= weight);
+        white
+    }
+
+    /// The transposed of [`Self::white`].
+    #[must_use]
+    pub fn score(&self, white: &[f64]) -> Vec<f64> {
+        let mut score: Vec<f64> = white
+            .iter()
+            .zip(&self.weights)
+            .map(|(white, weight)| white * weight)
+            .collect();
+        self.gains.transposed(&mut score);
+        score
+    }
+
+    /// What an effect does to each edge, rad, for unit of each size.
+    #[must_use]
+    pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
+        if let Site::Declared(at) = effect.site {
+            let tangent = self.tangents.get(usize::from(at)).cloned();
+            let none = vec![0.0; self.record.len()];
+            return vec![tangent.filter(|some| !some.is_empty()).unwrap_or(none)];
         }
-        if self.declared.is_some() || free == Free::All || self.hold_s == 0.0 {
-            return noise;
-        }
-        // Whether the torque is white or held shows where stamps are good against what it does within an interval.
-        let interval_s = self.seen.seconds() / self.seen.len() as f64;
-        let swung2 = noise.acceleration * interval_s.powi(3) / 3.0;
-        if (noise.stamp_s * self.mean_speed).powi(2) > 4.0 * swung2 {
-            return noise;
-        }
-        let other = from(ShaftNoise {
-            hold_s: if noise.hold_s > 0.0 { 0.0 } else { self.hold_s },
-            ..noise
-        });
-        let cost = |noise| noise_fit::cost(readings, angles, noise);
-        if cost(other) < cost(noise) - SURELY {
-            other
-        } else {
-            noise
-        }
-    }
-
-    /// Takes another noise.
-    pub fn set_noise(&mut self, noise: ShaftNoise) {
-        self.noise = noise;
-        self.whitener = Whitener::new(&self.seen.readings, noise);
-        self.white = self.whitened(self.seen.angles.clone());
-    }
-
-    /// Keeps so many of its first edges.
-    pub fn shorten(&mut self, edges: usize) {
-        let seen = &mut self.seen;
-        seen.places.truncate(edges);
-        seen.times_s.truncate(edges);
-        seen.speeds.truncate(edges);
-        seen.swung.truncate(edges);
-        seen.pace.truncate(edges);
-        seen.run_off.truncate(edges);
-        seen.level_off.truncate(edges);
-        seen.angles.truncate(edges);
-        seen.readings.truncate(edges);
-        self.set_noise(self.noise);
-    }
-
-    /// A row of angles, white.
-    #[must_use]
-    pub fn whitened(&self, mut angles: Vec<f64>) -> Vec<f64> {
-        self.whitener.whiten(&mut angles);
-        angles
-    }
-
-    /// A pattern, white, if it shows.
-    #[must_use]
-    pub fn part_white(&self, part: &Option<Part>) -> Option<Part> {
-        let part = part.as_ref()?;
-        Some(self.whitened(part.to_vec()).into())
-    }
-
-    /// Two rows of angles, white.
-    #[must_use]
-    pub fn both_whitened(&self, [mut one, mut other]: [Vec<f64>; 2]) -> [Vec<f64>; 2] {
-        self.whitener.whiten_both(&mut one, &mut other);
-        [one, other]
-    }
-
-    /// The transposed filter.
-    pub fn transposed(&self, white: &mut [f64]) {
-        self.whitener.transposed(white);
-    }
-
-    /// Its filter.
-    #[must_use]
-    pub const fn whitener(&self) -> &Whitener {
-        &self.whitener
-    }
-
-    /// Standard deviation of the expected angle of every edge, rad.
-    pub fn deviations(&self) -> impl Iterator<Item = Option<f64>> + '_ {
-        self.whitener.deviations()
-    }
-
-    /// Leaves nothing of a row outside of some parts.
-    pub fn cut(&self, row: &mut [f64], parts: &std::ops::Range<usize>) {
-        let kept = self.part(parts.start).start..self.part(parts.end - 1).end;
-        row[..kept.start].fill(0.0);
-        row[kept.end..].fill(0.0);
-    }
-
-    /// Edges of a part.
-    #[must_use]
-    pub fn part(&self, part: usize) -> std::ops::Range<usize> {
-        let count = self.seen.len();
-        part * count / PARTS..(part + 1) * count / PARTS
+        let asked = declared::Asked::of(&self.twin);
+        effect.columns(&Scene {
+            record: &self.record,
+            course: &self.course,
+            plant: &self.plant,
+            asked: &asked,
+        })
     }
 }
 
-/// A thousandth of the speed, and stamps as good as the tick.
-fn first_guess(seen: &Seen, law: &ShaftLaw, least_stamp_s: f64) -> ShaftNoise {
-    let speed = seen.mean_speed();
-    let wander = 1e-3 * speed;
-    let damping = law.damping(0.0, speed);
-    let unheld = !law.held() && !seen.pushed;
-    // What is left to itself between pushes forgets nothing; its noise is a first guess.
-    let damping = if seen.pushed { speed } else { damping };
-    ShaftNoise {
-        acceleration: 2.0 * if unheld { speed } else { damping } * wander * wander,
-        stamp_s: 3.0 * least_stamp_s,
-        drift: if unheld {
-            1e-8 * speed * speed * speed
-        } else {
-            0.0
-        },
-        forgets_per_s: if unheld { speed } else { 0.0 },
-        hold_s: 0.0,
-        load: law.load,
-    }
+/// The noise that fits several benches best beside residual angles.
+#[must_use]
+pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free) -> (Noise, f64) {
+    let leaps: Vec<&Leaps> = benches.iter().map(|bench| &bench.leaps).collect();
+    let tick_s = benches
+        .iter()
+        .map(|bench| bench.record.tick_s)
+        .fold(0.0, f64::max);
+    noise::fit(&leaps, rest, tick_s / 12_f64.sqrt(), start, free)
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::rivals::ALIKE;
 use crate::mechanism::Mechanism;
 
 /// A finished diagnosis.
@@ -135,25 +134,6 @@ pub struct Finding {
     pub look_alikes: Vec<Mechanism>,
     /// The recording that would tell it from them, where there are some.
     pub next_recording: Option<NextRecording>,
-}
-
-impl Finding {
-    /// Whether it is something that the twin has and the recordings lack.
-    #[must_use]
-    pub fn takes_away(&self) -> bool {
-        let busy = self.parameters.get("busy_s");
-        self.mechanism == Mechanism::CaptureLatency && busy.is_some_and(|busy| busy.value == 0.0)
-    }
-
-    /// Whether another recording of the rig as it is would say more: what only the rig itself tells apart leaves nothing open.
-    #[must_use]
-    pub fn is_open(&self) -> bool {
-        let told_by_rig = self.mechanism.card().told_by_rig;
-        let mut alike = self.look_alikes.iter();
-        let next = self.evidence.runner_up.as_ref();
-        let close = next.is_some_and(|next| next.delta_bic < ALIKE);
-        self.next_recording.is_some() && (close || alike.any(|one| !told_by_rig.contains(one)))
-    }
 }
 
 /// A number with its interval.

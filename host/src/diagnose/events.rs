@@ -1,99 +1,144 @@
-//! What happened in a recording once: edges lost, pulses that no edge made, an index that moved.
+//! What happened once: edges lost, pulses that no edge made, an index that moved.
 
-use super::index::Moved;
-use super::mend::{Fault, FaultKind};
-use super::track::Track;
+use std::collections::BTreeMap;
+
+use quadcal::edge::Levels;
+
+use super::edges::{CountEvent, CountKind};
+use super::rig::Recorded;
+use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place};
 use crate::mechanism::Mechanism;
-use crate::twin::Twin;
 
 /// Standard deviations of a number of events that chance seldom reaches.
 const SURE: f64 = 4.0;
 
-/// Something that happened at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
-    /// [`Mechanism::LostEdges`], [`Mechanism::ExtraEdges`] or [`Mechanism::IndexSlip`].
-    pub mechanism: Mechanism,
-    /// When, s: of an index slip the middle of where it may lie.
-    pub time_s: f64,
-    /// Where it lies for certain, s: an index slip between two passes of the index, others at their time, within an edge.
-    pub between_s: [f64; 2],
-    /// Edges that the index moved by, forward positive; edges missing from the recording, or changes too many in it.
-    pub edges: i32,
-    /// Channel of the edge, 0 to 2 for A to C; none for the index.
-    pub channel: Option<usize>,
-}
-
-/// All events of a recording, by time.
+/// Findings of the events that the twins do not declare, one a kind; an index slip each.
 #[must_use]
-pub fn events(track: &Track) -> Vec<Event> {
-    let faults: Vec<&Fault> = track.faults.iter().collect();
-    of(track, &faults, &track.moved)
-}
-
-/// Those that its twin does not declare.
-#[must_use]
-pub fn undeclared(track: &Track, twin: &Twin) -> Vec<Event> {
-    let declared = &twin.faults;
-    let has = |number: u64| declared.lost_edges.contains(&number);
-    let listed = |fault: &Fault| {
-        let first = fault.number.filter(|_| fault.kind == FaultKind::Lost);
-        // A recording may begin with a row that no edge made.
-        let from = |first: u64| (first..first + u64::from(fault.edges)).all(has);
-        first.is_some_and(|first| from(first) || first > 0 && from(first - 1))
-    };
-    let edges: usize = track.stretches.iter().map(|one| one.marks.len()).sum();
-    let mut faults: Vec<&Fault> = track.faults.iter().filter(|one| !listed(one)).collect();
-    for (kind, probability) in [
-        (FaultKind::Lost, declared.lost_probability),
-        (FaultKind::Extra, declared.glitch_probability),
+pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
+    let events: Vec<CountEvent> = rig.iter().flat_map(undeclared).collect();
+    let of = |kind: CountKind| events.iter().filter(move |event| event.kind == kind);
+    let mut all = Vec::new();
+    for (kind, mechanism, word) in [
+        (CountKind::Lost, Mechanism::LostEdges, "edges are missing"),
+        (
+            CountKind::Extra,
+            Mechanism::ExtraEdges,
+            "pulses came that no edge made",
+        ),
     ] {
-        let count = faults.iter().filter(|fault| fault.kind == kind).count();
-        let expected = probability * edges as f64;
-        if expected > 0.0 && (count as f64) < expected + SURE * expected.sqrt() + 1.0 {
-            faults.retain(|fault| fault.kind != kind);
+        let instants = of(kind).count();
+        if instants == 0 {
+            continue;
         }
+        let count: i32 = of(kind).map(|event| event.edges).sum();
+        let parameters = BTreeMap::from([("count".to_owned(), exact(f64::from(count)))]);
+        let mut channels: Vec<String> = of(kind).map(|event| letter(event.channel)).collect();
+        channels.sort_unstable();
+        channels.dedup();
+        let place = Place {
+            times_s: of(kind).map(|event| event.time_s).collect(),
+            channels,
+            ..Place::default()
+        };
+        let text = format!("{word}: {count}, at {instants} instants");
+        all.push(finding(mechanism, parameters, place, text));
     }
-    let slipped = |moved: &Moved| {
-        twin.index_slip.iter().any(|slip| {
-            let [from_s, until_s] = moved.between_s;
-            slip.edges == moved.edges && (from_s..=until_s).contains(&slip.at_s)
-        })
-    };
-    let moved: Vec<Moved> = track
-        .moved
-        .iter()
-        .filter(|one| !slipped(one))
-        .cloned()
-        .collect();
-    of(track, &faults, &moved)
-}
-
-fn of(track: &Track, faults: &[&Fault], moved: &[Moved]) -> Vec<Event> {
-    let faults = faults.iter().map(|fault| {
-        let time_s = fault.ticks as f64 * track.tick_s;
-        Event {
-            mechanism: match fault.kind {
-                FaultKind::Lost => Mechanism::LostEdges,
-                FaultKind::Extra => Mechanism::ExtraEdges,
-            },
-            time_s,
-            between_s: [time_s; 2],
-            edges: i32::try_from(fault.edges).unwrap_or(i32::MAX),
-            channel: Some(fault.channel),
-        }
-    });
-    let moved = moved.iter().map(|moved| Event {
-        mechanism: Mechanism::IndexSlip,
-        time_s: 0.5 * (moved.between_s[0] + moved.between_s[1]),
-        between_s: moved.between_s,
-        edges: moved.edges,
-        channel: None,
-    });
-    let mut all: Vec<Event> = faults.chain(moved).collect();
-    all.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    for event in of(CountKind::IndexSlip) {
+        let parameters = BTreeMap::from([
+            (
+                "at_s".to_owned(),
+                Parameter {
+                    value: 0.5 * (event.after_s + event.time_s),
+                    unit: "s".to_owned(),
+                    ci95: Some([event.after_s, event.time_s]),
+                },
+            ),
+            ("edges".to_owned(), exact(f64::from(event.edges))),
+        ]);
+        let place = Place {
+            times_s: vec![event.time_s],
+            ..Place::default()
+        };
+        let text = format!(
+            "the index is {} edges further from {:.4} s on",
+            event.edges, event.time_s
+        );
+        all.push(finding(Mechanism::IndexSlip, parameters, place, text));
+    }
     all
 }
 
-#[cfg(test)]
-mod tests;
+/// What happened in a recording and its twin does not declare.
+fn undeclared(one: &Recorded) -> Vec<CountEvent> {
+    let declared = &one.twin.faults;
+    let slips = &one.twin.index_slip;
+    let mut events = one.edges.events.clone();
+    events.retain(|event| match event.kind {
+        CountKind::IndexSlip => !slips.iter().any(|slip| {
+            slip.edges == event.edges && (event.after_s..=event.time_s).contains(&slip.at_s)
+        }),
+        CountKind::Lost | CountKind::Extra => true,
+    });
+    for (kind, probability, listed) in [
+        (
+            CountKind::Lost,
+            declared.lost_probability,
+            declared.lost_edges.len(),
+        ),
+        (CountKind::Extra, declared.glitch_probability, 0),
+    ] {
+        let count: i32 = events
+            .iter()
+            .filter(|event| event.kind == kind)
+            .map(|event| event.edges)
+            .sum();
+        let expected = probability * one.edges.len() as f64;
+        let most = expected + SURE * expected.sqrt() + listed as f64;
+        if expected + listed as f64 > 0.0 && f64::from(count) <= most {
+            events.retain(|event| event.kind != kind);
+        }
+    }
+    events
+}
+
+fn exact(value: f64) -> Parameter {
+    Parameter {
+        value,
+        unit: "1".to_owned(),
+        ci95: None,
+    }
+}
+
+/// The channel of a level bit.
+fn letter(bit: u8) -> String {
+    let at = match bit {
+        Levels::A => "A",
+        Levels::B => "B",
+        _ => "C",
+    };
+    at.to_owned()
+}
+
+/// A finding that is counted, not fitted.
+fn finding(
+    mechanism: Mechanism,
+    parameters: BTreeMap<String, Parameter>,
+    place: Place,
+    text: String,
+) -> Finding {
+    Finding {
+        mechanism,
+        text,
+        confidence: 0.999,
+        parameters,
+        place,
+        evidence: Evidence {
+            delta_bic: 1e3,
+            p_value: 0.0,
+            held_out_rms_ratio: None,
+            runner_up: None,
+        },
+        look_alikes: Vec::new(),
+        next_recording: None,
+    }
+}

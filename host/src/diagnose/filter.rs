@@ -1,243 +1,266 @@
-//! The filter of a shaft whose state has so many numbers.
+//! The Kalman filter of a shaft whose course is free: innovations, likelihood, and the same filter for any regressor.
+//!
+//! State: angle, speed, a slow drift of the acceleration, the torque that is held over the present step of a noise grid, and, where the
+//! twin has a mode, angle and speed of the swing. An edge shows the angle at its time with the error of its stamp. The gains depend on
+//! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
+//! Trans. Information Theory 11, 1965).
 
-use super::hold::{ANGLE, Covariance, SPEED, THIRD, Way, way};
-use super::kalman::{Reading, SETTLES, ShaftNoise};
-use super::shaft::Leap;
+/// Numbers of a state.
+pub const STATES: usize = 6;
+/// Of a stiff shaft the last two are left out.
+pub const STIFF: usize = 4;
+/// Places in a state.
+pub const ANGLE: usize = 0;
+/// Speed of the near side.
+pub const SPEED: usize = 1;
+/// Acceleration of a slow drift.
+pub const DRIFT: usize = 2;
+/// Acceleration held over a step of the noise grid.
+pub const HELD: usize = 3;
+/// Angle of the swing against the common motion.
+pub const SWING: usize = 4;
+/// Its speed.
+pub const SWINGS: usize = 5;
 
-/// Its gains along a row of edges.
+/// A square matrix.
+pub type Square<const N: usize> = [[f64; N]; N];
+
+/// Sizes of the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Density of the acceleration noise, (rad/s^2)^2 s.
+    pub torque: f64,
+    /// RMS error of a stamp, s.
+    pub stamp_s: f64,
+    /// Density of the drift of the acceleration, (rad/s^3)^2 s.
+    pub drift: f64,
+    /// RMS error of an edge's angle that is none of the others, rad.
+    pub angle_rad: f64,
+}
+
+/// From one edge to the next: what stays of the state, and what noise of unit size adds.
 #[derive(Clone, Debug)]
-pub struct Filter<W, const N: usize> {
-    steps: Vec<Gain<W, N>>,
+pub struct Leap<const N: usize> {
+    /// Transition.
+    pub way: Square<N>,
+    /// Covariance for unit torque noise.
+    pub torque: Square<N>,
+    /// Covariance for unit drift.
+    pub drift: Square<N>,
+    /// RMS change of the speed in the middle of the interval that its course leaves open, rad/s.
+    pub jolt: f64,
+    /// Speed at the edge, rad/s.
+    pub speed: f64,
+    /// Whether nothing is known of the state.
+    pub fresh: bool,
+    /// RMS error of this stamp beside the others', s.
+    pub doubt_s: f64,
 }
 
-impl<W, const N: usize> Default for Filter<W, N> {
-    fn default() -> Self {
-        Self { steps: Vec::new() }
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Gain<W, const N: usize> {
-    way: W,
+#[derive(Clone, Debug)]
+struct Gain<const N: usize> {
+    way: Square<N>,
     gain: [f64; N],
-    /// 1 / standard deviation of the innovation; 0 where the edge only sets the filter.
+    /// 1 / deviation of the innovation; 0 where the edge only sets the filter.
     scale: f64,
-    /// Whether the angle starts anew.
     fresh: bool,
-    /// Whether all does.
-    anew: bool,
 }
 
-impl<W: Way<N>, const N: usize> Filter<W, N> {
-    /// For these edges.
+/// Gains along a row of edges.
+#[derive(Clone, Debug)]
+pub struct Filter<const N: usize> {
+    gains: Vec<Gain<N>>,
+}
+
+/// Edges after a fresh start that only set the filter.
+const SETTLES: usize = 2;
+/// Variance of an angle of which nothing is known, rad^2.
+const ANYWHERE: f64 = 1e2;
+
+impl<const N: usize> Filter<N> {
+    /// The gains for a noise.
     #[must_use]
-    pub fn new(readings: &[Reading], noise: ShaftNoise) -> Self {
-        let speed = readings.iter().map(|r| r.speed).fold(0.0, f64::max);
-        let unknown_speed = 0.01 * speed * speed;
+    pub fn new(leaps: &[Leap<N>], noise: &Noise) -> Self {
+        let top = leaps
+            .iter()
+            .map(|leap| leap.speed.abs())
+            .fold(0.0, f64::max);
+        let span: f64 = leaps.iter().map(|leap| leap.way[ANGLE][SPEED]).sum();
         let mut start = [[0.0; N]; N];
-        start[ANGLE][ANGLE] = 1e2;
-        start[SPEED][SPEED] = unknown_speed;
-        if noise.hold_s > 0.0 {
-            start[THIRD][THIRD] = noise.acceleration / noise.hold_s;
-        } else if noise.drift > 0.0 {
-            start[THIRD][THIRD] = unknown_speed;
+        start[ANGLE][ANGLE] = ANYWHERE;
+        start[SPEED][SPEED] = top * top;
+        if noise.drift > 0.0 {
+            // As fast as any speed of the recording in a hundredth of it.
+            start[DRIFT][DRIFT] = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
         }
-        if let Some(first) = readings.first() {
-            W::begin(&mut start, first.leap, unknown_speed);
+        if N > SWINGS {
+            start[SWINGS][SWINGS] = 1e-2 * top * top;
+            start[SWING][SWING] = 1e-6;
         }
         let mut p = start;
         let mut settling = 0;
-        let steps = readings
-            .iter()
-            .enumerate()
-            .map(|(at, reading)| {
-                let leap = Leap {
-                    damping: reading.leap.damping + noise.forgets_per_s,
-                    ..reading.leap
-                };
-                let (way, spread) = way::<W, N>(leap, reading.at_s, noise, &p);
-                if at == 0 || reading.anew {
-                    p = start;
-                    if at > 0 {
-                        // A shaft that was held goes at any speed.
-                        p[SPEED][SPEED] = speed * speed;
+        let gains = leaps.iter().enumerate().map(|(at, leap)| {
+            let fresh = at == 0 || leap.fresh;
+            if fresh {
+                p = start;
+                settling = SETTLES + usize::from(noise.drift > 0.0);
+            } else {
+                p = through(&leap.way, &p);
+                for (row, (torque, drift)) in p.iter_mut().zip(leap.torque.iter().zip(&leap.drift))
+                {
+                    for (p, (torque, drift)) in row.iter_mut().zip(torque.iter().zip(drift)) {
+                        *p += noise.torque * torque + noise.drift * drift;
                     }
-                    settling = SETTLES;
-                } else if reading.fresh {
-                    p[ANGLE] = [0.0; N];
-                    p.iter_mut().for_each(|row| row[ANGLE] = 0.0);
-                    p[ANGLE][ANGLE] = 1e2;
-                    settling = 1;
-                } else {
-                    p = spread;
-                    let reach = way.reach();
-                    p[SPEED][SPEED] += reading.jolt;
-                    p[ANGLE][SPEED] += reading.jolt * reach;
-                    p[SPEED][ANGLE] = p[ANGLE][SPEED];
-                    p[ANGLE][ANGLE] += reading.jolt * reach * reach;
                 }
-                let stamp = noise.stamp_s * reading.speed;
-                let doubt = reading.doubt_s * reading.speed;
-                let own = stamp * stamp + doubt * doubt + 1e-30;
-                let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
-                let gain = p[ANGLE].map(|of| of * inverse);
-                p = narrowed(&p, &gain, own);
-                let scale = if settling > 0 {
-                    settling -= 1;
-                    0.0
-                } else {
-                    inverse.sqrt()
-                };
-                Gain {
-                    way,
-                    gain,
-                    scale,
-                    fresh: reading.fresh,
-                    anew: at == 0 || reading.anew,
-                }
-            })
-            .collect();
-        Self { steps }
-    }
-
-    /// Whitens a row of angles that begins at an edge, nothing before, in place.
-    pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
-        let mut state = [0.0; N];
-        for (angle, step) in angles.iter_mut().zip(&self.steps[first..]) {
-            *angle = step.white(&mut state, *angle);
-        }
-    }
-
-    /// Whitens two rows, one an edge, in place.
-    pub fn whiten_both(&self, one: &mut [f64], other: &mut [f64]) {
-        let (mut first, mut second) = ([0.0; N], [0.0; N]);
-        for ((one, other), step) in one.iter_mut().zip(other).zip(&self.steps) {
-            *one = step.white(&mut first, *one);
-            *other = step.white(&mut second, *other);
-        }
-    }
-
-    /// The transposed filter, in place.
-    pub fn transposed(&self, white: &mut [f64]) {
-        let mut state = [0.0; N];
-        for (value, step) in white.iter_mut().zip(&self.steps).rev() {
-            let taken = step.gain.iter().zip(&state);
-            let innovation = *value * step.scale + taken.map(|(g, x)| g * x).sum::<f64>();
-            *value = innovation;
-            if step.anew {
-                state = [0.0; N];
-                continue;
             }
-            state[ANGLE] = if step.fresh {
+            if leap.jolt > 0.0 && !fresh {
+                let by = [0.5 * leap.way[ANGLE][SPEED] * leap.jolt, leap.jolt];
+                for (row, one) in by.iter().enumerate() {
+                    for (column, other) in by.iter().enumerate() {
+                        p[row][column] += one * other;
+                    }
+                }
+            }
+            let own = leap.speed
+                * leap.speed
+                * (noise.stamp_s * noise.stamp_s + leap.doubt_s * leap.doubt_s)
+                + noise.angle_rad * noise.angle_rad
+                + 1e-30;
+            let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
+            let gain = p[ANGLE].map(|of| of * inverse);
+            let row = p[ANGLE];
+            for at in 0..N {
+                for other in at..N {
+                    p[at][other] = if at == ANGLE {
+                        own * gain[other]
+                    } else {
+                        p[at][other] - gain[at] * row[other]
+                    };
+                    p[other][at] = p[at][other];
+                }
+            }
+            let scale = if settling > 0 {
+                settling -= 1;
                 0.0
             } else {
-                state[ANGLE] - innovation
+                inverse.sqrt()
             };
-            state = step.way.back(state);
+            Gain {
+                way: leap.way,
+                gain,
+                scale,
+                fresh,
+            }
+        });
+        Self {
+            gains: gains.collect(),
         }
     }
 
-    /// Undoes the filter, in place.
-    pub fn restore(&self, white: &mut [f64]) {
+    /// Innovations of a row of angles over their deviations, in place; 0 where an edge only sets the filter.
+    pub fn whiten(&self, angles: &mut [f64]) {
+        self.whiten_from(0, angles);
+    }
+
+    /// The same of a row that begins at an edge, nothing before.
+    pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
         let mut state = [0.0; N];
-        for (value, step) in white.iter_mut().zip(&self.steps) {
-            state = step.begins(step.way.on(state));
+        for (angle, step) in angles.iter_mut().zip(&self.gains[first..]) {
+            state = if step.fresh {
+                [0.0; N]
+            } else {
+                times(&step.way, &state)
+            };
+            let innovation = *angle - state[ANGLE];
+            for (state, gain) in state.iter_mut().zip(&step.gain) {
+                *state += gain * innovation;
+            }
+            *angle = innovation * step.scale;
+        }
+    }
+
+    /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
+    pub fn colour(&self, white: &mut [f64]) {
+        let mut state = [0.0; N];
+        for (value, step) in white.iter_mut().zip(&self.gains) {
+            state = if step.fresh {
+                [0.0; N]
+            } else {
+                times(&step.way, &state)
+            };
             let innovation = if step.scale > 0.0 {
                 *value / step.scale
             } else {
                 0.0
             };
-            *value = state[ANGLE] + innovation;
-            step.take(&mut state, innovation);
+            *value = innovation + state[ANGLE];
+            for (state, gain) in state.iter_mut().zip(&step.gain) {
+                *state += gain * innovation;
+            }
         }
     }
 
-    /// Diagonal of the inverse of the angles' covariance, 1/rad^2.
-    #[must_use]
-    pub fn precisions(&self) -> Vec<f64> {
-        // Covariance of the transposed filter's state.
-        let mut n = [[0.0; N]; N];
-        let mut precisions: Vec<f64> = self
-            .steps
-            .iter()
-            .rev()
-            .map(|step| step.narrower(&mut n))
-            .collect();
-        precisions.reverse();
-        precisions
+    /// The transposed of [`Self::whiten`], in place.
+    pub fn transposed(&self, white: &mut [f64]) {
+        let mut state = [0.0; N];
+        for (value, step) in white.iter_mut().zip(&self.gains).rev() {
+            let taken: f64 = step
+                .gain
+                .iter()
+                .zip(&state)
+                .map(|(gain, of)| gain * of)
+                .sum();
+            let innovation = *value * step.scale + taken;
+            *value = innovation;
+            if step.fresh {
+                state = [0.0; N];
+                continue;
+            }
+            state[ANGLE] -= innovation;
+            state = back(&step.way, &state);
+        }
     }
 
-    /// 1 / standard deviation of each edge's innovation; 0 where it only sets the filter.
+    /// 1 / deviation of each innovation, 1/rad; 0 where an edge only sets the filter.
     pub fn scales(&self) -> impl Iterator<Item = f64> + '_ {
-        self.steps.iter().map(|step| step.scale)
+        self.gains.iter().map(|step| step.scale)
     }
 }
 
-/// A covariance once the angle was seen.
-fn narrowed<const N: usize>(p: &Covariance<N>, gain: &[f64; N], own: f64) -> Covariance<N> {
-    let mut after = *p;
+/// A matrix times a state.
+#[inline(always)]
+pub fn times<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
+    way.map(|row| row.iter().zip(state).map(|(a, b)| a * b).sum())
+}
+
+/// A transposed matrix times a state.
+#[inline(always)]
+pub fn back<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
+    let mut end = [0.0; N];
+    for (row, value) in way.iter().zip(state) {
+        for (end, of) in end.iter_mut().zip(row) {
+            *end += of * value;
+        }
+    }
+    end
+}
+
+/// F P F'.
+#[must_use]
+pub fn through<const N: usize>(way: &Square<N>, p: &Square<N>) -> Square<N> {
+    let mut half = [[0.0; N]; N];
+    for row in 0..N {
+        for column in 0..N {
+            half[row][column] = (0..N).map(|k| way[row][k] * p[k][column]).sum();
+        }
+    }
+    let mut end = [[0.0; N]; N];
     for row in 0..N {
         for column in row..N {
-            after[row][column] = if row == ANGLE {
-                own * gain[column]
-            } else {
-                p[row][column] - gain[row] * p[ANGLE][column]
-            };
-            after[column][row] = after[row][column];
+            let sum: f64 = (0..N).map(|k| half[row][k] * way[column][k]).sum();
+            end[row][column] = sum;
+            end[column][row] = sum;
         }
     }
-    after
-}
-
-impl<W: Way<N>, const N: usize> Gain<W, N> {
-    /// What is expected where state or angle start anew.
-    #[inline(always)]
-    fn begins(&self, mut state: [f64; N]) -> [f64; N] {
-        if self.anew {
-            state = [0.0; N];
-        } else if self.fresh {
-            state[ANGLE] = 0.0;
-        }
-        state
-    }
-
-    #[inline(always)]
-    fn take(&self, state: &mut [f64; N], innovation: f64) {
-        for (state, gain) in state.iter_mut().zip(&self.gain) {
-            *state += gain * innovation;
-        }
-    }
-
-    /// Takes an angle into a state; the innovation, white.
-    #[inline(always)]
-    fn white(&self, state: &mut [f64; N], angle: f64) -> f64 {
-        *state = self.begins(self.way.on(*state));
-        let innovation = angle - state[ANGLE];
-        self.take(state, innovation);
-        innovation * self.scale
-    }
-
-    /// Precision of an angle, and the transposed filter's covariance one edge before: de Jong's recursion (Biometrika 76, 1989).
-    fn narrower(&self, n: &mut Covariance<N>) -> f64 {
-        let dot = |row: &[f64; N]| row.iter().zip(&self.gain).map(|(n, g)| n * g).sum::<f64>();
-        let with = n.map(|row| dot(&row));
-        let precision = self.scale * self.scale + dot(&with);
-        if self.anew {
-            *n = [[0.0; N]; N];
-            return precision;
-        }
-        // What the angle says itself is taken off the angle's part.
-        let mut after = *n;
-        for (at, with) in with.iter().enumerate() {
-            after[ANGLE][at] -= with;
-            after[at][ANGLE] -= with;
-        }
-        after[ANGLE][ANGLE] += precision;
-        if self.fresh {
-            after[ANGLE] = [0.0; N];
-            after.iter_mut().for_each(|row| row[ANGLE] = 0.0);
-        }
-        *n = self.way.spread_back(&after);
-        precision
-    }
+    end
 }

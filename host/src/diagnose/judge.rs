@@ -1,304 +1,199 @@
-//! How well it fits, on all turns and on turns that nothing was fitted on.
+//! What holds on turns that it was not fitted on, and how well.
 
-use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
+use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::board::{Board, Column, FITTED, Model, PARTS};
-use super::diagnosis::{Band, Fit, HeldOut};
-use super::disc;
-use super::leftover::leftovers;
-use super::search::Searched;
-use super::spread::{Spread, floor, spread};
+use super::lsq::dot;
+use super::model::{Board, Fit};
 
-/// Sum of squares on the held-out turns from which on a finding can be judged there.
-const SHOWS: f64 = 30.0;
+/// Blocks that are left out in turn.
+const BLOCKS: usize = 4;
+/// Share of what a finding shows in one block from which on the others can't foretell it.
+const ONCE: f64 = 0.7;
+/// Share of each recording that is held out for the figures of the fit: its last part.
+const HELD_OUT: f64 = 0.3;
 
-/// Part of it that the errors of what was fitted on the turns before may make at the most.
-const DOUBT: f64 = 0.05;
-
-/// What is judged: the search as it was concluded, and what came of it.
-#[derive(Clone, Copy, Debug)]
-pub struct Judged<'a> {
-    /// The recordings against the twins as given.
-    pub given: &'a Board,
-    /// What these leave.
-    pub before: &'a Model,
-    /// The recordings against the mended twins.
-    pub again: &'a Board,
-    /// What those leave.
-    pub after: &'a Model,
-    /// Findings with a name, fitted together.
-    pub chosen: &'a Searched,
-    /// Columns of what has none.
-    pub nameless: &'a [Column],
+/// Products of a fit's columns and target over some rows.
+#[derive(Clone, Debug)]
+struct Products {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
 }
 
-/// RMS on held-out turns with a finding over that without it; none where it can't be judged there.
-#[derive(Clone, Debug, Default)]
-pub struct HeldRatios {
-    /// Of each named finding, in their order.
-    pub named: Vec<Option<f64>>,
-    /// Of the disc's pattern.
-    pub disc: Option<f64>,
-    /// Of what has no name.
-    pub nameless: Option<f64>,
+/// Rows of a fit in parts, to fit some and judge on others.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// Products of each part; what belongs to no turn is in all fits.
+    parts: Vec<Products>,
+    always: Products,
+    /// The fit's own numbers as its columns have them: sizes, and no change of the knobs.
+    sizes: DVector<f64>,
+    of: Vec<(usize, usize)>,
 }
 
-/// The fit of a search, against the twin as it was given, and each finding's part in it on the turns held out.
-#[must_use]
-pub fn fit(judged: &Judged<'_>) -> (Fit, HeldRatios) {
-    let whiteness = |board: &Board, model: &Model| leftovers(board, model).1;
-    let ((before_p, after_p), ((was, is), (noise, (mut held_out, ratios)))) = rayon::join(
-        || {
-            rayon::join(
-                || whiteness(judged.given, judged.before),
-                || whiteness(judged.again, judged.after),
-            )
-        },
-        || {
-            rayon::join(
-                || {
-                    rayon::join(
-                        || spread(judged.given, &judged.before.left, 0..PARTS),
-                        || spread(judged.again, &judged.after.left, 0..PARTS),
-                    )
-                },
-                || rayon::join(|| floor(judged.again, 0..PARTS), || held_out(judged)),
-            )
-        },
-    );
-    // Noise that is not what a twin declares is guessed; what is left holds all of it.
-    let mut benches = judged.again.benches.iter();
-    let guessed = benches.any(|bench| bench.declared != Some(bench.noise));
-    let floor = |noise: f64, left: f64| Some(if guessed { noise.min(left) } else { noise });
-    if let (Some(noise), Some(left)) = (held_out.floor_rad, held_out.rms_after_rad) {
-        held_out.floor_rad = floor(noise, left);
+/// Rows of each part of each recording, by the ends of recordings in a stacked row.
+fn parts(board: &Board, bounds: &[f64]) -> Vec<Vec<std::ops::Range<usize>>> {
+    let mut all = vec![Vec::new(); bounds.len() - 1];
+    let mut from = 0;
+    for bench in &board.benches {
+        let count = bench.record.len();
+        let at = |share: f64| from + (share * count as f64).round() as usize;
+        for (part, pair) in bounds.windows(2).enumerate() {
+            all[part].push(at(pair[0])..at(pair[1]));
+        }
+        from += count;
     }
-    let fit = Fit {
-        rms_before_rad: Some(was.fast_rad()),
-        rms_after_rad: Some(is.fast_rad()),
-        floor_rad: floor(noise.fast_rad(), is.fast_rad()),
-        slow: Band {
-            rms_before_rad: Some(was.slow_rad()),
-            rms_after_rad: Some(is.slow_rad()),
-            floor_rad: floor(noise.slow_rad(), is.slow_rad()),
-        },
-        edge_to_edge: Band {
-            rms_before_rad: Some(was.steps_rad()),
-            rms_after_rad: Some(is.steps_rad()),
-            floor_rad: floor(noise.steps_rad(), is.steps_rad()),
-        },
-        whiteness_p_before: Some(before_p),
-        whiteness_p: Some(after_p),
-        held_out,
-    };
-    (fit, ratios)
+    all
 }
 
-fn held_out(judged: &Judged<'_>) -> (HeldOut, HeldRatios) {
-    let (given, chosen) = (judged.given, judged.chosen);
-    let late = FITTED..PARTS;
-    let was = spread(given, &judged.before.left, late.clone());
-    let noise = floor(given, late.clone());
-    let none = HeldOut {
-        rms_before_rad: Some(was.fast_rad()),
-        rms_after_rad: Some(was.fast_rad()),
-        floor_rad: Some(noise.fast_rad()),
-        reducible_removed: None,
-    };
-    let mut ratios = HeldRatios {
-        named: vec![None; chosen.found.len()],
-        ..HeldRatios::default()
-    };
-    let columns = &chosen.model.columns;
-    // The disc as the turns before show it.
-    let known = chosen
-        .pattern
-        .as_ref()
-        .and_then(|_| early_disc(given, columns));
-    let board = known.as_ref().unwrap_or(given);
-    // What was never there in the turns before can't be foretold.
-    let early = board.cut(columns, 0..FITTED);
-    let Some(fitted) = board.fit(early) else {
-        return (none, ratios);
-    };
-    let foretold = board.with_sizes(columns, &fitted.sizes);
-    let is = spread(board, &foretold.left, late.clone());
-    let held_out = HeldOut {
-        rms_after_rad: Some(is.fast_rad()),
-        reducible_removed: removed(board, chosen, &foretold),
-        ..none
-    };
-    let held = Held { board, noise };
-    let mut at = chosen.nuisances;
-    let mut own: Vec<std::ops::Range<usize>> = Vec::new();
-    for found in &chosen.found {
-        own.push(at..at + found.columns.len());
-        at += found.columns.len();
-    }
-    let each = own.into_par_iter();
-    ratios.named = each
-        .map(|own| held.without(columns, &fitted, own))
-        .collect();
-    if known.is_some()
-        && let Some(fitted) = given.fit(given.cut(columns, 0..FITTED))
-    {
-        let was = spread(
-            given,
-            &given.with_sizes(columns, &fitted.sizes).left,
-            late.clone(),
+impl Parts {
+    /// Of a fit: blocks over time, or the part that is fitted and the part that is held out.
+    #[must_use]
+    fn new(board: &Board, fit: &Fit, bounds: &[f64]) -> Self {
+        let sizes = DVector::from_iterator(
+            fit.of.len(),
+            fit.of.iter().map(|(term, number)| {
+                fit.model.terms[*term]
+                    .sizes
+                    .get(*number)
+                    .copied()
+                    .unwrap_or(0.0)
+            }),
         );
-        let mark = spread(board, &apart(board, &given.white()), late);
-        ratios.disc = Some(ratio(mark, is, was, noise)).filter(|ratio| ratio.is_finite());
-    }
-    if !judged.nameless.is_empty() {
-        let all: Vec<Column> = columns.iter().chain(judged.nameless).cloned().collect();
-        ratios.nameless = board
-            .fit(board.cut(&all, 0..FITTED))
-            .and_then(|fitted| held.without(&all, &fitted, columns.len()..all.len()));
-    }
-    (held_out, ratios)
-}
-
-/// The recordings less the disc's pattern as their early turns show it.
-fn early_disc(given: &Board, columns: &[Column]) -> Option<Board> {
-    let mut early = given.clone();
-    for bench in &mut early.benches {
-        let end = bench.part(FITTED - 1).end;
-        bench.shorten(end);
-    }
-    let short = |column: &Column| {
-        let parts = column.0.iter().zip(&early.benches);
-        let each = parts.map(|(part, bench)| part.as_ref().map(|p| p[..bench.seen.len()].to_vec()));
-        Column::of(each)
-    };
-    let model = early.fit(columns.iter().map(short).collect())?;
-    let pattern = disc::pattern(&early, &model, true)?;
-    let mut known = given.clone();
-    known.take_off(&pattern.errors_rad);
-    Some(known)
-}
-
-/// Share of what the findings could remove on the held-out turns at best that they did remove.
-fn removed(board: &Board, chosen: &Searched, foretold: &Model) -> Option<f64> {
-    let late = FITTED..PARTS;
-    let columns = &chosen.model.columns;
-    if columns.len() == chosen.nuisances {
-        return None;
-    }
-    let nuisances = columns[..chosen.nuisances].to_vec();
-    let best = board.fit(board.cut(columns, late.clone()))?;
-    let alone = board.fit(board.cut(&nuisances, late.clone()))?;
-    let squares = |model: &Model| squares(board, &model.left, late.clone());
-    let at_best = squares(&board.with_sizes(columns, &best.sizes));
-    let without = squares(&board.with_sizes(&nuisances, &alone.sizes));
-    let numbers = (columns.len() - nuisances.len()) as f64;
-    let reducible = without - at_best - numbers;
-    let lost = squares(foretold) - at_best - numbers;
-    (reducible > SHOWS).then(|| (1.0 - lost / reducible).clamp(0.0, 1.0))
-}
-
-/// Sum of squares of what is left on some parts.
-pub fn squares(board: &Board, left: &[Vec<f64>], parts: std::ops::Range<usize>) -> f64 {
-    let each = board.benches.iter().zip(left).map(|(bench, left)| {
-        let range = bench.part(parts.start).start..bench.part(parts.end - 1).end;
-        left[range].iter().map(|w| w * w).sum::<f64>()
-    });
-    each.sum()
-}
-
-/// Rows less the residual of each recording, white.
-fn apart(board: &Board, rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let each = rows.iter().zip(&board.benches).map(|(row, bench)| {
-        let pairs = row.iter().zip(&bench.white);
-        pairs.map(|(row, white)| row - white).collect()
-    });
-    each.collect()
-}
-
-/// The held-out turns and their noise.
-struct Held<'a> {
-    board: &'a Board,
-    noise: Spread,
-}
-
-impl Held<'_> {
-    /// RMS with some of the columns that were fitted on the early turns over that without them, the others fitted anew: of what is
-    /// fast or of what is slow, wherever they stand out more.
-    fn without(
-        &self,
-        columns: &[Column],
-        fitted: &Model,
-        own: std::ops::Range<usize>,
-    ) -> Option<f64> {
-        if own.is_empty() {
-            return None;
+        let mut target = fit.left.clone();
+        for (column, size) in fit.columns.iter().zip(sizes.iter()) {
+            if *size != 0.0 {
+                target
+                    .iter_mut()
+                    .zip(column)
+                    .for_each(|(target, of)| *target += size * of);
+            }
         }
-        let late = FITTED..PARTS;
-        let rest: Vec<usize> = (0..columns.len()).filter(|i| !own.contains(i)).collect();
-        let own: Vec<usize> = own.collect();
-        let sizes = &fitted.sizes;
-        // The mark that the finding makes.
-        let mut alone = DVector::zeros(columns.len());
-        own.iter().for_each(|&i| alone[i] = -sizes[i]);
-        let with = self.board.with_sizes(columns, sizes);
-        let mark = apart(self.board, &self.board.with_sizes(columns, &alone).left);
-        if squares(self.board, &mark, late.clone()) < SHOWS {
-            return None;
-        }
-        // What the early turns hardly size foretells nothing.
-        let late_on = |i: usize, j: usize| {
-            let each = columns[i]
-                .0
+        let over = |ranges: &[std::ops::Range<usize>]| {
+            let count = fit.columns.len();
+            let product = |a: &[f64], b: &[f64]| {
+                ranges
+                    .iter()
+                    .map(|range| dot(&a[range.clone()], &b[range.clone()]))
+                    .sum::<f64>()
+            };
+            Products {
+                gram: DMatrix::from_fn(count, count, |a, b| {
+                    product(&fit.columns[a], &fit.columns[b])
+                }),
+                right: DVector::from_fn(count, |a, _| product(&fit.columns[a], &target)),
+                square: product(&target, &target),
+            }
+        };
+        let edges = board.edges();
+        Self {
+            parts: parts(board, bounds)
                 .iter()
-                .zip(&columns[j].0)
-                .zip(&self.board.benches);
-            each.map(|((a, b), bench)| match (a, b) {
-                (Some(a), Some(b)) => {
-                    let late = bench.part(late.start).start..bench.part(late.end - 1).end;
-                    a[late.clone()]
-                        .iter()
-                        .zip(&b[late])
-                        .map(|(a, b)| a * b)
-                        .sum::<f64>()
-                }
-                _ => 0.0,
-            })
-            .sum::<f64>()
-        };
-        let pairs = own.iter().flat_map(|&i| own.iter().map(move |&j| (i, j)));
-        let doubt: f64 = pairs
-            .map(|(i, j)| fitted.covariance[(i, j)] * late_on(i, j))
-            .sum();
-        if doubt > DOUBT * squares(self.board, &mark, late.clone()) {
-            return None;
+                .map(|ranges| over(ranges))
+                .collect(),
+            always: over(std::slice::from_ref(&(edges..target.len()))),
+            sizes,
+            of: fit.of.clone(),
         }
-        // Least squares with these held at zero.
-        let part = |rows: &[usize]| {
-            DMatrix::from_fn(rows.len(), own.len(), |i, j| {
-                fitted.covariance[(rows[i], own[j])]
-            })
-        };
-        let held = DVector::from_fn(own.len(), |j, _| sizes[own[j]]);
-        let moved = part(&rest) * part(&own).cholesky()?.solve(&held);
-        let mut others = DVector::zeros(columns.len());
-        for (at, &i) in rest.iter().enumerate() {
-            others[i] = sizes[i] - moved[at];
-        }
-        let without = self.board.with_sizes(columns, &others);
-        let shows = spread(self.board, &mark, late.clone());
-        let is = spread(self.board, &with.left, late.clone());
-        let was = spread(self.board, &without.left, late);
-        let ratio = ratio(shows, is, was, self.noise);
-        ratio.is_finite().then_some(ratio)
     }
-}
 
-/// RMS that is over RMS that was, in the part of the residual in which a mark stands out of the noise most.
-fn ratio(mark: Spread, is: Spread, was: Spread, noise: Spread) -> f64 {
-    let (mark, noise) = (mark.all_rad(), noise.all_rad());
-    let clear = |part: &usize| mark[*part] / noise[*part];
-    let part = (0..mark.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)));
-    let part = part.unwrap_or(0);
-    is.all_rad()[part] / was.all_rad()[part]
+    /// Blocks over time.
+    #[must_use]
+    pub fn blocks(board: &Board, fit: &Fit) -> Self {
+        let bounds: Vec<f64> = (0..=BLOCKS).map(|at| at as f64 / BLOCKS as f64).collect();
+        Self::new(board, fit, &bounds)
+    }
+
+    /// The part that is fitted and the part that is held out.
+    #[must_use]
+    pub fn held_out(board: &Board, fit: &Fit) -> Self {
+        Self::new(board, fit, &[0.0, 1.0 - HELD_OUT, 1.0])
+    }
+
+    /// Numbers as some parts alone have them, of some columns; the others are 0.
+    fn fitted(&self, on: impl Fn(usize) -> bool, columns: &[usize]) -> DVector<f64> {
+        let count = self.sizes.len();
+        let mut gram = self.always.gram.clone();
+        let mut right = self.always.right.clone();
+        for (_, part) in self.parts.iter().enumerate().filter(|(at, _)| on(*at)) {
+            gram += &part.gram;
+            right += &part.right;
+        }
+        let norms: Vec<f64> = columns
+            .iter()
+            .map(|&at| gram[(at, at)].sqrt().max(f64::MIN_POSITIVE))
+            .collect();
+        // A little stiffness, so that what this part can't tell stays where it is.
+        let some = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
+            let ridge = if a == b { 1e-9 } else { 0.0 };
+            gram[(columns[a], columns[b])] / (norms[a] * norms[b]) + ridge
+        });
+        let of = DVector::from_fn(columns.len(), |a, _| right[columns[a]] / norms[a]);
+        let mut all = DVector::zeros(count);
+        if let Some(cholesky) = Cholesky::new(some) {
+            let solved = cholesky.solve(&of);
+            for (a, &at) in columns.iter().enumerate() {
+                all[at] = solved[a] / norms[a];
+            }
+        }
+        all
+    }
+
+    /// Sum of squares that numbers leave in a part.
+    fn left(&self, part: usize, sizes: &DVector<f64>) -> f64 {
+        let part = &self.parts[part];
+        (part.square - 2.0 * part.right.dot(sizes) + sizes.dot(&(&part.gram * sizes))).max(0.0)
+    }
+
+    /// Columns of terms that are asked for.
+    fn columns(&self, of: impl Fn(usize) -> bool) -> Vec<usize> {
+        (0..self.of.len()).filter(|&at| of(self.of[at].0)).collect()
+    }
+
+    /// By how much the sum of squares falls on turns that some terms were not fitted on, each block foretold by the others.
+    #[must_use]
+    pub fn foretold(&self, fit: &Fit, group: usize) -> f64 {
+        let all = self.columns(|_| true);
+        let others = self.columns(|term| fit.model.terms[term].group != group);
+        (0..self.parts.len())
+            .map(|block| {
+                let with = self.fitted(|at| at != block, &all);
+                let without = self.fitted(|at| at != block, &others);
+                self.left(block, &without) - self.left(block, &with)
+            })
+            .sum()
+    }
+
+    /// Whether a group shows in one part of the recordings alone, so that no other part foretells it.
+    #[must_use]
+    pub fn only_once(&self, fit: &Fit, group: usize) -> bool {
+        let columns = self.columns(|term| fit.model.terms[term].group == group);
+        let shown: Vec<f64> = self
+            .parts
+            .iter()
+            .map(|part| {
+                let each = columns.iter();
+                each.map(|&at| self.sizes[at].powi(2) * part.gram[(at, at)])
+                    .sum()
+            })
+            .collect();
+        let most = shown.iter().copied().fold(0.0, f64::max);
+        most > ONCE * shown.iter().sum::<f64>()
+    }
+
+    /// Squares left in the held-out part: with nuisances alone, with everything fitted before it, and with everything fitted on it.
+    #[must_use]
+    pub fn judged(&self, fit: &Fit) -> [f64; 3] {
+        let all = self.columns(|_| true);
+        let nuisances = self.columns(|term| fit.model.terms[term].nuisance);
+        let last = self.parts.len() - 1;
+        let none = self.fitted(|at| at != last, &nuisances);
+        let early = self.fitted(|at| at != last, &all);
+        let late = self.fitted(|at| at == last, &all);
+        [
+            self.left(last, &none),
+            self.left(last, &early),
+            self.left(last, &late),
+        ]
+    }
 }

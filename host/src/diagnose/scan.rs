@@ -1,174 +1,400 @@
-//! What happens once: a stretch of time in which the shaft is pushed, a place on the disc that is out of line.
+//! The mismatch map: how much of the residual each site explains, following each carrier.
+//!
+//! One transposed run of the filter gives what one rad at each edge would add to the likelihood; spectra of that over angle and over
+//! time score all orders and frequencies at once, for angles as they are and for torques through the shaft's answer. Cells without a
+//! frequency are few and are evaluated as they are.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use rayon::prelude::*;
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
 
-use super::basis::{Basis, channels};
-use super::board::{Bench, Board, Model};
-use super::hypothesis::Hypothesis;
-use crate::mechanism::Mechanism;
+use super::effect::{Carrier, Effect, On, Site};
+use super::lsq::Basis;
+use super::model::{Board, Fit};
 
-/// Cells of time that a push is looked for in.
-const CELLS: usize = 160;
-/// Sum of squares over that of noise, from which on it is worth a closer look.
-const WORTH: f64 = 25.0;
-
-/// The time in which a recording's shaft is most clearly pushed: white torque noise is what innovations are made of, so a torque is
-/// a mean of theirs.
-#[must_use]
-pub fn loads(board: &Board, model: &Model) -> Vec<Hypothesis> {
-    let each = board.benches.iter().zip(&model.left);
-    each.filter_map(|(bench, left)| load(bench, left)).collect()
+/// A cell of the map with how much it explains.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Effects that are one finding.
+    pub effects: Vec<Effect>,
+    /// By how much the sum of squares falls.
+    pub gain: f64,
 }
 
-fn load(bench: &Bench, left: &[f64]) -> Option<Hypothesis> {
-    let seen = &bench.seen;
-    let (start, long) = (*seen.times_s.first()?, seen.seconds());
-    let (mut sums, mut counts) = ([0.0; CELLS + 1], [0.0; CELLS + 1]);
-    for (time, value) in seen.times_s.iter().zip(left) {
-        let cell = ((time - start) / long * CELLS as f64) as usize;
-        let cell = cell.min(CELLS - 1) + 1;
-        sums[cell] += value;
-        counts[cell] += 1.0;
+impl Candidate {
+    /// Numbers that it has: sizes and knobs.
+    #[must_use]
+    pub fn numbers(&self) -> usize {
+        self.effects
+            .iter()
+            .map(|effect| effect.sizes() + effect.knobs().len())
+            .sum()
     }
-    for cell in 1..=CELLS {
-        sums[cell] += sums[cell - 1];
-        counts[cell] += counts[cell - 1];
-    }
-    let mean = sums[CELLS] / counts[CELLS];
-    let mut best = (WORTH, 0, 0);
-    for from in 0..CELLS {
-        for until in from + 1..=CELLS {
-            let count = counts[until] - counts[from];
-            let share = count * (1.0 - count / counts[CELLS]);
-            let sum = sums[until] - sums[from] - mean * count;
-            if share > 0.0 && sum * sum / share > best.0 {
-                best = (sum * sum / share, from, until);
-            }
-        }
-    }
-    let time = |cell: usize| start + long * cell as f64 / CELLS as f64;
-    // A push into the end has no end.
-    let until_s = if best.2 == CELLS {
-        f64::INFINITY
-    } else {
-        time(best.2)
-    };
-    let from_s = if best.1 == 0 {
-        f64::NEG_INFINITY
-    } else {
-        time(best.1)
-    };
-    (best.0 > WORTH).then(|| Hypothesis::of(Mechanism::LoadStep, Basis::Load { from_s, until_s }))
 }
 
-/// Places of the disc that are most clearly out of line, by kind of edge.
-#[must_use]
-pub fn defects(board: &Board, model: &Model) -> Vec<Hypothesis> {
-    let Some(first) = board.benches.first() else {
-        return Vec::new();
-    };
-    let (edges, classes) = (first.seen.edges as usize, first.seen.classes);
-    if edges < 24 || (board.benches.len() > 1 && !board.tied) {
-        return Vec::new();
-    }
-    let pull = pull(board, model);
-    let step = TAU / edges as f64;
-    let mut kinds: Vec<(Option<usize>, Option<bool>)> = vec![(None, None)];
-    if classes > 1 {
-        kinds.extend([(None, Some(true)), (None, Some(false))]);
-    }
-    if channels(classes) > 1 {
-        for channel in 0..channels(classes) {
-            kinds.extend([None, Some(true), Some(false)].map(|rises| (Some(channel), rises)));
-        }
-    }
-    let of_kind =
-        |(channel, rises): (Option<usize>, Option<bool>)| {
-            let mut best: Vec<(f64, Hypothesis)> = Vec::new();
-            let mask: Vec<f64> = (0..edges)
-                .map(|edge| {
-                    let change = super::basis::change_of(
-                        (edge + first.seen.shift as usize) % classes as usize,
-                        classes,
-                    );
-                    let hit = channel.is_none_or(|c| c == change.channel)
-                        && rises.is_none_or(|r| r == change.rises);
-                    f64::from(u8::from(hit))
-                })
-                .collect();
-            let masked: Vec<f64> = pull.iter().zip(&mask).map(|(p, m)| p * m).collect();
-            for width in [1.0, 2.0, 4.0, 8.0, 16.0, 32.0] {
-                if width * 8.0 > edges as f64 {
-                    continue;
-                }
-                let smooth = smoothed(&masked, width);
-                let (at, peak) = smooth.iter().copied().enumerate().fold(
-                    (0, 0.0),
-                    |best: (usize, f64), (at, v)| {
-                        if v.abs() > best.1 {
-                            (at, v.abs())
-                        } else {
-                            best
-                        }
-                    },
-                );
-                let basis = Basis::Bump {
-                    angle_rad: at as f64 * step,
-                    width_rad: width * step,
-                    channel,
-                    rises,
-                };
-                // The bump's own size is close to that of any other of its kind: no need to know it before it may win.
-                best.push((
-                    peak / width.sqrt(),
-                    Hypothesis::of(Mechanism::LocalDefect, basis),
-                ));
-            }
-            best
-        };
-    let kinds = kinds.into_par_iter();
-    let mut best: Vec<(f64, Hypothesis)> = kinds.flat_map_iter(of_kind).collect();
-    best.sort_by(|a, b| b.0.total_cmp(&a.0));
-    best.truncate(12);
-    best.into_iter().map(|(_, hypothesis)| hypothesis).collect()
+/// Peaks of a spectrum that are looked at.
+const PEAKS: usize = 2;
+/// Bounds of bands, as shares of half the edges' rate: what swings slowly has images at high frequencies, which must not hide it.
+const BANDS: [f64; 2] = [0.02, 0.2];
+/// Carriers of each band that are tried at every site, and candidates whose frequency is looked for closely.
+const CARRIERS: usize = 4;
+const REFINED: usize = 5;
+
+/// What is scanned: the score of each edge of each recording.
+struct Scores {
+    /// What one rad at an edge adds.
+    angle: Vec<Vec<f64>>,
+    /// What 1 rad/s^2 over the interval before it adds.
+    push: Vec<Vec<f64>>,
 }
 
-/// How strongly what is left pulls at every edge of the disc: the gradient of the sum of squares.
+/// Sites of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Over {
+    Angle,
+    Time,
+}
+
+/// Candidates by spectra, the best few of each site.
 #[must_use]
-pub fn pull(board: &Board, model: &Model) -> Vec<f64> {
-    let edges = board
+pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+    let mut left = fit.left.iter().copied();
+    let mut scores = Scores {
+        angle: Vec::new(),
+        push: Vec::new(),
+    };
+    for bench in &board.benches {
+        let white: Vec<f64> = left.by_ref().take(bench.record.len()).collect();
+        let angle = bench.score(&white);
+        scores
+            .push
+            .push(bench.plant.sensitivity(&bench.course, &angle));
+        scores.angle.push(angle);
+    }
+    let channels = board
         .benches
-        .first()
-        .map_or(0, |bench| bench.seen.edges as usize);
-    let mut pull = vec![0.0; edges];
-    for (bench, left) in board.benches.iter().zip(&model.left) {
-        let mut back = left.clone();
-        bench.transposed(&mut back);
-        for (at, value) in back.iter().enumerate() {
-            pull[bench.seen.edge(at)] += value;
+        .iter()
+        .map(|bench| bench.record.channels())
+        .max()
+        .unwrap_or(1);
+    let two_flanks = board.benches.iter().any(|bench| bench.record.classes > 1);
+    let mut sites = vec![
+        (Site::Disc(On::ALL), Over::Angle),
+        (Site::Torque, Over::Angle),
+        (Site::Torque, Over::Time),
+    ];
+    if two_flanks {
+        sites.push((Site::Level(On::ALL), Over::Time));
+        if channels > 1 {
+            sites.extend((0..channels).map(|channel| {
+                (
+                    Site::Level(On {
+                        channel: Some(channel),
+                        rises: None,
+                    }),
+                    Over::Time,
+                )
+            }));
         }
     }
-    pull
+    use rayon::prelude::*;
+    let found: Vec<Vec<(usize, f64, Carrier)>> = sites
+        .par_iter()
+        .map(|(site, over)| scores.peaks(board, *site, *over))
+        .collect();
+    let mut peaks: Vec<(usize, f64, Carrier)> = found.into_iter().flatten().collect();
+    peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut carriers: Vec<Carrier> = Vec::new();
+    let mut of_band = [0; BANDS.len() + 1];
+    for (band, _, carrier) in peaks {
+        let reach = board.reach(&Effect::new(Site::Torque, carrier))[0];
+        if of_band[band] < CARRIERS && carriers.iter().all(|other| !near(*other, carrier, reach)) {
+            of_band[band] += 1;
+            carriers.push(carrier);
+        }
+    }
+    // Whatever showed it, it may enter at any site.
+    let everywhere = carriers.iter().flat_map(|carrier| {
+        let over = if matches!(carrier, Carrier::Order(_)) {
+            Over::Angle
+        } else {
+            Over::Time
+        };
+        sites
+            .iter()
+            .filter(move |(_, own)| *own == over)
+            .map(move |(site, _)| Effect::new(*site, *carrier))
+    });
+    let everywhere: Vec<Effect> = everywhere
+        .filter(|effect| !taken(board, fit, effect))
+        .collect();
+    let exact = everywhere.par_iter().map(|effect| {
+        let rounded = whole(effect, board.reach(effect)[0]);
+        let gain = |effect: &Effect| basis.gain(&board.columns(effect), &fit.left);
+        let here = (gain(effect), *effect);
+        match rounded {
+            Some(whole) if whole != *effect => {
+                let there = gain(&whole);
+                if there > here.0 { (there, whole) } else { here }
+            }
+            _ => here,
+        }
+    });
+    let mut exact: Vec<(f64, Effect)> = exact.collect();
+    exact.sort_by(|a, b| b.0.total_cmp(&a.0));
+    exact.truncate(REFINED);
+    exact
+        .par_iter()
+        .map(|(gain, effect)| refined(board, basis, fit, effect, *gain))
+        .collect()
 }
 
-/// Around the turn, with a Gaussian of so many edges.
-fn smoothed(values: &[f64], width: f64) -> Vec<f64> {
-    let reach = (3.5 * width).ceil() as usize;
-    let kernel: Vec<f64> = (0..=reach)
-        .map(|d| (-0.5 * (d as f64 / width).powi(2)).exp())
-        .collect();
-    let count = values.len();
-    let before = (count - reach % count) % count;
-    let round = values.iter().cycle().skip(before);
-    let round: Vec<f64> = round.take(count + 2 * reach).copied().collect();
-    let mut sums = values.to_vec();
-    for (d, weight) in kernel.iter().enumerate().skip(1) {
-        let (after, before) = (&round[reach + d..], &round[reach - d..]);
-        for ((sum, after), before) in sums.iter_mut().zip(after).zip(before) {
-            *sum += weight * (after + before);
+/// Band of a share of half the edges' rate.
+fn band_of(share: f64) -> usize {
+    BANDS.iter().filter(|bound| share > **bound).count()
+}
+
+/// Whether two carriers can't be told apart.
+fn near(one: Carrier, other: Carrier, reach: f64) -> bool {
+    match (one, other) {
+        (Carrier::Order(a), Carrier::Order(b)) | (Carrier::Tone(a), Carrier::Tone(b)) => {
+            (a - b).abs() < 1.5 * reach
+        }
+        _ => false,
+    }
+}
+
+/// Whether a model has the same already: another one of it would only cancel it in part.
+fn taken(board: &Board, fit: &Fit, effect: &Effect) -> bool {
+    let reach = board.reach(effect)[0];
+    fit.model.terms.iter().any(|term| {
+        term.effect.site == effect.site && near(term.effect.carrier, effect.carrier, reach)
+    })
+}
+
+/// The same at the whole order that it may be.
+fn whole(effect: &Effect, reach: f64) -> Option<Effect> {
+    let Carrier::Order(order) = effect.carrier else {
+        return None;
+    };
+    let whole = order.round();
+    (whole > 0.0 && (order - whole).abs() < reach).then_some(Effect {
+        carrier: Carrier::Order(whole),
+        ..*effect
+    })
+}
+
+/// The best nearby value of a candidate's frequency or order.
+fn refined(board: &Board, basis: &Basis, fit: &Fit, effect: &Effect, gain: f64) -> Candidate {
+    let reach = board.reach(effect)[0];
+    let knob = effect.knobs()[0];
+    let mut best = Candidate {
+        effects: vec![*effect],
+        gain,
+    };
+    let mut step = 0.5 * reach;
+    for _ in 0..4 {
+        let middle = best.effects[0].knobs()[0];
+        for side in [-1.0, 1.0] {
+            let moved = effect.with_knobs(&[middle + side * step]);
+            if moved.knobs()[0] <= 0.0 || (moved.knobs()[0] - knob).abs() > 2.0 * reach {
+                continue;
+            }
+            let gain = basis.gain(&board.columns(&moved), &fit.left);
+            if gain > best.gain {
+                best = Candidate {
+                    effects: vec![moved],
+                    gain,
+                };
+            }
+        }
+        step *= 0.5;
+    }
+    // A whole order is one number less.
+    if let Some(effect) = whole(&best.effects[0], reach) {
+        let gain = basis.gain(&board.columns(&effect), &fit.left);
+        if gain > best.gain - (board.edges() as f64).ln() {
+            return Candidate {
+                effects: vec![effect],
+                gain,
+            };
         }
     }
-    sums
+    best
+}
+
+impl Scores {
+    /// The orders or frequencies that stand out, strongest first.
+    fn peaks(&self, board: &Board, site: Site, over: Over) -> Vec<(usize, f64, Carrier)> {
+        let each: Vec<Spectrum> = board
+            .benches
+            .iter()
+            .enumerate()
+            .map(|(at, bench)| {
+                let record = &bench.record;
+                let values: Vec<f64> = (0..record.len())
+                    .map(|edge| match site {
+                        Site::Torque => self.push[at][edge],
+                        Site::Level(on) => {
+                            let change = record.change(edge);
+                            let here = on.channel.is_none_or(|channel| channel == change.channel);
+                            let sign = if change.rises { -1.0 } else { 1.0 };
+                            if here {
+                                sign * self.angle[at][edge]
+                            } else {
+                                0.0
+                            }
+                        }
+                        _ => self.angle[at][edge],
+                    })
+                    .collect();
+                let along: Vec<f64> = match over {
+                    Over::Angle => record.place.iter().map(|place| *place as f64).collect(),
+                    Over::Time => record.time_s.clone(),
+                };
+                // A torque acts in the middle of its interval.
+                let along: Vec<f64> = if site == Site::Torque {
+                    (0..along.len())
+                        .map(|at| 0.5 * (along[at] + along[at.saturating_sub(1)]))
+                        .collect()
+                } else {
+                    along
+                };
+                let unit = match over {
+                    Over::Angle => 1.0 / record.edges as f64,
+                    Over::Time => 1.0,
+                };
+                Spectrum {
+                    values,
+                    along,
+                    unit,
+                }
+            })
+            .collect();
+        let longest = each.iter().map(Spectrum::span).fold(0.0, f64::max);
+        let top = each.iter().map(Spectrum::fastest).fold(0.0, f64::max);
+        if longest <= 0.0 || top <= 0.0 {
+            return Vec::new();
+        }
+        // Two points to what can be told apart, all recordings on the same ones.
+        let step = 0.5 / longest;
+        let count = (top / step) as usize;
+        if count < 4 {
+            return Vec::new();
+        }
+        let carrier = |at: f64| match over {
+            Over::Angle => Carrier::Order(at * step),
+            Over::Time => Carrier::Tone(at * step),
+        };
+        let mut power = vec![0.0; count];
+        for one in &each {
+            let spectrum = one.power(step, count);
+            // What noise alone gives is what the neighbourhood has.
+            let floor = local_median(&spectrum);
+            for (power, (here, floor)) in power.iter_mut().zip(spectrum.iter().zip(floor)) {
+                *power += here / floor;
+            }
+        }
+        // Fewer than two cycles are no rhythm.
+        let mut order: Vec<usize> = (4..count.saturating_sub(1))
+            .filter(|&at| power[at] >= power[at - 1] && power[at] >= power[at + 1])
+            .collect();
+        order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
+        let mut taken: Vec<usize> = Vec::new();
+        for at in order {
+            let band = band_of(at as f64 / count as f64);
+            let beside = taken
+                .iter()
+                .filter(|&&other| band_of(other as f64 / count as f64) == band);
+            if beside.count() < PEAKS && taken.iter().all(|other| other.abs_diff(at) > 4) {
+                taken.push(at);
+            }
+        }
+        taken
+            .into_iter()
+            .map(|at| {
+                (
+                    band_of(at as f64 / count as f64),
+                    power[at],
+                    carrier(at as f64),
+                )
+            })
+            .collect()
+    }
+}
+
+/// Values along angle or time.
+struct Spectrum {
+    values: Vec<f64>,
+    along: Vec<f64>,
+    /// What a unit of `along` is in turns or s.
+    unit: f64,
+}
+
+impl Spectrum {
+    fn ends(&self) -> (f64, f64) {
+        let least = self.along.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = self.along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (least, most)
+    }
+
+    fn span(&self) -> f64 {
+        let (least, most) = self.ends();
+        ((most - least) * self.unit).max(0.0)
+    }
+
+    /// Frequency up to which edges still follow it: half their mean rate.
+    fn fastest(&self) -> f64 {
+        0.5 * self.values.len() as f64 / self.span().max(f64::MIN_POSITIVE)
+    }
+
+    /// Square of the size at multiples of a frequency step.
+    fn power(&self, step: f64, count: usize) -> Vec<f64> {
+        // A grid twice as fine as the fastest, onto which each value is spread over its two neighbours.
+        let length = (4 * count).next_power_of_two();
+        let cell = 1.0 / (step * length as f64);
+        let (least, _) = self.ends();
+        let mut grid = vec![0.0; length];
+        for (value, along) in self.values.iter().zip(&self.along) {
+            let at = (along - least) * self.unit / cell;
+            let first = at.floor();
+            let share = at - first;
+            let first = first as usize % length;
+            grid[first] += value * (1.0 - share);
+            grid[(first + 1) % length] += value * share;
+        }
+        let fft: Arc<dyn realfft::RealToComplex<f64>> =
+            RealFftPlanner::new().plan_fft_forward(length);
+        let mut out: Vec<Complex<f64>> = fft.make_output_vec();
+        if fft.process(&mut grid, &mut out).is_err() {
+            return vec![0.0; count];
+        }
+        (0..count)
+            .map(|at| {
+                // Spreading over neighbours weakens what is fast.
+                let x = TAU * 0.5 * at as f64 / length as f64;
+                let weak = if x > 0.0 { (x.sin() / x).powi(2) } else { 1.0 };
+                out[at].norm_sqr() / (weak * weak)
+            })
+            .collect()
+    }
+}
+
+/// Median around each value over that of an exponential distribution with mean 1: over more of them, the higher their number.
+fn local_median(power: &[f64]) -> Vec<f64> {
+    let mut out = vec![1.0; power.len()];
+    let mut from = 0;
+    while from < power.len() {
+        let half = (from / 8).clamp(6, 256);
+        let until = (from + half).min(power.len());
+        let range = from.saturating_sub(half)..(until + half).min(power.len());
+        let mut some: Vec<f64> = power[range].to_vec();
+        let middle = some.len() / 2;
+        some.select_nth_unstable_by(middle, f64::total_cmp);
+        out[from..until].fill((some[middle] / std::f64::consts::LN_2).max(f64::MIN_POSITIVE));
+        from = until;
+    }
+    out
 }

@@ -1,304 +1,247 @@
-//! Looks for what is missing, one mechanism after another, until what is left is noise.
+//! One search: the best cell is added, all numbers are fitted together, what is no longer worth its numbers is dropped, until nothing
+//! changes.
 
-use super::absorbed::absorb;
-use super::anew::anew;
-use super::basis::Basis;
-use super::best::best;
-use super::board::{Board, Column, Model};
-use super::class_parts::{choice_beside_disc, other_choice};
-use super::conclude::crowd;
-use super::disc::{self, Pattern, merged};
-use super::disc_parts::disc_parts;
-use super::friction_terms::other_terms;
-use super::hypothesis::Hypothesis;
-use super::least_squares::squares;
-use super::pairs::pair;
-use super::propose::propose;
-use super::scan::{defects, loads};
-use super::sift::{beside_disc, no_disc, passes};
-use super::weigh::Shelf;
-use crate::mechanism::Mechanism;
+use super::cells::{self, Bank};
+use super::correct::{self, Slopes};
+use super::effect::{Carrier, Effect, Site};
+use super::lsq::Basis;
+use super::model::{Board, Fit, Model};
+use super::plant::Law;
+use super::scan::{self, Candidate};
 
-/// Mechanisms at the most.
-const MOST: usize = 12;
-/// What a finding must explain beyond what its numbers cost, so that noise and the small errors of a linear model seldom give one.
-pub const BEYOND: f64 = 60.0;
-/// The same for what is tried whatever the residual shows, at no place that was searched for, and seen in one place of a recording:
-/// five standard errors.
-const AT_ONCE: f64 = 20.0;
-/// Edges of a disc whose whole pattern must be worth two of its rhythms.
-const FINE: f64 = 40.0;
-/// Part of the score of anything else that more of a pattern that was learned must have.
-const MORE: f64 = 0.9;
-/// How much larger noise is that makes a pattern of its own.
-const GROWN: f64 = 1.03;
-/// Times that errors of all edges of a class are chosen anew, and terms of friction.
-const CHOICES: usize = 8;
-/// Times that what is left of the disc's pattern is looked for.
-const PATTERNS: usize = 4;
-/// Times that the search starts anew with the noise that it found.
-const ROUNDS: usize = 3;
+/// Findings at the most.
+const FINDINGS: usize = 7;
+/// Candidates that are fitted with everything else until one is worth it.
+const TRIED: usize = 4;
+/// Part of the best one's evidence that another one has to have to be fitted too.
+const NEARLY: f64 = 0.8;
+/// Evidence by which a new effect has to be better than a correction of what the twin declares.
+const ALIKE: f64 = 10.0;
+/// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
+const SURE: f64 = 12.0;
 
-/// A mechanism that was found.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// It.
-    pub hypothesis: Hypothesis,
-    /// Its columns.
-    pub columns: Vec<Column>,
-    /// What it explains beyond its cost.
-    pub score: f64,
-    /// Others in its place, with theirs, best first.
-    pub rivals: Vec<(Hypothesis, f64)>,
-}
-
-/// What a search came to.
-#[derive(Clone, Debug)]
-pub struct Searched {
-    /// Mechanisms, in the order in which they were found.
-    pub found: Vec<Found>,
-    /// The disc's pattern, if it lacks one.
-    pub pattern: Option<Pattern>,
-    /// All of them fitted together; columns of no finding come first.
-    pub model: Model,
-    /// How many those are.
-    pub nuisances: usize,
-    /// Strongest rhythm left, over what noise reaches.
-    pub left: f64,
-    /// Score of a pattern of the disc that is there for a while only; 0 where there is none.
-    pub passing: f64,
-}
-
-/// Whether a pattern of the disc was learned from these recordings before.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Learned {
-    Never,
-    /// It was, and is taken off.
-    Off,
-    /// It was, and is there again to be learned anew.
-    There,
-}
-
-/// Searches; the noise of the board is set to what is found.
+/// Evidence of a candidate: what it explains, less what its numbers would by chance (G. Schwarz, Annals of Statistics 6, 1978).
 #[must_use]
-pub fn search(board: &mut Board) -> Option<Searched> {
-    let mut searched = once(board, Learned::Never)?;
-    absorb(board, &mut searched);
-    for _ in 1..ROUNDS {
-        let explained = searched.explained(board);
-        let before: Vec<f64> = board.benches.iter().map(|b| b.noise.stamp_s).collect();
-        if !board.refit_noise(&explained) {
-            break;
-        }
-        // The pattern that was taken off stays off, unless it was learned in noise that was thought far less than it is.
-        let quieter = before.iter().zip(&board.benches);
-        let grown = quieter
-            .into_iter()
-            .any(|(before, bench)| bench.noise.stamp_s > GROWN * before);
-        let mut pattern = searched.pattern.take();
-        let mut learned = match pattern {
-            Some(_) => Learned::Off,
-            None => Learned::Never,
-        };
-        if let Some(pattern) = pattern.take_if(|_| grown) {
-            board.take_off(&pattern.errors_rad.iter().map(|e| -e).collect::<Vec<_>>());
-            learned = Learned::There;
-        }
-        searched = once(board, learned)?;
-        searched.pattern = merged(pattern, searched.pattern.take());
-        absorb(board, &mut searched);
-    }
-    Some(searched)
+pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {
+    gain - numbers as f64 * (board.edges() as f64).ln()
 }
 
-/// What a search comes to that finds nothing.
+/// What nobody knows of any rig: the mean speed that an open-loop drive holds.
 #[must_use]
-pub fn nothing_of(board: &Board) -> Option<Searched> {
-    let nuisances: Vec<Column> = board.nuisances().into_iter().map(Column::kept).collect();
-    Some(Searched {
-        found: Vec::new(),
-        pattern: None,
-        nuisances: nuisances.len(),
-        model: board.fit(nuisances)?,
-        left: 0.0,
-        passing: 0.0,
-    })
+pub fn nuisances(board: &Board) -> Model {
+    let mut model = Model::default();
+    let steady = board.benches.iter().any(|bench| {
+        bench.plant.law.stiffness + bench.plant.law.viscous > 0.0 && bench.plant.law.mode.is_none()
+    });
+    if steady {
+        model.add(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
+        model.terms[0].nuisance = true;
+    }
+    model
 }
 
-/// Looks once, with the noise as it is.
-fn once(board: &mut Board, learned: Learned) -> Option<Searched> {
-    let off = learned == Learned::Off;
-    let nuisances: Vec<Column> = board.nuisances().into_iter().map(Column::kept).collect();
-    let mut found: Vec<Found> = Vec::new();
-    let mut pattern: Option<Pattern> = None;
-    let mut shelf = Shelf::default();
-    let mut refused: Vec<Hypothesis> = Vec::new();
-    let mut model = board.fit(nuisances.clone())?;
-    let mut left = 0.0;
-    let mut patterns = 0;
-    let mut choices = 0;
-    let mut terms = 0;
-    let mut chosen = false;
-    let mut passing = 0.0;
-    // What is as good as one rhythm's is that rhythm's; a coarse disc has few orders, of which one may be most of its pattern.
-    let edges = board.benches.first().map_or(0, |bench| bench.seen.edges) as f64;
-    let over = 1.0 + (edges / FINE).min(1.0);
-    while found.len() < MOST {
-        if choices < CHOICES
-            && let Some(other) = other_choice(board, &nuisances, &found, &mut shelf)
-        {
-            choices += 1;
-            found = other;
-            model = board.fit(columns(&nuisances, &found))?;
+/// All candidates beside a fit, strongest first.
+#[must_use]
+pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
+    let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+    let basis = Basis::of(&columns);
+    let mut fit = fit.clone();
+    basis.clear(&mut fit.left);
+    let fit = &fit;
+    let mut all = bank.candidates(fit, &basis);
+    all.extend(scan::spectra(board, fit, &basis));
+    all.extend(cells::loads(board, bank, fit, &basis));
+    all.extend(cells::bumps(board, bank, fit, &basis));
+    all.sort_by(|a, b| {
+        evidence(board, b.gain, b.numbers()).total_cmp(&evidence(board, a.gain, a.numbers()))
+    });
+    all
+}
+
+/// Searches until nothing is left that is worth its numbers.
+#[must_use]
+pub fn search(board: &mut Board) -> (Fit, Bank) {
+    let mut bank = Bank::new(board);
+    let mut slopes = correct::all(board);
+    let mut fit = board.fit(&nuisances(board));
+    if board.free.drift {
+        fit = free_course(board, &bank, fit);
+    }
+    let coarse = rounded_alike(board, &fit);
+    for group in 0..FINDINGS {
+        let found = candidates(board, &bank, &fit);
+        // The best one as fitted with everything else, of those that look nearly as good.
+        let most = found
+            .first()
+            .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
+        let mut next: Option<(f64, Fit)> = None;
+        let told = found
+            .iter()
+            .filter(|candidate| !coarse || larger_than_rounding(board, candidate, &fit));
+        for candidate in told.take(TRIED) {
+            let here = evidence(board, candidate.gain, candidate.numbers());
+            if here < 0.7 * SURE || here < NEARLY * most {
+                break;
+            }
+            let mut model = fit.model.clone();
+            model.add(&candidate.effects, group);
+            let tried = board.fit(&model);
+            let here = evidence(board, fit.rss - tried.rss, candidate.numbers());
+            if here > SURE && next.as_ref().is_none_or(|(best, _)| here > *best) {
+                next = Some((here, tried));
+            }
         }
-        if terms < CHOICES
-            && let Some(other) = other_terms(board, &nuisances, &found, &mut shelf)
-        {
-            terms += 1;
-            found = other;
-            model = board.fit(columns(&nuisances, &found))?;
-        }
-        let (mut proposed, strongest) = propose(board, &model);
-        left = strongest;
-        if off || pattern.is_some() {
-            proposed = beside_disc(board, &model, &mut shelf, proposed);
-        }
-        proposed.retain(|one| !refused.contains(one));
-        proposed.extend(loads(board, &model));
-        let known = learned != Learned::Never || pattern.is_some();
-        // A place is part of a pattern that was learned edge by edge.
-        if !known {
-            proposed.extend(defects(board, &model));
-        }
-        let ((best, pair), whole) = rayon::join(
-            || {
-                let best = best(board, &model, &mut shelf, proposed);
-                let score = best.as_ref().map_or(0.0, |best| best.score);
-                // What the disc's pattern is fitted beside needs no partner.
-                let alone = pattern.is_some();
-                let pair = (!alone).then(|| pair(board, &model, &mut shelf, score));
-                (best, pair.flatten())
-            },
-            || (patterns < PATTERNS).then(|| whole_score(board, &model, known)),
-        );
-        if let Some(pair) = pair {
-            found.extend(pair);
-            model = board.fit(columns(&nuisances, &found))?;
-            continue;
-        }
-        let score = best.as_ref().map_or(0.0, |best| best.score);
-        let whole = whole.flatten();
-        let over = if known { MORE } else { over };
-        let whole = whole.filter(|whole| *whole > BEYOND.max(over * score));
-        // Several named errors of the disc look like an error of every edge, and may look like one place.
-        let place = best
-            .as_ref()
-            .filter(|one| one.score > BEYOND && one.hypothesis.mechanism == Mechanism::LocalDefect);
-        if !known && (whole.is_some() || place.is_some()) {
-            // What all edges of a class have is none of the disc's, and what is left of it would be taken for some.
-            let parts = if !std::mem::replace(&mut chosen, true)
-                && let Some(other) = choice_beside_disc(board, &nuisances, &found, &mut shelf)
-            {
-                found = other;
-                true
-            } else if let Some(parts) = disc_parts(board, &model, whole, place) {
-                found.extend(parts);
-                true
-            } else {
-                false
+        // What the twin declares comes first, if it explains as much.
+        let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
+        if let Some((better, corrected)) = correction(board, &slopes, &fit, group, least) {
+            let laws = |board: &Board| -> Vec<Law> {
+                let each = board.benches.iter();
+                each.map(|bench| bench.plant.law.clone()).collect()
             };
-            if parts {
-                model = board.fit(columns(&nuisances, &found))?;
-                continue;
+            let answers_alike = laws(board) == laws(&better);
+            *board = better;
+            fit = corrected;
+            board.fit_noise(&fit.model);
+            fit = board.fit(&fit.model);
+            if !answers_alike {
+                bank = Bank::new(board);
+                slopes = correct::all(board);
             }
+        } else if let Some((_, next)) = next {
+            board.fit_noise(&next.model);
+            fit = board.fit(&next.model);
+        } else {
+            break;
         }
-        let whole = whole.and_then(|_| disc::pattern(board, &model, known));
-        if let Some(whole) = whole {
-            // Its orders that stood out are part of it: what the torques do along the way hangs on all of it.
-            let before = found.len();
-            found.retain(|one| one.hypothesis.mechanism != Mechanism::LineError);
-            if found.len() < before {
-                model = board.fit(columns(&nuisances, &found))?;
-            }
-            let whole = match disc::pattern(board, &model, true) {
-                Some(all) if found.len() < before => all,
-                _ => whole,
-            };
-            patterns += 1;
-            if passes(board, &model, &whole) {
-                passing = whole.score;
-                patterns = PATTERNS;
-                continue;
-            }
-            let before = squares(&model);
-            board.take_off(&whole.errors_rad);
-            model = board.fit(columns(&nuisances, &found))?;
-            if before - squares(&model) > 0.3 * whole.score {
-                pattern = merged(pattern, Some(whole));
-            } else {
-                // The disc does not show evenly enough to be learned like this.
-                let back: Vec<f64> = whole.errors_rad.iter().map(|error| -error).collect();
-                board.take_off(&back);
-                model = board.fit(columns(&nuisances, &found))?;
-                patterns = PATTERNS;
-            }
-            continue;
+        // What another one has made superfluous.
+        let model = dropped(board, &fit);
+        if model.terms.len() < fit.model.terms.len() {
+            fit = board.fit(&model);
         }
-        let Some(best) = best.filter(|best| best.score > beyond(&best.hypothesis)) else {
+    }
+    (fit, bank)
+}
+
+/// The declared number that explains most beside a fit, if it has so much evidence: the board beside twins with it, and the fit.
+fn correction(
+    board: &Board,
+    slopes: &[Slopes],
+    fit: &Fit,
+    free: usize,
+    least: f64,
+) -> Option<(Board, Fit)> {
+    let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+    let basis = Basis::of(&columns);
+    let mut cleared = fit.clone();
+    basis.clear(&mut cleared.left);
+    let mut best: Option<(f64, Board, Fit)> = None;
+    for candidate in correct::candidates(board, slopes, &cleared, &basis)
+        .into_iter()
+        .take(TRIED)
+    {
+        let numbers = candidate.slopes.declared.len();
+        if evidence(board, candidate.gain, numbers) < 0.7 * SURE {
+            break;
+        }
+        let mut wider = board.clone();
+        let effects = wider.correct(candidate.slopes);
+        let mut model = fit.model.clone();
+        let group = board.group_of(&model, &candidate.slopes.knob, free);
+        model.add(&effects, group);
+        let (better, tried, gain) = wider.settle(&model, fit);
+        let here = evidence(board, gain, numbers);
+        if here > least.max(SURE) && best.as_ref().is_none_or(|(most, ..)| here > *most) {
+            best = Some((here, better, tried));
+        }
+    }
+    best.map(|(_, board, fit)| (board, fit))
+}
+
+/// Changes of the drive at the most.
+const CHANGES: usize = 16;
+
+/// A drive that the twin does not declare may change at any instant: its changes are part of the course, not findings.
+fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
+    for change in 0..CHANGES {
+        let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+        let basis = Basis::of(&columns);
+        let mut cleared = fit.clone();
+        basis.clear(&mut cleared.left);
+        let found = cells::loads(board, bank, &cleared, &basis);
+        let best = found.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
+        let Some(best) = best.filter(|best| evidence(board, best.gain, best.numbers()) > SURE)
+        else {
             break;
         };
-        if let Some(moved) = anew(board, &nuisances, &found, &best) {
-            found = moved;
-            model = board.fit(columns(&nuisances, &found))?;
-            continue;
+        let mut model = fit.model.clone();
+        model.add(&best.effects, usize::MAX - 2 - change);
+        if let Some(term) = model.terms.last_mut() {
+            term.nuisance = true;
         }
-        // What came and went may have been this, unless this is a part of it.
-        if passing > 0.0 && best.hypothesis.mechanism != Mechanism::LineError {
-            (passing, patterns) = (0.0, 0);
-        }
-        found.push(best);
-        let Some(fitted) = board.fit(columns(&nuisances, &found)) else {
-            found.pop();
-            break;
-        };
-        model = fitted;
-        if let Some(number) = no_disc(&found, &model, nuisances.len()) {
-            refused.push(found.remove(number).hypothesis);
-            model = board.fit(columns(&nuisances, &found))?;
-        }
-        // What can only be told by many rhythms side by side is none of them.
-        if crowd(board, &found).len() >= 3 {
-            break;
-        }
+        fit = board.fit(&model);
+        board.fit_noise(&fit.model);
+        fit = board.fit(&fit.model);
     }
-    Some(Searched {
-        found,
-        pattern,
-        model,
-        nuisances: nuisances.len(),
-        left,
-        passing,
-    })
+    fit
 }
 
-/// Score of a whole pattern of the disc. Once one was learned the rest of it is no longer white: what is left of a few orders counts too.
-fn whole_score(board: &Board, model: &Model, known: bool) -> Option<f64> {
-    if known {
-        disc::score_of_orders(board, model)
-    } else {
-        disc::score(board, model, false)
-    }
+/// Whether stamps are as coarse as their ticks and rounding hangs together from edge to edge: it is no white noise then.
+fn rounded_alike(board: &Board, fit: &Fit) -> bool {
+    // Lag-one correlation, in its standard errors, and stamps over what rounding alone makes of them.
+    const DEVIATIONS: f64 = 4.0;
+    const ROUNDED: f64 = 1.1;
+    let tick_s = board
+        .benches
+        .iter()
+        .map(|bench| bench.record.tick_s)
+        .fold(0.0, f64::max);
+    let count = board.edges() as f64;
+    let product: f64 = fit
+        .left
+        .iter()
+        .zip(&fit.left[1..])
+        .map(|(a, b)| a * b)
+        .sum();
+    let lag = product / fit.rss.max(f64::MIN_POSITIVE);
+    board.noise.stamp_s < ROUNDED * tick_s / 12_f64.sqrt() && lag.abs() * count.sqrt() > DEVIATIONS
 }
 
-/// What a finding must explain beyond its cost.
-fn beyond(hypothesis: &Hypothesis) -> f64 {
-    match hypothesis.bases.as_slice() {
-        [Basis::Direction] => AT_ONCE,
-        _ => BEYOND,
+/// Whether a candidate moves edges by more than rounding does.
+fn larger_than_rounding(board: &Board, candidate: &Candidate, fit: &Fit) -> bool {
+    let mut model = fit.model.clone();
+    model.add(&candidate.effects, usize::MAX - 1);
+    let tried = board.fit(&model);
+    let alone = Model {
+        terms: tried
+            .model
+            .terms
+            .iter()
+            .filter(|term| term.group == usize::MAX - 1)
+            .cloned()
+            .collect(),
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (bench, by) in board.benches.iter().zip(board.predicted(&alone)) {
+        let moved = by
+            .iter()
+            .zip(&bench.course.speed)
+            .filter(|(_, speed)| **speed != 0.0);
+        for (by, speed) in moved {
+            sum += (by / speed / bench.record.tick_s).powi(2);
+            count += 1.0;
+        }
     }
+    sum > count / 12.0
 }
 
-pub(super) fn columns(nuisances: &[Column], found: &[Found]) -> Vec<Column> {
-    let own = found.iter().flat_map(|f| f.columns.iter());
-    nuisances.iter().chain(own).cloned().collect()
+/// A model without groups that are no longer worth their numbers.
+fn dropped(board: &Board, fit: &Fit) -> Model {
+    let mut model = fit.model.clone();
+    for group in model.groups() {
+        if evidence(board, fit.loss(group), model.numbers(group)) < SURE {
+            model.terms.retain(|term| term.group != group);
+            return model;
+        }
+    }
+    model
 }

@@ -1,174 +1,163 @@
-//! What is left of a recording whose twin knows all.
+//! Whole diagnoses of simulated recordings, and the filter held against its own transposed.
 
-mod class_errors;
-mod disc_parts;
-mod drawn;
-mod inertia;
-mod late_fall;
-mod reversal;
-mod run_down;
-mod second_mass;
-mod slow_changes;
-mod speed_loop;
-mod stamps;
-mod starts;
-mod task;
-mod two_speeds;
-mod unknown_disc;
-mod where_it_shows;
-
-use quadcal::edge::Levels;
-
-use super::basis::Basis;
-use super::disc;
-use super::prepare;
-use super::repeats::repeats;
-use super::run::Recorded;
-use super::ties::{self, Tie};
-use super::track::Track;
-use crate::sensor::{PlanError, SensorKind, SensorPlan};
+use super::answer::Answer;
+use super::edges::{Edges, Sensor, place};
+use super::filter::{Filter, Noise, STIFF};
+use super::pipeline::diagnose;
+use super::plant::{Law, Plant};
+use super::record::Record;
+use super::rig::Recorded;
+use super::{course::Course, declared, lsq::dot};
+use crate::diagnose::diagnosis::Verdict;
+use crate::mechanism::Mechanism;
+use crate::recording::Row;
 use crate::sim::Simulation;
 use crate::twin::{Encoder, Twin};
+use quadcal::edge::Levels;
 
-/// A recording of one twin held against another.
-fn recorded(truth: &Twin, told: &Twin) -> Recorded {
-    let (kind, lines) = match truth.encoder {
-        Encoder::Hall { pole_pairs } => (SensorKind::Hall, pole_pairs),
-        Encoder::Quadrature { lines, index } => {
-            let index_state = index.then_some(Levels(Levels::A));
-            (SensorKind::Quadrature { index_state }, lines)
-        }
-        Encoder::Wheel { teeth, .. } => {
-            let kind = SensorKind::Wheel {
-                both_edges: true,
-                missing: 0,
-            };
-            (kind, teeth)
-        }
-    };
-    let plan = SensorPlan { kind, lines };
-    let rows = Simulation::new(truth).unwrap();
-    let rows = rows.map(|event| Ok::<_, PlanError>(event.row));
-    Recorded {
-        file: String::new(),
-        plan,
-        track: Track::of(plan, truth.timer.clock_hz, rows).unwrap(),
-        twin: told.clone(),
-    }
-}
+const PAIR_FAST: &str = include_str!("../../twins/pair-fast.toml");
+const WHEEL: &str = include_str!("../../twins/wheel-60-2.toml");
+const LOAD: &str = include_str!("../../twins/load-step.toml");
 
 fn twin(text: &str) -> Twin {
-    Twin::parse(text, "rig").unwrap()
+    Twin::parse(text, "a.toml").unwrap()
 }
 
-/// Mean square of the white residual and the greatest of it.
-fn left(truth: &Twin, told: &Twin) -> (f64, f64) {
-    let board = prepare::board(&[recorded(truth, told)]).unwrap();
-    let white = &board.benches[0].white;
-    let mean = white.iter().map(|w| w * w).sum::<f64>() / white.len() as f64;
-    (mean, white.iter().fold(0.0, |most, w| most.max(w.abs())))
-}
-
-/// Ripple that turns by a good part of a cycle from edge to edge, and swings the shaft by more than a linear model allows.
-#[test]
-fn a_strong_ripple_between_a_hall_sensors_few_edges_is_taken_off_whole() {
-    let rig = twin(
-        "duration = { turns = 60 }\nseed = 5\n[encoder.hall]\npole_pairs = 2\n[shaft]\n\
-         inertia_kg_m2 = 1.4e-3\nviscous_n_m_s = 1.5e-4\ncoulomb_n_m = 5e-4\n\
-         [drive.run_down]\nr_min = 660\noff_s = 0.5\n\
-         [[ripple]]\norder = 10\ntorque_n_m = 0.13\nphase_rad = 1\n\
-         [[ripple]]\norder = 15\ntorque_n_m = 0.4\nphase_rad = 2\n\
-         [noise.white]\npsd_n2_m2_s = 1e-8\n[timer]\nclock_hz = 84000000\njitter_s = 2e-7\n",
-    );
-    let (mean, most) = left(&rig, &rig);
-    assert!((mean - 1.0).abs() < 0.2 && most < 4.5, "{mean} {most}");
-}
-
-const STEADY: &str = "duration = { turns = 40 }\nseed = 3\n[encoder.quadrature]\nlines = 60\nindex = false\n\
-                      [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 2e-4\nstiffness_n_m_s = 4e-4\n\
-                      [drive.constant]\nr_min = 240\n[noise.white]\npsd_n2_m2_s = 1e-12\n\
-                      [timer]\nclock_hz = 84000000\njitter_s = 1e-7\n";
-
-/// Stamps don't say whether a loop saw an edge: with the push it did not give nothing changes, with the one it gave it is taken off.
-#[test]
-fn a_push_that_stamps_leave_open_is_settled_by_the_edges_after_it() {
-    let rig = twin(STEADY);
-    let mut bench = prepare::board(&[recorded(&rig, &rig)])
+fn edges(twin: &Twin) -> Edges {
+    let sensor = match &twin.encoder {
+        &Encoder::Quadrature { lines, index } => Sensor::Quadrature {
+            lines,
+            index: index.then_some(Levels(Levels::A)),
+        },
+        &Encoder::Hall { pole_pairs } => Sensor::Hall { pole_pairs },
+        wheel @ Encoder::Wheel { teeth, .. } => Sensor::Wheel {
+            present: (0..*teeth).map(|tooth| wheel.is_real(2 * tooth)).collect(),
+            both_edges: true,
+        },
+    };
+    let rows: Vec<Row> = Simulation::new(twin)
         .unwrap()
-        .benches
-        .remove(0);
-    let at_s = bench.seen.times_s[bench.seen.len() / 2];
-    let tie = Tie {
-        at_s,
-        until_s: at_s + 2e-3,
-        apart_s: 1e-8,
-        push: 40.0,
-        after: 0.0,
-        turned: false,
-    };
-    let before = bench.seen.angles.clone();
-    bench.seen.ties = vec![tie];
-    assert!(!ties::decide(&mut bench));
-    assert_eq!(bench.seen.angles, before);
+        .map(|event| event.row)
+        .collect();
+    place(&sensor, twin.timer.clock_hz, &rows).unwrap()
+}
 
-    let load = Basis::Load {
-        from_s: tie.at_s,
-        until_s: tie.until_s,
+/// A recording of one twin beside another.
+fn against(real: &str, given: &str) -> Answer {
+    let one = Recorded {
+        file: "a.csv".to_owned(),
+        edges: edges(&twin(real)),
+        twin: twin(given),
     };
-    let column = load.columns(&bench.seen, &bench.law).remove(0);
-    let size = tie.push * bench.law.inertia;
-    let swung = column.iter().map(|value| size * value);
-    let most = swung
-        .clone()
-        .fold(0.0, |most: f64, value| most.max(value.abs()));
-    for (angle, value) in bench.seen.angles.iter_mut().zip(swung) {
-        *angle += value;
+    diagnose(&[one], &mut |_, _| {}).unwrap()
+}
+
+#[test]
+fn a_twin_explains_its_own_recording() {
+    for text in [PAIR_FAST, WHEEL, LOAD] {
+        let answer = against(text, text);
+        assert_eq!(
+            answer.diagnosis.verdict,
+            Verdict::Complete,
+            "{:?}",
+            answer.diagnosis.findings
+        );
+        assert!(answer.diagnosis.fit.whiteness_p.unwrap() > 1e-3);
     }
-    bench.set_noise(bench.noise);
-    bench.seen.ties = vec![tie];
-    assert!(ties::decide(&mut bench));
-    let off = bench.seen.angles.iter().zip(&before);
-    let off = off.fold(0.0, |most: f64, (now, before)| {
-        most.max((now - before).abs())
-    });
-    assert!(off < 0.02 * most, "{off} of {most}");
 }
 
 #[test]
-fn a_discs_own_pattern_comes_again_and_noise_that_is_more_than_declared_does_not() {
-    let told = twin(STEADY);
-    let line = twin(&format!(
-        "{STEADY}[errors.position.normal]\nrms_rad = 1e-4\n"
-    ));
-    let noisy = twin(&STEADY.replace("jitter_s = 1e-7", "jitter_s = 4e-7"));
-    let shares = |truth: &Twin| {
-        let board = prepare::board(&[recorded(truth, &told)]).unwrap();
-        let model = board.fit(board.nuisances()).unwrap();
-        let pattern = disc::pattern(&board, &model, false).unwrap();
-        let shares = disc::comes_again(&board, &model.left, pattern.white_rad);
-        (pattern.score, shares)
-    };
-    let (score, own) = shares(&line);
-    assert!(score > 1000.0, "{score}");
+fn a_load_that_the_twin_lacks_is_named_with_its_size_and_instants() {
+    let begins = LOAD.find("[[load_step]]").unwrap();
+    let rest = &LOAD[begins..];
+    let ends = rest[1..]
+        .find("\n[")
+        .map_or(LOAD.len(), |at| begins + 1 + at);
+    let given = format!("{}{}", &LOAD[..begins], &LOAD[ends..]);
+    let truth = twin(LOAD).load_step[0];
+    let answer = against(LOAD, &given);
+    let first = &answer.diagnosis.findings[0];
+    assert_eq!(first.mechanism, Mechanism::LoadStep);
+    let [low, high] = first.parameters["torque_n_m"].ci95.unwrap();
+    let wide = high - low;
     assert!(
-        own.iter().all(|(share, _)| (share - 1.0).abs() < 0.1),
-        "{own:?}"
+        (low - wide..high + wide).contains(&truth.torque_n_m),
+        "{low} {high} {}",
+        truth.torque_n_m
     );
-    let (_, none) = shares(&noisy);
-    assert!(none.iter().all(|(share, _)| share.abs() < 0.35), "{none:?}");
+    assert!((first.parameters["from_s"].value - truth.from_s).abs() < 0.01);
 }
 
 #[test]
-fn of_what_has_no_name_a_disc_comes_again_each_turn_and_noise_does_not() {
-    let told = twin(STEADY);
-    let share = |truth: &str| {
-        let board = prepare::board(&[recorded(&twin(truth), &told)]).unwrap();
-        repeats(&board, &board.white()).unwrap()
+fn a_tone_at_one_speed_is_named_with_its_look_alike_and_the_residual_falls() {
+    let tone = "\n[[torque_tone]]\nf_hz = 37.3\ntorque_n_m = 3e-4\nphase_rad = 0.4\n";
+    let answer = against(&format!("{PAIR_FAST}{tone}"), PAIR_FAST);
+    let first = &answer.diagnosis.findings[0];
+    // At one speed an order is a frequency: 37.3 Hz are order 3.73 of 10 turns a second.
+    let mut both = first.look_alikes.clone();
+    both.push(first.mechanism);
+    assert!(
+        both.contains(&Mechanism::TorqueTone) && both.contains(&Mechanism::GearMesh),
+        "{both:?}"
+    );
+    assert_eq!(answer.diagnosis.verdict, Verdict::Ambiguous);
+    let torque = &first.parameters["torque_n_m"];
+    assert!((torque.value / 3e-4 - 1.0).abs() < 0.05, "{torque:?}");
+    let held = &answer.diagnosis.fit.held_out;
+    assert!(held.rms_after_rad < held.rms_before_rad);
+    assert!(held.reducible_removed.unwrap() > 0.9);
+}
+
+#[test]
+fn the_transposed_filter_is_the_filters_adjoint() {
+    let twin = twin(PAIR_FAST);
+    let record = Record::of(&edges(&twin), &twin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let plant = Plant::new(Law::of(&twin), &course);
+    let leaps = plant.leaps::<STIFF>(&course);
+    let noise = Noise {
+        torque: 1e-4,
+        stamp_s: 1e-8,
+        drift: 0.0,
+        angle_rad: 0.0,
     };
-    let disc = share(&format!(
-        "{STEADY}[errors.position.normal]\nrms_rad = 1e-4\n"
-    ));
-    assert!((disc.share - 1.0).abs() < 0.05, "{disc:?}");
-    let noise = share(&STEADY.replace("jitter_s = 1e-7", "jitter_s = 4e-7"));
-    assert!(noise.share < 0.05, "{noise:?}");
+    let filter = Filter::new(&leaps, &noise);
+    let wave =
+        |by: f64| -> Vec<f64> { (0..record.len()).map(|at| (by * at as f64).sin()).collect() };
+    let (one, other) = (wave(0.37), wave(0.011));
+    let mut there = one.clone();
+    filter.whiten(&mut there);
+    let mut back = other.clone();
+    filter.transposed(&mut back);
+    let (a, b) = (dot(&there, &other), dot(&one, &back));
+    assert!((a - b).abs() < 1e-9 * a.abs().max(b.abs()), "{a} {b}");
+}
+
+#[test]
+fn a_torque_swings_the_shaft_as_its_transfer_function_says() {
+    let mut twin = twin(PAIR_FAST);
+    twin.errors = Default::default();
+    let record = Record::of(&edges(&twin), &twin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let plant = Plant::new(Law::of(&twin), &course);
+    let w: f64 = 2.0 * std::f64::consts::PI * 30.0;
+    let angles = plant.response(&course, |here| (w * here.time_s).sin(), |_| w, &[]);
+    let b = plant.damping[1];
+    let expected = 1.0 / (w * w.hypot(b));
+    // Over whole periods late in the recording, beside a straight way.
+    let half = record.len() / 2;
+    let time: Vec<f64> = record.time_s[half..].to_vec();
+    let sin: Vec<f64> = time.iter().map(|t| (w * t).sin()).collect();
+    let cos: Vec<f64> = time.iter().map(|t| (w * t).cos()).collect();
+    let one = vec![1.0; time.len()];
+    let solved = super::lsq::solve(&[&one, &time, &sin, &cos], &angles[half..]);
+    let swing = solved.sizes[2].hypot(solved.sizes[3]);
+    assert!((swing / expected - 1.0).abs() < 1e-3, "{swing} {expected}");
+}
+
+#[test]
+fn effects_of_a_twin_are_as_many_as_its_sections_say() {
+    let twin = twin(include_str!("../../twins/mechanisms.toml"));
+    // One gear, two bearings, a tone, a load, a level's ripple and drift, two plays, a drift of the speed.
+    assert_eq!(declared::effects(&twin).len(), 10);
 }

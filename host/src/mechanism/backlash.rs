@@ -10,7 +10,7 @@
 //! with backlash: a survey, Automatica 38, 2002).
 
 use super::card::ERROR_RAD;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -35,5 +35,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "The same reversals with a constant torque on the disc's side that keeps the play to one flank: backlash goes, hysteresis \
                    of the head stays.",
-    handling: Handling::NONE,
 };

@@ -10,14 +10,7 @@
 //! Source: ball pass frequency of the outer ring (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2).
 
 use super::card::{ERROR_RAD, ORDERS};
-use super::handling::off_whole;
-use super::line_error::{columns, round_order, text};
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity, Setting};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::mended::{Mended, wave};
-use crate::diagnose::named::{Named, Numbers};
-use crate::twin::Bearing;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -45,54 +38,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "Two recordings at speeds that differ by a factor of two: the order stays; run-out keeps its size in angle, torque falls \
                    with the square of the speed. One more with the gear disconnected rules out a mesh.",
-    handling: Handling {
-        makes: |basis| round_order(basis).is_some_and(|order| order.fract() != 0.0),
-        columns,
-        of_rhythm: |rhythm| {
-            let order = rhythm.fractional()?;
-            Some(Basis::Lagged { order })
-        },
-        instead_of,
-        values,
-        text,
-        mends,
-        ..Handling::NONE
-    },
 };
-
-fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
-    match found.bases.first() {
-        Some(&Basis::TorqueOrder { order }) if order.fract() != 0.0 => {
-            vec![Hypothesis::by(Basis::Lagged { order })]
-        }
-        Some(&Basis::TorqueTone { f_hz }) => {
-            let order = off_whole(std::f64::consts::TAU * f_hz / setting.speed_rad_s);
-            vec![Hypothesis::by(Basis::Lagged { order })]
-        }
-        _ => Vec::new(),
-    }
-}
-
-fn values(numbers: &Numbers<'_>) -> Named {
-    let Some(order) = round_order(numbers.basis()) else {
-        return Named::new();
-    };
-    vec![
-        ("order".to_owned(), numbers.searched(order, 0)),
-        ("runout_rad".to_owned(), Numbers::amplitude(0)),
-        ("phase_rad".to_owned(), Numbers::phase(0)),
-    ]
-}
-
-fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
-    if let Some(order) = round_order(basis) {
-        let (runout_rad, phase_rad) = wave(sizes);
-        mended.twin.bearing.push(Bearing {
-            order,
-            phase_rad,
-            torque_n_m: None,
-            speed_fraction: None,
-            runout_rad: Some(runout_rad),
-        });
-    }
-}

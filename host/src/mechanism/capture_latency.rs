@@ -11,9 +11,7 @@
 //! A. Schuster's periodogram (Terrestrial Magnetism 3, 1898).
 
 use super::card::DELAY_S;
-use super::handling::value;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::twin::CaptureLatency;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Rates that a task is looked for at, Hz.
 pub const TASK_HZ: [f64; 2] = [40.0, 11_000.0];
@@ -50,17 +48,4 @@ pub const CARD: Card = Card {
     same_mark: &[],
     told_by_rig: &[],
     separated_by: "A recording with the other tasks of the controller off, or with a hardware capture: latency goes, jitter of the clock stays.",
-    handling: Handling {
-        puts_in: |twin, parameters| {
-            let busy_s = value(parameters, "busy_s");
-            let there = busy_s != Some(0.0);
-            twin.capture_latency = there.then(|| CaptureLatency {
-                mean_s: value(parameters, "mean_s").map(|mean| mean.max(0.0)),
-                task_hz: value(parameters, "task_hz"),
-                busy_s,
-                phase_s: value(parameters, "phase_s"),
-            });
-        },
-        ..Handling::NONE
-    },
 };

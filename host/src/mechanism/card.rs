@@ -1,8 +1,8 @@
 //! What is known of a mechanism before any recording is looked at.
 
-use super::{EdgeClasses, Handling, LockedTo, Mechanism};
+use super::{EdgeClasses, LockedTo, Mechanism};
 
-/// A mechanism: what it is, what it is told by, and how the diagnosis handles it. Its file has one.
+/// A mechanism: what it is, what it is told by, and which others look the same. Its file has one.
 #[derive(Clone, Copy, Debug)]
 pub struct Card {
     /// A few words for people, without a full stop.
@@ -31,8 +31,6 @@ pub struct Card {
     pub told_by_rig: &'static [Mechanism],
     /// The recording to make next: what to change and what then shows. One or two sentences.
     pub separated_by: &'static str,
-    /// How the diagnosis handles it.
-    pub handling: Handling,
 }
 
 /// A number that a finding may have.

@@ -10,7 +10,7 @@
 //! Source: direct method of closed-loop identification (L. Ljung, System Identification, 2nd ed., section 13.4).
 
 use super::card::TORQUE_N_M;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -38,5 +38,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A recording in torque or voltage mode, or with another bandwidth of the loop: what the loop makes goes or moves with \
                    its bandwidth, errors of the disc stay.",
-    handling: Handling::NONE,
 };

@@ -7,11 +7,7 @@
 //!
 //! Source: angle of a Hooke's joint, second order in beta (J. E. Shigley, J. J. Uicker, Theory of Machines and Mechanisms).
 
-use super::eccentricity::{listed, sum};
-use super::line_error::{add_order, columns, instead_of, of_rhythm, round_order, text, values};
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::hypothesis::Hypothesis;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Largest amplitude: a tilt of 36 degrees.
 const LARGEST_RAD: f64 = 0.1;
@@ -45,25 +41,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "Two recordings at speeds a factor of two apart, in torque or voltage mode: a tilted disc keeps its size in angle, torque \
                    at order 2 falls with the square of the speed.",
-    handling: Handling {
-        makes: |basis| round_order(basis).is_some_and(own),
-        proposed: |_| vec![Hypothesis::by(Basis::Round { order: 2.0 })],
-        columns,
-        of_rhythm: |rhythm| of_rhythm(rhythm, own),
-        instead_of: |found, setting| instead_of(found, setting, own),
-        values,
-        text,
-        mends: |mended, _, sizes| {
-            if listed(mended) {
-                add_order(mended, 2.0, sizes);
-            } else {
-                mended.twin.errors.tilt = Some(sum(mended.twin.errors.tilt, sizes));
-            }
-        },
-        ..Handling::NONE
-    },
 };
-
-fn own(order: f64) -> bool {
-    order == 2.0
-}

@@ -8,7 +8,7 @@
 //!
 //! Source: order of a reflected binary code, one channel changing at a time (F. Gray, US patent 2632058, 1953).
 
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -32,5 +32,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A recording with the drive's power stage off, shaft turned by another motor or by hand: pick-up goes, a defect of the \
                    disc returns at its angle.",
-    handling: Handling::NONE,
 };

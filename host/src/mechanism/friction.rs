@@ -10,22 +10,10 @@
 //! with the square of the speed.
 
 use super::card::TORQUE_N_M;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::board::Board;
-use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::mended::Mended;
-use crate::diagnose::named::{Named, Numbers};
-use crate::diagnose::response::braked;
-use crate::diagnose::seen::Seen;
-use crate::diagnose::shaft::ShaftLaw;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Changes go either way.
 const RANGE: [f64; 2] = [-TORQUE_N_M, TORQUE_N_M];
-/// Terms that are one number each.
-const TERMS: [Basis; 3] = [Basis::Coulomb, Basis::Viscous, Basis::Drag];
-/// Shares of the highest speed that Stribeck's speed is looked for at.
-const STRIBECK_SHARES: [f64; 9] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -77,76 +65,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A run-down from the highest speed to rest, load disconnected: friction gives the same deceleration at the same speed \
                    each time, a drift of the drive or a load step does not.",
-    handling: Handling {
-        makes: |basis| {
-            matches!(
-                basis,
-                Basis::Coulomb | Basis::Viscous | Basis::Drag | Basis::Stribeck { .. }
-            )
-        },
-        columns,
-        proposed,
-        instead_of: |found, _| match found.bases.first() {
-            Some(Basis::Coulomb | Basis::Viscous | Basis::Drag) => TERMS.map(Hypothesis::by).into(),
-            _ => Vec::new(),
-        },
-        values,
-        text: |_| "the course of the run-down".to_owned(),
-        mends,
-        ..Handling::NONE
-    },
 };
-
-/// Where any drive goes off.
-fn proposed(board: &Board) -> Vec<Hypothesis> {
-    let off = |law: &ShaftLaw| !law.driven(f64::MAX);
-    if !board.benches.iter().any(|bench| off(&bench.law)) {
-        return Vec::new();
-    }
-    let [low, high] = board.benches[0].seen.speed_range();
-    let top = high.abs().max(low.abs());
-    let stribeck = STRIBECK_SHARES.map(|share| Basis::Stribeck { rad_s: share * top });
-    TERMS
-        .into_iter()
-        .chain(stribeck)
-        .map(Hypothesis::by)
-        .collect()
-}
-
-fn columns(basis: Basis, seen: &Seen, law: &ShaftLaw) -> Vec<Vec<f64>> {
-    braked(seen, law, &|speed| match basis {
-        Basis::Coulomb => speed.signum(),
-        Basis::Viscous => speed,
-        Basis::Drag => speed * speed.abs(),
-        Basis::Stribeck { rad_s } => speed.signum() * (-(speed / rad_s).powi(2)).exp(),
-        _ => 0.0,
-    })
-}
-
-fn values(numbers: &Numbers<'_>) -> Named {
-    let size = |name: &str| (name.to_owned(), Numbers::size(0));
-    match numbers.basis() {
-        Basis::Coulomb => vec![size("coulomb_n_m")],
-        Basis::Viscous => vec![size("viscous_n_m_s")],
-        Basis::Drag => vec![size("drag_n_m_s2")],
-        Basis::Stribeck { rad_s } => vec![
-            size("stribeck_n_m"),
-            ("stribeck_rad_s".to_owned(), numbers.scaled(rad_s, 0)),
-        ],
-        _ => Named::new(),
-    }
-}
-
-fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
-    let shaft = &mut mended.twin.shaft;
-    match basis {
-        Basis::Coulomb => shaft.coulomb_n_m = (shaft.coulomb_n_m + sizes[0]).max(0.0),
-        Basis::Viscous => shaft.viscous_n_m_s = (shaft.viscous_n_m_s + sizes[0]).max(0.0),
-        Basis::Drag => shaft.drag_n_m_s2 = (shaft.drag_n_m_s2 + sizes[0]).max(0.0),
-        Basis::Stribeck { rad_s } => {
-            shaft.stribeck_n_m = (shaft.stribeck_n_m + sizes[0]).max(0.0);
-            shaft.stribeck_rad_s = rad_s;
-        }
-        _ => {}
-    }
-}

@@ -9,11 +9,7 @@
 //! Source: tooth-mesh frequency, teeth times speed of the wheel (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2).
 
 use super::card::ORDERS;
-use super::handling::off_whole;
-use super::torque_ripple::{columns, declared, named, text, torque_order};
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity, Setting};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::hypothesis::Hypothesis;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -40,31 +36,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[Mechanism::Bearing],
     separated_by: "Two recordings at speeds that differ by a tenth or more: the order stays while its frequency moves; the gear's tooth \
                    counts must give this order, or it is a bearing. One more with the gear disconnected shows it gone.",
-    handling: Handling {
-        makes: |basis| torque_order(basis).is_some_and(|order| order.fract() != 0.0),
-        columns,
-        of_rhythm: |rhythm| {
-            let order = rhythm.fractional()?;
-            Some(Basis::TorqueOrder { order })
-        },
-        instead_of,
-        values: |numbers| {
-            let order = torque_order(numbers.basis()).unwrap_or(0.0);
-            named(numbers.searched(order, 0))
-        },
-        text,
-        mends: |mended, basis, sizes| mended.twin.gear_mesh.extend(declared(basis, sizes)),
-        ..Handling::NONE
-    },
 };
-
-fn instead_of(found: &Hypothesis, setting: Setting) -> Vec<Hypothesis> {
-    let order = match found.bases.first() {
-        Some(&Basis::Lagged { order }) if order.fract() != 0.0 => order,
-        Some(&Basis::TorqueTone { f_hz }) => {
-            off_whole(std::f64::consts::TAU * f_hz / setting.speed_rad_s)
-        }
-        _ => return Vec::new(),
-    };
-    vec![Hypothesis::by(Basis::TorqueOrder { order })]
-}

@@ -10,14 +10,7 @@
 //! 1938) over the slope of the signal in angle.
 
 use super::card::ERROR_RAD;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::board::Board;
-use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::mended::Mended;
-use crate::diagnose::named::Numbers;
-use crate::diagnose::play;
-use crate::twin::Hysteresis;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -42,30 +35,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "The same reversals with a constant torque on the disc's side that keeps any play to one flank: backlash goes, hysteresis \
                    of the head stays. It is below half a line, and a channel may have its own.",
-    handling: Handling {
-        makes: |basis| matches!(basis, Basis::Direction),
-        columns: |_, seen, _| vec![play::column(seen)],
-        proposed,
-        values: |_| vec![("angle_rad".to_owned(), Numbers::size(0))],
-        text: |_| "forward against reverse, all edges alike".to_owned(),
-        mends,
-        ..Handling::NONE
-    },
 };
-
-/// Where any recording goes both ways.
-fn proposed(board: &Board) -> Vec<Hypothesis> {
-    if board.benches.iter().any(|bench| bench.seen.reverses()) {
-        vec![Hypothesis::by(Basis::Direction)]
-    } else {
-        Vec::new()
-    }
-}
-
-fn mends(mended: &mut Mended, _: Basis, sizes: &[f64]) {
-    let old = mended.twin.hysteresis.map_or(0.0, |h| h.angle_rad);
-    mended.twin.hysteresis = Some(Hysteresis {
-        angle_rad: (old + sizes[0]).max(0.0),
-        channel: None,
-    });
-}

@@ -8,9 +8,7 @@
 //! Source: count of edges between two passes of the index, a whole number of turns' edges unless it slipped.
 
 use super::card::INSTANT_S;
-use super::handling::value;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::twin::IndexSlip;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -42,16 +40,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A recording with an index and several changes of load: a slip moves the index for good with no edge lost or added \
                    between two channels, lost edges break the order of A and B.",
-    handling: Handling {
-        puts_in: |twin, parameters| {
-            let value = |name| value(parameters, name);
-            if let (Some(at_s), Some(edges)) = (value("at_s"), value("edges")) {
-                twin.index_slip.push(IndexSlip {
-                    at_s,
-                    edges: edges.round() as i32,
-                });
-            }
-        },
-        ..Handling::NONE
-    },
 };

@@ -11,14 +11,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::card::ERROR_RAD;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::classes::{by_edge, change_of};
-use crate::diagnose::mended::{Mended, channel};
-use crate::diagnose::named::{Named, Numbers};
-use crate::diagnose::seen::Seen;
-use crate::diagnose::shaft::ShaftLaw;
-use crate::twin::{Flank, LocalDefect};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -50,75 +43,4 @@ pub const CARD: Card = Card {
     same_mark: &[],
     told_by_rig: &[],
     separated_by: "A longer recording, ten turns or more: a defect stays at its angle every turn, lost or extra edges do not come back.",
-    handling: Handling {
-        makes: |basis| matches!(basis, Basis::Bump { .. }),
-        columns,
-        values,
-        text: |shows| {
-            let angle = shows.place.angles_deg.first().copied().unwrap_or(0.0);
-            format!("{}, at {angle:.2} degrees, once a turn", shows.edges)
-        },
-        mends,
-        ..Handling::NONE
-    },
 };
-
-fn columns(basis: Basis, seen: &Seen, _: &ShaftLaw) -> Vec<Vec<f64>> {
-    let Basis::Bump {
-        angle_rad,
-        width_rad,
-        channel,
-        rises,
-    } = basis
-    else {
-        return Vec::new();
-    };
-    let bump: Vec<f64> = (0..seen.edges)
-        .map(|edge| {
-            let class = (edge + seen.shift).rem_euclid(seen.classes);
-            let change = change_of(usize::try_from(class).unwrap_or(0), seen.classes);
-            if !change.on(channel) || rises.is_some_and(|rises| rises != change.rises) {
-                return 0.0;
-            }
-            let way = edge as f64 * TAU / seen.edges as f64 - angle_rad;
-            let way = way.rem_euclid(TAU);
-            let widths = way.min(TAU - way) / width_rad;
-            (-0.5 * widths * widths).exp()
-        })
-        .collect();
-    by_edge(seen, |at, _| bump[seen.edge(at)])
-}
-
-fn values(numbers: &Numbers<'_>) -> Named {
-    let Basis::Bump {
-        angle_rad,
-        width_rad,
-        ..
-    } = numbers.basis()
-    else {
-        return Named::new();
-    };
-    vec![
-        ("angle_rad".to_owned(), numbers.turned(angle_rad, 0)),
-        ("width_rad".to_owned(), numbers.scaled(width_rad, 1)),
-        ("error_rad".to_owned(), Numbers::size(0)),
-    ]
-}
-
-fn mends(mended: &mut Mended, basis: Basis, sizes: &[f64]) {
-    if let Basis::Bump {
-        angle_rad,
-        width_rad,
-        channel: on,
-        rises,
-    } = basis
-    {
-        mended.twin.local_defect.push(LocalDefect {
-            angle_rad: angle_rad.rem_euclid(TAU),
-            width_rad,
-            error_rad: sizes[0],
-            channel: on.map(channel),
-            edge: rises.map(|rises| if rises { Flank::Rise } else { Flank::Fall }),
-        });
-    }
-}

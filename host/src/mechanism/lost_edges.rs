@@ -8,7 +8,7 @@
 //!
 //! Source: order of a reflected binary code, one channel changing at a time (F. Gray, US patent 2632058, 1953).
 
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -32,5 +32,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A slower recording with an index, of some ten turns: lost edges become fewer, a slip of the index stays, a defect \
                    returns at its angle.",
-    handling: Handling::NONE,
 };

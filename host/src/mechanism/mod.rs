@@ -1,8 +1,7 @@
 //! The mechanisms that a diagnosis can name: a file for each, with its physics, its numbers, its mark and its look-alikes.
 //!
-//! The engine goes through the table here: a new mechanism is a file with a [`Card`] and a line in it (and, where it makes a mark of a new
-//! shape, a [`Basis`](crate::diagnose::basis::Basis)). A twin has a section for every mechanism but [`Mechanism::Unknown`], and
-//! [`crate::sim`] runs it: the forward models there are the ones that a diagnosis ends with.
+//! A new mechanism is a file with a [`Card`] and a line in the table here; which cell of the diagnosis it names is said in
+//! [`crate::diagnose::name`]. A twin has a section for every mechanism but [`Mechanism::Unknown`], and [`crate::sim`] runs it.
 
 mod backlash;
 mod bearing;
@@ -16,7 +15,6 @@ mod edge_delay;
 mod extra_edges;
 mod friction;
 mod gear_mesh;
-mod handling;
 mod hysteresis;
 mod index_slip;
 mod line_error;
@@ -42,9 +40,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub use capture_latency::TASK_HZ;
 pub use card::{Card, Quantity};
-pub use handling::{Handling, Rhythm, Setting, Shows};
 pub use mark::{EdgeClasses, LockedTo};
 
 /// Makes of each line a mechanism, its id and its card.

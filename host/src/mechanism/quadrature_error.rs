@@ -7,14 +7,7 @@
 //! Source: Yin, Guo et al., Chinese Journal of Scientific Instrument, doi 10.19650/j.cnki.cjsi.J2210801, eq. (16).
 
 use super::card::ERROR_RAD;
-use super::width_error::of_channels;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::diagnose::basis::Basis;
-use crate::diagnose::classes::by_edge;
-use crate::diagnose::hypothesis::Hypothesis;
-use crate::diagnose::named::{Named, Numbers};
-use crate::diagnose::seen::Seen;
-use crate::diagnose::shaft::ShaftLaw;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Either way.
 const RANGE: [f64; 2] = [-ERROR_RAD, ERROR_RAD];
@@ -52,52 +45,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "Two recordings at speeds a factor of two apart: a quadrature error keeps its size in angle, unequal delays of the \
                    channels grow with the speed.",
-    handling: Handling {
-        makes: |basis| matches!(basis, Basis::Shift { .. }),
-        columns,
-        proposed: |board| of_channels(board).map_or_else(Vec::new, all),
-        instead_of: |found, setting| match found.bases.first() {
-            Some(Basis::Late { .. }) if found.bases.len() < setting.channels => {
-                all(setting.channels)
-            }
-            _ => Vec::new(),
-        },
-        values,
-        text: |shows| {
-            format!(
-                "{} against the others, the same angle throughout",
-                shows.edges
-            )
-        },
-        mends: |mended, basis, sizes| {
-            if let Basis::Shift { channel } = basis {
-                mended.add_disc(|_, on, _| if channel == on { sizes[0] } else { 0.0 });
-            }
-        },
-        ..Handling::NONE
-    },
 };
-
-fn all(channels: usize) -> Vec<Hypothesis> {
-    let each = (1..channels).map(|channel| Basis::Shift { channel });
-    Hypothesis::by_all(each.collect()).into_iter().collect()
-}
-
-fn columns(basis: Basis, seen: &Seen, _: &ShaftLaw) -> Vec<Vec<f64>> {
-    let Basis::Shift { channel } = basis else {
-        return Vec::new();
-    };
-    by_edge(seen, |_, change| {
-        f64::from(u8::from(change.channel == channel))
-    })
-}
-
-fn values(numbers: &Numbers<'_>) -> Named {
-    let alone = numbers.patterns() == 1;
-    let each = numbers.bases().filter_map(|(at, basis)| match basis {
-        Basis::Shift { .. } if alone => Some(("quadrature_rad".to_owned(), Numbers::size(at))),
-        Basis::Shift { channel } => Some((OF_CHANNELS[channel].to_owned(), Numbers::size(at))),
-        _ => None,
-    });
-    each.collect()
-}

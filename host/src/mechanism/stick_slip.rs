@@ -10,7 +10,7 @@
 //! tools and compensation methods for the control of machines with friction, Automatica 30, 1994, section 2).
 
 use super::card::TORQUE_N_M;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -54,5 +54,4 @@ pub const CARD: Card = Card {
     same_mark: &[],
     told_by_rig: &[],
     separated_by: "A recording at several times the speed: stick-slip ends above a critical speed, tones and resonances stay.",
-    handling: Handling::NONE,
 };

@@ -9,8 +9,7 @@
 //! Source: white noise of the stamp, rounding of variance tick^2 / 12 (B. Widrow, I. Kollar, Quantization Noise, 2008), and
 //! kinematics, first order in the time.
 
-use super::handling::value;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -35,11 +34,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A longer recording: late captures are skewed or come at a task's rate, jitter is symmetric and white. Another speed \
                    tells both from noise of the angle.",
-    handling: Handling {
-        puts_in: |twin, parameters| {
-            let jitter_s = value(parameters, "jitter_s").unwrap_or(twin.timer.jitter_s);
-            twin.timer.jitter_s = jitter_s.max(0.0);
-        },
-        ..Handling::NONE
-    },
 };

@@ -11,9 +11,7 @@
 //! (Arkiv foer Matematik 2, 1953).
 
 use super::card::FREQUENCIES_HZ;
-use super::handling::value;
-use super::{Card, EdgeClasses, Handling, LockedTo, Mechanism, Quantity};
-use crate::twin::TorsionalResonance;
+use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -58,23 +56,4 @@ pub const CARD: Card = Card {
     told_by_rig: &[],
     separated_by: "A slow ramp through the speeds at which an order meets the band: a resonance swells where they meet, a torque tone does \
                    not. One more with the load disconnected moves the band.",
-    handling: Handling {
-        puts_in: |twin, parameters| {
-            let value = |name| value(parameters, name);
-            if let (Some(f_hz), Some(damping_ratio), Some(inertia_share)) = (
-                value("f_hz"),
-                value("damping_ratio"),
-                value("inertia_share"),
-            ) {
-                twin.torsional_resonance = Some(TorsionalResonance {
-                    f_hz,
-                    damping_ratio: damping_ratio.clamp(0.0, 1.0),
-                    inertia_share,
-                    load_psd_n2_m2_s: value("load_psd_n2_m2_s"),
-                    load_hold_s: None,
-                });
-            }
-        },
-        ..Handling::NONE
-    },
 };

@@ -6,7 +6,7 @@
 //!
 //! Source: none.
 
-use super::{Card, EdgeClasses, Handling, Quantity};
+use super::{Card, EdgeClasses, Quantity};
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -43,5 +43,4 @@ pub const CARD: Card = Card {
     same_mark: &[],
     told_by_rig: &[],
     separated_by: "Recordings at another speed, in the other direction, and with the load disconnected show what it keeps step with.",
-    handling: Handling::NONE,
 };

@@ -3,7 +3,6 @@
 pub mod calibrate;
 pub mod demo;
 pub mod diagnose;
-pub mod engine;
 pub mod expected;
 mod figures;
 pub mod separation;

@@ -1,10 +1,9 @@
 //! The sensor that a twin declares, held against what a recording shows.
 
-use quadcal::edge::Levels;
 use thiserror::Error;
 
-use crate::recording::{Channels, Header, Row};
-use crate::sensor::{PlanError, SensorKind, SensorPlan};
+use crate::diagnose::edges::Sensor;
+use crate::recording::{Channels, Header};
 use crate::survey::Survey;
 use crate::twin::Encoder;
 
@@ -46,37 +45,32 @@ pub enum OtherEncoder {
         /// What in the recording shows it.
         shown_by: &'static str,
     },
-    /// An encoder that can be simulated, but not decoded.
-    #[error("{0}; this encoder can't be diagnosed")]
-    Plan(#[from] PlanError),
 }
 
-/// The plan by which the recording of `survey` is decoded as the encoder that its twin declares.
+/// The sensor by which the recording of `survey` is placed as the encoder that its twin declares.
 ///
 /// A recording may hold more than the twin declares, an index that it knows nothing of, never less. One pulse a tooth
 /// is enough for a wheel.
 ///
 /// # Errors
 /// [`OtherEncoder`].
-pub fn plan(encoder: &Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncoder> {
+pub fn sensor(encoder: &Encoder, survey: &Survey) -> Result<Sensor, OtherEncoder> {
     let channels = survey.header.channels;
-    let (kind, lines) = match (encoder, channels) {
+    let sensor = match (encoder, channels) {
         (&Encoder::Quadrature { lines, index }, Channels::Quadrature { index: recorded }) => {
-            let index_state = match (index, recorded) {
+            let index = match (index, recorded) {
                 (false, _) => None,
                 (true, false) => return Err(OtherEncoder::NoIndexChannel),
                 (true, true) if survey.index_pulses == 0 => return Err(OtherEncoder::NoIndexPulse),
                 (true, true) => Some(survey.index_state()),
             };
-            (SensorKind::Quadrature { index_state }, lines)
+            Sensor::Quadrature { lines, index }
         }
-        (&Encoder::Hall { pole_pairs }, Channels::Hall) => (SensorKind::Hall, pole_pairs),
-        (&Encoder::Wheel { teeth, .. }, Channels::Wheel | Channels::Pulses) => {
-            // More teeth than the decoder can miss are refused with their number cut.
-            let missing = encoder.missing_at_end().unwrap_or(u32::MAX);
-            let missing = u16::try_from(missing).unwrap_or(u16::MAX);
-            (SensorKind::of(channels, None, missing), teeth)
-        }
+        (&Encoder::Hall { pole_pairs }, Channels::Hall) => Sensor::Hall { pole_pairs },
+        (&Encoder::Wheel { teeth, .. }, Channels::Wheel | Channels::Pulses) => Sensor::Wheel {
+            present: (0..teeth).map(|tooth| encoder.is_real(2 * tooth)).collect(),
+            both_edges: channels == Channels::Wheel,
+        },
         _ => {
             return Err(OtherEncoder::Kind {
                 declared: declared(encoder),
@@ -84,11 +78,8 @@ pub fn plan(encoder: &Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncod
             });
         }
     };
-    let plan = SensorPlan { kind, lines };
-    plan.shape()?;
-    plan.decoder()?;
-    check_lines(plan, survey)?;
-    Ok(plan)
+    check_lines(&sensor, survey)?;
+    Ok(sensor)
 }
 
 /// Turns that a recording without an index pulse may have at the most, where that is less than one: it needs no index to be too short.
@@ -97,18 +88,6 @@ pub fn plan(encoder: &Encoder, survey: &Survey) -> Result<SensorPlan, OtherEncod
 pub fn part_of_a_turn(encoder: &Encoder, survey: &Survey) -> Option<f64> {
     let turns = survey.rows as f64 / f64::from(encoder.grid_edges());
     (survey.index_pulses == 0 && turns < 1.0).then_some(turns)
-}
-
-/// A row without an index that the twin does not declare, as the decoder would go by it.
-#[must_use]
-pub fn as_declared(plan: SensorPlan, row: Row) -> Row {
-    match plan.kind {
-        SensorKind::Quadrature { index_state: None } => Row {
-            levels: Levels(row.levels.0 & !Levels::Z),
-            ..row
-        },
-        _ => row,
-    }
 }
 
 fn declared(encoder: &Encoder) -> &'static str {
@@ -130,27 +109,38 @@ fn recorded(channels: Channels) -> &'static str {
 }
 
 /// Refuses a number of lines that the index, the header, or, where it says nothing, a strong pattern contradicts.
-fn check_lines(plan: SensorPlan, survey: &Survey) -> Result<(), OtherEncoder> {
-    let counted = match plan.kind {
-        SensorKind::Quadrature { .. } => survey.lines(),
-        _ => None,
+fn check_lines(sensor: &Sensor, survey: &Survey) -> Result<(), OtherEncoder> {
+    let (counted, declared, classes, name) = match sensor {
+        Sensor::Quadrature { lines, .. } => (survey.lines(), *lines, 4, "lines"),
+        Sensor::Hall { pole_pairs } => (None, *pole_pairs, 6, "pole pairs"),
+        Sensor::Wheel {
+            present,
+            both_edges,
+        } => (
+            None,
+            u32::try_from(present.len()).unwrap_or(u32::MAX),
+            1 + u32::from(*both_edges),
+            "teeth",
+        ),
     };
+    let gaps = matches!(sensor, Sensor::Wheel { present, .. } if present.contains(&false));
     let noted = noted_lines(&survey.header);
     let (shown, shown_by) = match (counted, noted) {
         (Some(lines), _) => (lines, "the recording's edges between two index pulses make"),
         (None, Some(lines)) => (lines, "the recording's header says"),
-        (None, None) => match pattern_lines(plan, survey) {
+        (None, None) if gaps => return Ok(()),
+        (None, None) => match pattern_lines(declared, classes, survey) {
             Some(lines) => (lines, "the recording's intervals repeat after"),
             None => return Ok(()),
         },
     };
-    if shown == plan.lines {
+    if shown == declared {
         return Ok(());
     }
     Err(OtherEncoder::Lines {
-        declared: plan.lines,
+        declared,
         shown,
-        name: plan.kind.line_name(),
+        name,
         shown_by,
     })
 }
@@ -168,14 +158,10 @@ fn noted_lines(header: &Header) -> Option<u32> {
 
 /// Lines of another encoder that the intervals show beyond doubt: its turn explains nearly all of their scatter, the declared one
 /// next to nothing. Less is no proof, as what a rig does besides may repeat too.
-fn pattern_lines(plan: SensorPlan, survey: &Survey) -> Option<u32> {
+fn pattern_lines(declared: u32, classes: u32, survey: &Survey) -> Option<u32> {
     const NEARLY_ALL: f64 = 0.2;
     const NEXT_TO_NOTHING: f64 = 0.9;
-    if plan.gap_edges() > 0 {
-        return None;
-    }
-    let classes = plan.kind.classes();
-    let declared = survey.repeat_at(plan.lines.saturating_mul(classes))?;
+    let declared = survey.repeat_at(declared.saturating_mul(classes))?;
     let found = survey.repeat(classes)?;
     let proof = found.left < NEARLY_ALL * found.total
         && declared.left > NEXT_TO_NOTHING * declared.total

@@ -10,8 +10,18 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use crate::cli::failure::Failure;
-use crate::diagnose::run::Diagnosed;
+use crate::diagnose::diagnosis::Diagnosis;
 use crate::twin::{ErrorListFault, Errors, Twin, TwinError, edited};
+
+/// A diagnosis with the twins that it makes.
+#[allow(dead_code)]
+pub(super) struct Diagnosed {
+    pub(super) diagnosis: Diagnosis,
+    /// The twins with the findings in them, one for each recording.
+    pub(super) twins: Vec<Twin>,
+    /// For each recording, if the disc was learned edge by edge, the whole of e, rad for each edge of the grid.
+    pub(super) error_lists: Vec<Option<Vec<f64>>>,
+}
 
 /// A file to be written.
 pub(super) struct NewFile {

@@ -7,13 +7,13 @@ use crate::cli::Globals;
 use crate::cli::failure::Failure;
 use crate::cli::input::{InputArgs, ReadingArgs};
 use crate::cli::progress::Pass;
-use crate::diagnose::run::{DiagnoseError, Recorded};
-use crate::diagnose::track::Track;
-use crate::recording::Header;
-use crate::sensor::PlanError;
-use crate::sim::{Simulation, true_errors};
+use crate::diagnose::edges;
+use crate::diagnose::pipeline::EDGES_LEAST;
+use crate::diagnose::rig::{DiagnoseError, Recorded};
+use crate::recording::{Header, Row};
+use crate::sim::true_errors;
 use crate::survey::Survey;
-use crate::twin::{Drive, Encoder, Twin, TwinError};
+use crate::twin::{Encoder, Twin};
 
 use super::encoder::{self, OtherEncoder};
 
@@ -23,8 +23,6 @@ pub(super) struct Named<'a> {
     /// One for all recordings, or one each.
     pub(super) twins: &'a [PathBuf],
     pub(super) reading: &'a ReadingArgs,
-    /// Whether each twin has to say what turns its shaft.
-    pub(super) drive_needed: bool,
 }
 
 /// A twin by its file.
@@ -83,13 +81,7 @@ impl Named<'_> {
         for path in self.twins {
             let twin = Twin::load(path)?;
             // Lists of errors are read, and edges looked at for their order, before a long recording is.
-            if self.drive_needed {
-                has_all(&twin)?;
-                Simulation::new(&twin)?;
-            } else {
-                true_errors(&twin)?;
-            }
-            twin.missing_teeth()?;
+            true_errors(&twin)?;
             if let Some(first) = declared.first()
                 && disc(&first.twin.encoder) != disc(&twin.encoder)
             {
@@ -109,26 +101,6 @@ impl Named<'_> {
             found.map(|found| found.len())
         });
         Pass::new(what, sizes.sum::<Result<u64, _>>().ok(), globals)
-    }
-}
-
-/// Refuses a twin without what the residual's model starts from.
-fn has_all(twin: &Twin) -> Result<(), TwinError> {
-    let lacks = |key, advice| {
-        Err(TwinError::Lacks {
-            name: twin.name.clone(),
-            key,
-            advice,
-        })
-    };
-    match twin.drive {
-        Drive::Unknown => lacks("[drive]", "a diagnosis needs what turns the shaft: add one"),
-        Drive::Torque(_) => lacks("speed", "a diagnosis needs a drive that declares one"),
-        _ if twin.shaft.inertia_kg_m2 == 0.0 => lacks(
-            "shaft.inertia_kg_m2",
-            "a diagnosis needs the inertia of all that turns: add it",
-        ),
-        _ => Ok(()),
     }
 }
 
@@ -156,17 +128,19 @@ fn recorded(
     };
     let file = input.recording.display().to_string();
     let encoder = &declared.twin.encoder;
-    let plan = encoder::plan(encoder, survey).map_err(|source| {
-        match encoder::part_of_a_turn(encoder, survey) {
-            Some(turns) if source == OtherEncoder::NoIndexPulse => DiagnoseError::TooShort {
-                file: file.clone(),
-                edges: usize::try_from(survey.rows).unwrap_or(usize::MAX),
-                turns,
+    let sensor =
+        encoder::sensor(encoder, survey).map_err(|source| {
+            match encoder::part_of_a_turn(encoder, survey) {
+                Some(turns) if source == OtherEncoder::NoIndexPulse => DiagnoseError::TooShort {
+                    file: file.clone(),
+                    edges: usize::try_from(survey.rows).unwrap_or(usize::MAX),
+                    turns,
+                    least: EDGES_LEAST,
+                }
+                .into(),
+                _ => other(source),
             }
-            .into(),
-            _ => other(source),
-        }
-    })?;
+        })?;
     let clock_hz = declared.twin.timer.clock_hz;
     if let Some(stated) = stated_clock(&survey.header).filter(|stated| *stated != clock_hz) {
         return Err(Failure::OtherClock {
@@ -176,19 +150,16 @@ fn recorded(
             declared: clock_hz,
         });
     }
-    let rows = pass.watch(input.open()?);
-    let rows = rows.map(|row| match row {
-        Ok(row) => Ok(encoder::as_declared(plan, row)),
-        Err(error) => Err(Broken::Read(error.into())),
-    });
-    let track = Track::of(plan, survey.header.clock_hz, rows).map_err(|broken| match broken {
-        Broken::Plan(error) => other(OtherEncoder::Plan(error)),
-        Broken::Read(failure) => failure,
+    let rows: Vec<Row> = pass.watch(input.open()?).collect::<Result<_, _>>()?;
+    let edges = edges::place(&sensor, survey.header.clock_hz, &rows).map_err(|source| {
+        Failure::Placing {
+            recording: input.recording.clone(),
+            source,
+        }
     })?;
     Ok(Recorded {
         file,
-        plan,
-        track,
+        edges,
         twin: declared.twin.clone(),
     })
 }
@@ -197,16 +168,4 @@ fn recorded(
 fn stated_clock(header: &Header) -> Option<u64> {
     let stated = header.notes.iter().any(|(key, _)| key == "clock_hz");
     stated.then_some(header.clock_hz)
-}
-
-/// Why decoding ended.
-enum Broken {
-    Plan(PlanError),
-    Read(Failure),
-}
-
-impl From<PlanError> for Broken {
-    fn from(error: PlanError) -> Self {
-        Self::Plan(error)
-    }
 }

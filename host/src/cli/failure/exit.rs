@@ -41,7 +41,7 @@ impl Failure {
             | Self::OtherEncoder { .. }
             | Self::OtherClock { .. }
             | Self::OtherRig { .. }
-            | Self::NoTwinYet
+            | Self::Placing { .. }
             | Self::TwinCount { .. }
             | Self::Diagnose(_)
             | Self::Calibrate { .. }

@@ -1,259 +1,344 @@
-//! A made-up diagnosis with every field in it.
+//! A made-up answer with every kind of finding in it.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use crate::diagnose::answer::{Answer, Curve, Map, Sized};
 use crate::diagnose::diagnosis::{
-    Band, Diagnosis, Evidence, Expected, Finding, Fit, HeldOut, NextRecording, Parameter, Place,
+    Band, Diagnosis, Evidence, Finding, Fit, HeldOut, NextRecording, Parameter, Place,
     RecordingFacts, RunnerUp, Verdict,
 };
-use crate::diagnose::run::Diagnosed;
-use crate::diagnose::shown::{FindingPlot, Line, RecordingPlot, Shown};
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::mechanism::Mechanism;
-use crate::twin::Twin;
-
-/// A small reproducible noise, about normal.
-pub(crate) struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let uniform = |state: &mut u64| {
-            *state ^= *state << 13;
-            *state ^= *state >> 7;
-            *state ^= *state << 17;
-            (*state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform(&mut self.0)).sum::<f64>() - 6.0
-    }
-}
 
 fn parameters(all: &[(&str, f64, &str, f64)]) -> BTreeMap<String, Parameter> {
     let parameter = |&(name, value, unit, half): &(&str, f64, &str, f64)| {
         let parameter = Parameter {
             value,
             unit: unit.to_owned(),
-            ci95: Some([value - half, value + half]),
+            ci95: (half > 0.0).then_some([value - half, value + half]),
         };
         (name.to_owned(), parameter)
     };
     all.iter().map(parameter).collect()
 }
 
-fn eccentricity() -> Finding {
-    let expected = |mechanism, delta_bic| Expected {
-        mechanism,
+fn evidence(delta_bic: f64, next: Option<(Mechanism, f64)>) -> Evidence {
+    Evidence {
         delta_bic,
-    };
-    let next = NextRecording {
-        text: "44 s at 30 r/min would tell eccentricity from torque_ripple: Schwarz's criterion would differ by about 180".to_owned(),
-        expected_delta_bic: Some(184.0),
-        expected: vec![
-            expected(Mechanism::Eccentricity, 184.0),
-            expected(Mechanism::TorqueRipple, 266.0),
-        ],
-    };
-    Finding {
-        mechanism: Mechanism::Eccentricity,
-        text: "all edges alike, once a turn, largest at 121.3 degrees ± 0.2".to_owned(),
-        confidence: 0.71,
-        parameters: parameters(&[
-            ("amplitude_rad", 4.981e-4, "rad", 2.3e-6),
-            ("phase_rad", 0.5458, "rad", 4.6e-3),
-        ]),
-        place: Place {
-            orders: vec![1.0],
-            angles_deg: vec![121.3],
-            ..Place::default()
-        },
-        evidence: Evidence {
-            delta_bic: 2210.4,
-            p_value: 0.0,
-            held_out_rms_ratio: Some(0.38),
-            runner_up: Some(RunnerUp {
-                mechanism: Mechanism::TorqueRipple,
-                delta_bic: 1.8,
-            }),
-        },
-        look_alikes: vec![Mechanism::TorqueRipple],
-        next_recording: Some(next),
+        p_value: 0.0,
+        held_out_rms_ratio: Some(0.41),
+        runner_up: next.map(|(mechanism, delta_bic)| RunnerUp {
+            mechanism,
+            delta_bic,
+        }),
     }
 }
 
-fn edge_delay() -> Finding {
+fn finding(
+    mechanism: Mechanism,
+    confidence: f64,
+    parameters: BTreeMap<String, Parameter>,
+    evidence: Evidence,
+) -> Finding {
     Finding {
-        mechanism: Mechanism::EdgeDelay,
-        text: "rising edges of both channels against falling ones".to_owned(),
-        confidence: 0.9998,
-        parameters: parameters(&[("rise_less_fall_s", 1.339e-6, "s", 4.1e-8)]),
-        place: Place {
-            orders: vec![2500.0],
-            edge_classes: vec!["A rise".to_owned(), "B rise".to_owned()],
-            channels: vec!["A".to_owned(), "B".to_owned()],
-            directions: vec!["forward".to_owned()],
-            speed_exponent: Some(1.02),
-            frequencies_hz: vec![625.0],
-            times_s: vec![0.25],
-            ..Place::default()
-        },
-        evidence: Evidence {
-            delta_bic: 412.7,
-            p_value: 3.1e-12,
-            held_out_rms_ratio: Some(0.83),
-            runner_up: Some(RunnerUp {
-                mechanism: Mechanism::WidthError,
-                delta_bic: 61.0,
-            }),
-        },
+        mechanism,
+        text: String::new(),
+        confidence,
+        parameters,
+        place: Place::default(),
+        evidence,
         look_alikes: Vec::new(),
         next_recording: None,
     }
 }
 
-fn facts(file: &str, twin: &str, r_min: f64) -> RecordingFacts {
-    RecordingFacts {
-        file: file.to_owned(),
-        twin: twin.to_owned(),
-        edges: 110_000,
-        turns: 11.0,
-        seconds: 660.0 / r_min,
-        speed_r_min: [r_min, 1.002 * r_min],
-        anchored: false,
-        start_rad: Some(0.35),
-        stamp_rms_s: Some(6.1e-9),
-        disturbed_s: vec![12.3456],
+/// A torque ripple at order 3.
+pub(crate) fn ripple() -> Finding {
+    finding(
+        Mechanism::TorqueRipple,
+        0.99998,
+        parameters(&[
+            ("torque_n_m", 2.0e-3, "N m", 1.1e-5),
+            ("phase_rad", 0.9273, "rad", 5.5e-3),
+            ("order", 3.0, "1", 0.0),
+        ]),
+        evidence(5210.4, Some((Mechanism::Eccentricity, 310.0))),
+    )
+}
+
+fn growing_tone() -> Finding {
+    finding(
+        Mechanism::Unknown,
+        0.984,
+        parameters(&[
+            ("torque_n_m", 4.1e-4, "1", 2.2e-5),
+            ("phase_rad", 2.1, "1", 0.06),
+            ("f_hz", 41.3, "1", 0.004),
+        ]),
+        evidence(212.0, None),
+    )
+}
+
+fn delay() -> Finding {
+    let mut one = finding(
+        Mechanism::EdgeDelay,
+        0.9999,
+        parameters(&[("a.rise_less_fall_s", 1.339e-6, "s", 4.1e-8)]),
+        evidence(412.7, Some((Mechanism::WidthError, 1.8))),
+    );
+    one.look_alikes = vec![Mechanism::WidthError];
+    one.next_recording = Some(next());
+    one
+}
+
+fn next() -> NextRecording {
+    NextRecording {
+        text: "20 s at 60 r/min would tell edge_delay from width_error: Schwarz's criterion would differ by about 180".to_owned(),
+        expected_delta_bic: Some(180.0),
+        expected: Vec::new(),
     }
 }
 
-/// Two recordings, two findings, one of them ambiguous.
-pub(crate) fn full() -> Diagnosed {
-    let recordings = vec![
-        facts("slow.csv", "slow.toml", 15.0),
-        facts("fast.csv", "fast.toml", 18.0),
-    ];
-    let findings = vec![eccentricity(), edge_delay()];
-    let fit = Fit {
-        rms_before_rad: Some(3.72e-4),
-        rms_after_rad: Some(1.23e-5),
-        floor_rad: Some(1.19e-5),
-        slow: Band {
-            rms_before_rad: Some(2.12e-5),
-            rms_after_rad: Some(2.11e-5),
-            floor_rad: Some(2.09e-5),
-        },
-        edge_to_edge: Band {
-            rms_before_rad: Some(4.1e-6),
-            rms_after_rad: Some(3.2e-6),
-            floor_rad: Some(3.2e-6),
-        },
-        whiteness_p_before: Some(0.0),
-        whiteness_p: Some(0.31),
-        held_out: HeldOut {
-            rms_before_rad: Some(3.70e-4),
-            rms_after_rad: Some(1.27e-5),
-            floor_rad: Some(1.19e-5),
-            reducible_removed: Some(0.987),
-        },
+fn jitter() -> Finding {
+    let mut one = finding(
+        Mechanism::TimestampJitter,
+        0.97,
+        parameters(&[("jitter_s", 3.1e-7, "s", 2.0e-8)]),
+        evidence(88.0, Some((Mechanism::CaptureLatency, 21.0))),
+    );
+    one.text = "stamps spread by 310 ns RMS, 280 ns more than declared".to_owned();
+    one.evidence.held_out_rms_ratio = None;
+    one
+}
+
+fn lost() -> Finding {
+    let mut one = finding(
+        Mechanism::LostEdges,
+        0.999,
+        parameters(&[("count", 7.0, "1", 0.0)]),
+        evidence(1000.0, None),
+    );
+    one.text = "edges are missing at 7 instants".to_owned();
+    one.evidence.held_out_rms_ratio = None;
+    one.place.times_s = (1..=7).map(|n| 1.25 * f64::from(n)).collect();
+    one
+}
+
+fn friction() -> Finding {
+    finding(
+        Mechanism::Friction,
+        0.9996,
+        parameters(&[
+            ("coulomb_n_m", 1.2e-3, "N m", 4e-5),
+            ("viscous_n_m_s", 2.0e-5, "N m s", 3.1e-5),
+        ]),
+        evidence(96.0, Some((Mechanism::LoadStep, 44.0))),
+    )
+}
+
+/// An effect that stays, with sizes.
+pub(crate) fn sized(site: Site, carrier: Carrier, sizes: &[f64]) -> Sized {
+    Sized {
+        effect: Effect::new(site, carrier),
+        sizes: sizes.to_vec(),
+    }
+}
+
+fn recording(file: &str, r_min: f64) -> RecordingFacts {
+    RecordingFacts {
+        file: file.to_owned(),
+        twin: "rig.toml".to_owned(),
+        edges: 40_000,
+        turns: 20.0,
+        seconds: 20.0 * 60.0 / r_min,
+        speed_r_min: [r_min, 1.002 * r_min],
+        anchored: true,
+        start_rad: None,
+        stamp_rms_s: Some(3.4e-7),
+        disturbed_s: vec![1.25, 2.5],
+    }
+}
+
+fn curve(file: &str, seconds: f64) -> Curve {
+    let noise = |n: u32, by: f64| ((f64::from(n) * by).sin() * 43_758.547).fract() * 1e-5;
+    let time_s: Vec<f64> = (0..4000).map(|n| seconds * f64::from(n) / 4000.0).collect();
+    let of = |(n, t): (u32, &f64)| {
+        3.1e-4 * (TAU * 3.0 * t).sin()
+            + 4e-5 * (1.0 + 0.03 * t) * (TAU * 41.3 * t).sin()
+            + noise(n, 12.9898)
     };
+    Curve {
+        file: file.to_owned(),
+        before_rad: (0..).zip(&time_s).map(of).collect(),
+        after_rad: (0..4000).map(|n| noise(n, 78.233)).collect(),
+        time_s,
+    }
+}
+
+/// A map of all sites and carriers of the brief kind; what cannot be has no value.
+fn map() -> Map {
+    let no = None;
+    let some = Some;
+    Map {
+        sites: vec!["torque", "drive", "disc", "level", "stamp"],
+        carriers: vec![
+            "order",
+            "frequency",
+            "place",
+            "edge class",
+            "instant",
+            "slow time",
+            "direction",
+            "speed",
+        ],
+        before: vec![
+            vec![
+                some(5210.0),
+                some(212.4),
+                some(48.0),
+                no,
+                some(31.0),
+                no,
+                no,
+                some(24.6),
+            ],
+            vec![no, some(3.2), no, no, some(2.4), some(1.1), no, no],
+            vec![
+                some(1890.0),
+                no,
+                some(36.1),
+                some(207.0),
+                no,
+                no,
+                some(0.4),
+                no,
+            ],
+            vec![no, some(11.2), no, some(0.0), no, some(1.9), no, no],
+            vec![some(9.7), some(6.1), no, some(412.7), no, no, no, some(4.4)],
+        ],
+        after: vec![
+            vec![
+                some(3.1),
+                some(6.4),
+                some(2.2),
+                no,
+                some(4.0),
+                no,
+                no,
+                some(1.2),
+            ],
+            vec![no, some(2.8), no, no, some(1.9), some(0.7), no, no],
+            vec![some(4.4), no, some(14.6), some(1.3), no, no, some(0.2), no],
+            vec![no, some(3.3), no, some(0.1), no, some(1.4), no, no],
+            vec![some(2.0), some(1.8), no, some(1.1), no, no, no, some(0.9)],
+        ],
+    }
+}
+
+/// Two recordings and six findings: named, without a name, one that may be another, noise, counted, and one of several numbers.
+pub(crate) fn full() -> Answer {
+    let findings = vec![
+        ripple(),
+        delay(),
+        growing_tone(),
+        friction(),
+        jitter(),
+        lost(),
+    ];
     let diagnosis = Diagnosis {
         version: 1,
         verdict: Verdict::Ambiguous,
-        summary: "The twin lacks unequal delays of rise and fall, and something once a turn that is an eccentric disc or torque \
-                  ripple: these recordings can't tell."
+        summary: "The twin lacked: torque ripple of the motor, rise and fall delayed unequally, friction, jitter, lost edges; these \
+                  recordings allow other names for it."
             .to_owned(),
-        recordings,
-        fit,
-        next_recording: findings[0].next_recording.clone(),
+        recordings: vec![recording("slow.csv", 60.0), recording("fast.csv", 90.0)],
+        fit: Fit {
+            rms_before_rad: Some(2.23e-4),
+            rms_after_rad: Some(6.1e-6),
+            floor_rad: Some(5.8e-6),
+            slow: Band {
+                rms_before_rad: Some(2.1e-5),
+                rms_after_rad: Some(9.4e-6),
+                floor_rad: Some(9.1e-6),
+            },
+            edge_to_edge: Band {
+                rms_before_rad: Some(4.1e-6),
+                rms_after_rad: Some(3.2e-6),
+                floor_rad: Some(3.2e-6),
+            },
+            whiteness_p_before: Some(0.0),
+            whiteness_p: Some(0.31),
+            held_out: HeldOut {
+                rms_before_rad: Some(2.25e-4),
+                rms_after_rad: Some(6.3e-6),
+                floor_rad: Some(5.8e-6),
+                reducible_removed: Some(0.987),
+            },
+        },
+        next_recording: findings[1].next_recording.clone(),
         findings,
     };
-    Diagnosed {
+    let rises = On {
+        channel: Some(0),
+        rises: Some(true),
+    };
+    let tone = Sized {
+        effect: Effect {
+            growth: Growth::Even(0.03),
+            ..Effect::new(Site::Torque, Carrier::Tone(41.3))
+        },
+        sizes: vec![3.5e-4, -2.1e-4],
+    };
+    Answer {
         diagnosis,
-        shown: shown(),
-        twins: ["slow", "fast"]
-            .map(|name| twin(&format!("rig/{name}.toml")))
-            .to_vec(),
-        error_lists: vec![None, None],
+        map: map(),
+        cells: vec![
+            vec![sized(Site::Torque, Carrier::Order(3.0), &[1.6e-3, 1.2e-3])],
+            vec![sized(Site::Stamp(rises), Carrier::Steady, &[1.339e-6])],
+            vec![tone],
+            vec![
+                sized(Site::Torque, Carrier::Power(0.0), &[1.2e-3]),
+                sized(Site::Torque, Carrier::Power(1.0), &[2.0e-5]),
+            ],
+            Vec::new(),
+            Vec::new(),
+        ],
+        shares: vec![
+            Some(0.874),
+            Some(0.0312),
+            Some(0.0207),
+            Some(0.0004),
+            None,
+            None,
+        ],
+        curves: vec![curve("slow.csv", 20.0), curve("fast.csv", 13.3)],
     }
 }
 
 /// The same rig with nothing missing.
-pub(crate) fn complete() -> Diagnosed {
-    let mut diagnosed = full();
-    let diagnosis = &mut diagnosed.diagnosis;
+pub(crate) fn complete() -> Answer {
+    let mut answer = full();
+    answer.map.before = answer.map.after.clone();
+    // Under what a parameter is worth: ln(80,000) is 11.3.
+    answer.map.before[2][2] = Some(7.2);
+    answer.map.after = answer.map.before.clone();
+    answer.cells.clear();
+    answer.shares.clear();
+    for curve in &mut answer.curves {
+        curve.before_rad = curve.after_rad.clone();
+    }
+    let diagnosis = &mut answer.diagnosis;
     diagnosis.verdict = Verdict::Complete;
-    diagnosis.summary = String::new();
+    diagnosis.summary = "The twin explains the recordings: what is left is noise.".to_owned();
     diagnosis.findings.clear();
     diagnosis.next_recording = None;
     diagnosis.fit.rms_before_rad = diagnosis.fit.floor_rad;
-    diagnosis.fit.held_out.reducible_removed = None;
-    diagnosed.shown.findings.clear();
-    diagnosed
-}
-
-/// A small twin by a file's name.
-pub(crate) fn twin(name: &str) -> Twin {
-    let text = include_str!("../../../twins/pair-slow.toml");
-    Twin::parse(text, name).unwrap()
-}
-
-fn shown() -> Shown {
-    let mut noise = Noise(7);
-    let mut scattered = |x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f64, size: f64, count: u32| {
-        let line: Line = (0..count)
-            .map(|n| f64::from(n) / f64::from(count))
-            .map(|part| (x(part), y(part) + size * noise.next()))
-            .collect();
-        line
+    diagnosis.fit.whiteness_p_before = Some(0.31);
+    diagnosis.fit.held_out = HeldOut {
+        rms_before_rad: Some(5.9e-6),
+        floor_rad: Some(5.8e-6),
+        ..HeldOut::default()
     };
-    let degrees = |part: f64| 360.0 * part;
-    let once = |part: f64| 498.0 * (TAU * part - 0.5458).sin();
-    let classes = |part: f64| f64::from((4.0 * part).round() as u32);
-    let delays = |part: f64| {
-        if (4.0 * part).round() as u32 & 2 == 0 {
-            1.0
-        } else {
-            -1.0
-        }
-    };
-    let findings = vec![
-        FindingPlot {
-            mechanism: Mechanism::Eccentricity,
-            x_label: "angle of the disc, degrees".to_owned(),
-            y_label: "residual, urad".to_owned(),
-            before: scattered(&degrees, &once, 12.0, 1000),
-            after: scattered(&degrees, &|_| 0.0, 12.0, 1000),
-            model: scattered(&degrees, &once, 0.0, 360),
-        },
-        FindingPlot {
-            mechanism: Mechanism::EdgeDelay,
-            x_label: "edge class".to_owned(),
-            y_label: "residual, urad".to_owned(),
-            before: scattered(&classes, &delays, 0.02, 4),
-            after: scattered(&classes, &|_| 0.0, 0.02, 4),
-            model: Vec::new(),
-        },
-    ];
-    let time = |part: f64| 44.0 * part;
-    let turning = |part: f64| 498.0 * (TAU * 11.0 * part).sin();
-    let order = |part: f64| 5000.0 * part;
-    let power = |peak: f64| {
-        move |part: f64| {
-            let near = (5000.0 * part - 1.0).abs() < 0.3;
-            let exponential = -((part * 7919.0).fract() + 1e-9).ln();
-            if near { peak } else { exponential }
-        }
-    };
-    let mut recordings = Vec::new();
-    for _ in 0..2 {
-        recordings.push(RecordingPlot {
-            before: scattered(&time, &turning, 12.0, 8000),
-            after: scattered(&time, &|_| 0.0, 12.0, 8000),
-            spectrum_before: scattered(&order, &power(4200.0), 0.0, 20_000),
-            spectrum_after: scattered(&order, &power(2.0), 0.0, 20_000),
-            threshold: 14.2,
-        });
-    }
-    Shown {
-        findings,
-        recordings,
-    }
+    answer
 }

@@ -2,7 +2,6 @@
 
 mod numbers;
 
-pub use super::compared::{by_slips, is_noise, judged_on, residual, what_is_left};
 use crate::diagnose::diagnosis::{
     Band, Diagnosis, Evidence, Finding, Fit, NextRecording, Parameter, Verdict,
 };

@@ -26,19 +26,12 @@ fn silent(header: &mut Header) {
 fn the_twin_decides_whether_the_index_counts() {
     let survey = survey(QUADRATURE, silent);
     let lines = survey.lines().unwrap();
-    let with = plan(&quadrature(lines, true), &survey).unwrap();
-    let state = Some(survey.index_state());
-    assert_eq!(with.kind, SensorKind::Quadrature { index_state: state });
-    let without = plan(&quadrature(lines, false), &survey).unwrap();
-    assert_eq!(without.kind, SensorKind::Quadrature { index_state: None });
-    let row = Row {
-        ticks: 1,
-        levels: Levels(Levels::A | Levels::Z),
-    };
-    assert_eq!(as_declared(with, row), row);
-    assert_eq!(as_declared(without, row).levels, Levels(Levels::A));
+    for (declared, index) in [(true, Some(survey.index_state())), (false, None)] {
+        let found = sensor(&quadrature(lines, declared), &survey).unwrap();
+        assert_eq!(found, Sensor::Quadrature { lines, index });
+    }
     assert_eq!(
-        plan(&quadrature(lines + 1, true), &survey),
+        sensor(&quadrature(lines + 1, true), &survey),
         Err(OtherEncoder::Lines {
             declared: lines + 1,
             shown: lines,
@@ -52,19 +45,19 @@ fn the_twin_decides_whether_the_index_counts() {
 fn a_recording_with_less_than_the_twin_declares_is_refused() {
     let mut survey = survey(HALL, silent);
     let hall = Encoder::Hall { pole_pairs: 2 };
-    assert_eq!(plan(&hall, &survey).unwrap().lines, 2);
+    assert_eq!(sensor(&hall, &survey), Ok(Sensor::Hall { pole_pairs: 2 }));
     survey.header.channels = Channels::Quadrature { index: false };
     assert!(matches!(
-        plan(&hall, &survey),
+        sensor(&hall, &survey),
         Err(OtherEncoder::Kind { .. })
     ));
     assert_eq!(
-        plan(&quadrature(3, true), &survey),
+        sensor(&quadrature(3, true), &survey),
         Err(OtherEncoder::NoIndexChannel)
     );
     survey.header.channels = Channels::Quadrature { index: true };
     assert_eq!(
-        plan(&quadrature(3, true), &survey),
+        sensor(&quadrature(3, true), &survey),
         Err(OtherEncoder::NoIndexPulse)
     );
 }
@@ -74,28 +67,22 @@ fn one_pulse_a_tooth_is_enough_for_a_wheel() {
     let mut survey = survey(HALL, silent);
     survey.header.channels = Channels::Pulses;
     let wheel = Encoder::Wheel {
-        teeth: 12,
-        missing: 0,
+        teeth: 4,
+        missing: 1,
         gaps: Vec::new(),
     };
-    let pulses = SensorKind::Wheel {
+    let pulses = Sensor::Wheel {
+        present: vec![true, true, true, false],
         both_edges: false,
-        missing: 0,
     };
-    assert_eq!(plan(&wheel, &survey).unwrap().kind, pulses);
-    let gone = Encoder::Wheel {
-        teeth: 12,
-        missing: 9,
-        gaps: Vec::new(),
-    };
-    assert!(matches!(plan(&gone, &survey), Err(OtherEncoder::Plan(_))));
+    assert_eq!(sensor(&wheel, &survey), Ok(pulses));
 }
 
 #[test]
 fn a_header_contradicts_and_so_does_a_strong_pattern_without_one() {
     let with_notes = survey(HALL, |_| ());
     let other = Encoder::Hall { pole_pairs: 3 };
-    let lines = |survey: &Survey| match plan(&other, survey) {
+    let lines = |survey: &Survey| match sensor(&other, survey) {
         Err(OtherEncoder::Lines {
             shown, shown_by, ..
         }) => Some((shown, shown_by)),

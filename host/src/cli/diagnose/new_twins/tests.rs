@@ -1,6 +1,21 @@
 use super::*;
-use crate::reports::diagnose::example::{full, twin};
+use crate::reports::diagnose::example;
 use crate::sim::Simulation;
+
+const RIG: &str = include_str!("../../../../twins/pair-slow.toml");
+
+fn twin(name: &str) -> Twin {
+    Twin::parse(RIG, name).unwrap()
+}
+
+/// A diagnosis of two recordings of one rig.
+fn full() -> Diagnosed {
+    Diagnosed {
+        diagnosis: example::full().diagnosis,
+        twins: vec![twin("slow.toml"), twin("fast.toml")],
+        error_lists: vec![None, None],
+    }
+}
 
 #[test]
 fn every_recording_has_its_twin_and_equal_ones_share_a_file() {
@@ -43,7 +58,8 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     assert!(
         text.starts_with("# slow.toml with what 'quadcal diagnose' found missing on slow.csv.")
     );
-    assert!(text.contains("# eccentricity: all edges alike"));
+    let found = &diagnosed.diagnosis.findings[0];
+    assert!(text.contains(&format!("# {}: {}", found.mechanism, found.text)));
     for wrong in [edges - 1, edges + 1] {
         diagnosed.error_lists = vec![Some(vec![0.0; wrong as usize])];
         assert!(files(&first, &diagnosed, &[]).is_err(), "{wrong}");

@@ -1,0 +1,140 @@
+//! Sensors whose levels say where in a line or pole pair the shaft is, and so which way it turns.
+
+use quadcal::decoder::class_of;
+use quadcal::edge::Levels;
+use quadcal::hall::state_of;
+
+use super::follow::{Seen, follow};
+use super::grid::{Grid, Sight};
+use super::{CountEvent, CountKind, Edges, index};
+use crate::recording::Row;
+
+/// How levels stand for sectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Code {
+    /// A and B.
+    Quadrature,
+    /// A, B and C.
+    Hall,
+}
+
+impl Code {
+    const fn mask(self) -> u8 {
+        match self {
+            Self::Quadrature => Levels::A | Levels::B,
+            Self::Hall => Levels::A | Levels::B | Levels::C,
+        }
+    }
+
+    /// Class of the edge that leads forward to the levels; none where no sector shows them.
+    fn class(self, levels: u8) -> Option<u8> {
+        match self {
+            Self::Quadrature => Some(class_of(Levels(levels)) as u8),
+            // Edge 0 leads from state 0 to state 1.
+            Self::Hall => state_of(Levels(levels)).map(|state| ((state + 5) % 6) as u8),
+        }
+    }
+
+    /// The channel that changes at an edge of a class.
+    fn channel(self, class: i64) -> u8 {
+        let channels: &[u8] = match self {
+            Self::Quadrature => &[Levels::A, Levels::B],
+            Self::Hall => &[Levels::B, Levels::C, Levels::A],
+        };
+        channels[class.rem_euclid(channels.len() as i64) as usize]
+    }
+}
+
+/// Places the edges of a quadrature encoder or of Hall sensors.
+pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges: &mut Edges) {
+    let mask = code.mask();
+    let class = |row: &Row| code.class(row.levels.0 & mask);
+    let Some(first) = rows.iter().position(|row| class(row).is_some()) else {
+        return;
+    };
+    let start = class(&rows[first]).map(|class| (rows[first].ticks, class));
+    let changes = || {
+        let pairs = rows[first..].windows(2);
+        pairs.filter_map(|pair| {
+            let changed = (pair[0].levels.0 ^ pair[1].levels.0) & mask;
+            (changed != 0).then_some((pair[1], changed))
+        })
+    };
+    let grid = Grid::full(edges.grid_edges, edges.classes as u8);
+    let sights = changes().map(|(row, _)| Sight {
+        ticks: row.ticks,
+        class: class(&row),
+    });
+    let way = follow(&grid, start, sights);
+    edges.fit = way.score / way.seen.len().max(1) as f64;
+
+    let mut last: Option<(i64, bool)> = None;
+    let mut open_extra = false;
+    for ((row, changed), seen) in changes().zip(&way.seen) {
+        let Seen::Edge {
+            rank,
+            forward,
+            fresh,
+        } = *seen
+        else {
+            extra(edges, edges.seconds(row.ticks), last, changed, open_extra);
+            open_extra = true;
+            continue;
+        };
+        open_extra = false;
+        if let Some((edge, was_forward)) = last {
+            let on = if forward { 1 } else { -1 };
+            // Turning back, the first edge is the last one again.
+            let next = if forward == was_forward {
+                edge + on
+            } else {
+                edge
+            };
+            let lost = (rank - next) * on;
+            if lost > 0 {
+                let time_s = between(edges, row.ticks, lost);
+                edges.events.push(CountEvent {
+                    kind: CountKind::Lost,
+                    time_s,
+                    after_s: time_s,
+                    place: next,
+                    channel: code.channel(next),
+                    edges: lost as i32,
+                });
+            }
+        }
+        edges.push(row.ticks, rank, forward, fresh);
+        last = Some((rank, forward));
+    }
+    if let Some(state) = index_state {
+        let zs = rows.windows(2).filter_map(|pair| {
+            let changed = pair[0].levels.z() != pair[1].levels.z();
+            changed.then(|| (pair[1].ticks as f64 * edges.tick_s, pair[1].levels.z()))
+        });
+        let zs: Vec<_> = zs.collect();
+        index::anchor(edges, &zs, class_of(state).into());
+    }
+    edges.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+}
+
+/// When the first of `lost` edges would have come before the edge at `ticks`.
+fn between(edges: &Edges, ticks: u64, lost: i64) -> f64 {
+    let until = edges.seconds(ticks);
+    let from = edges.time_s.last().copied().unwrap_or(until);
+    from + (until - from) / (lost + 1) as f64
+}
+
+/// Books a row that is no edge, with those of the same pulse.
+fn extra(edges: &mut Edges, time_s: f64, last: Option<(i64, bool)>, channel: u8, goes_on: bool) {
+    match edges.events.last_mut() {
+        Some(event) if goes_on => event.edges += 1,
+        _ => edges.events.push(CountEvent {
+            kind: CountKind::Extra,
+            time_s,
+            after_s: time_s,
+            place: last.map_or(0, |(edge, _)| edge),
+            channel,
+            edges: 1,
+        }),
+    }
+}

@@ -1,0 +1,145 @@
+//! The numbers behind an answer: evidence, identifiable parameters, recordings.
+
+use crate::diagnose::answer::Answer;
+use crate::diagnose::diagnosis::{Diagnosis, Finding, Parameter, RecordingFacts};
+use crate::report::{Body, Cell, si, si_digits};
+use crate::reports::diagnose::recordings::{origin, speed, table};
+use crate::reports::diagnose::words::{list, probability};
+
+use super::sure::{confidence, determined};
+use super::told::{self, title};
+
+/// Evidence and parameters of each finding.
+pub(super) fn numbers(answer: &Answer) -> Body {
+    let mut body = Body::new();
+    let findings = &answer.diagnosis.findings;
+    if findings.is_empty() {
+        body.section("", &["Nothing was found."]);
+        return body;
+    }
+    let names = |index: usize, finding: &Finding| {
+        Cell::from(format!(
+            "{}. {}",
+            index + 1,
+            title(finding, told::effects(answer, index))
+        ))
+    };
+    let rows = findings.iter().enumerate().map(|(index, finding)| {
+        let evidence = &finding.evidence;
+        let next = evidence.runner_up.as_ref();
+        let ratio = evidence.held_out_rms_ratio;
+        vec![
+            names(index, finding),
+            Cell::Number(confidence(finding)),
+            criterion(evidence.delta_bic),
+            Cell::Number(probability(evidence.p_value)),
+            ratio.map_or(Cell::Empty, |ratio| Cell::Number(si_digits(ratio, "", 3).0)),
+            next.map_or_else(|| "–".into(), |next| next.mechanism.id().into()),
+            next.map_or(Cell::Empty, |next| criterion(next.delta_bic)),
+        ]
+    });
+    body.table(
+        "Evidence. ΔBIC: Schwarz's criterion without the finding less that with it; 10 is strong. p: noise alone shows as much.",
+        &[
+            "Finding",
+            "Confidence",
+            "ΔBIC",
+            "p",
+            "Held-out RMS ratio",
+            "Next best",
+            "ΔBIC of that",
+        ],
+        rows.collect(),
+    );
+    let mut rows = Vec::new();
+    for (index, finding) in findings.iter().enumerate() {
+        for (name, parameter) in &finding.parameters {
+            let unit = told::unit(finding, name, parameter, told::effects(answer, index));
+            let parameter = Parameter {
+                unit,
+                ..parameter.clone()
+            };
+            rows.push(vec![
+                names(index, finding),
+                name.as_str().into(),
+                Cell::Number(told::number(&parameter)),
+                match determined(name, &parameter) {
+                    Some(true) => "yes",
+                    Some(false) => "no",
+                    None => "exact",
+                }
+                .into(),
+            ]);
+        }
+    }
+    if !rows.is_empty() {
+        body.table(
+            "Parameters. One is identifiable where its 95 % interval leaves zero out; a phase, where that is within 1 rad to either side.",
+            &["Finding", "In twin and JSON", "Value, 95 % interval", "Identifiable"],
+            rows,
+        );
+    }
+    body
+}
+
+fn criterion(delta: f64) -> Cell {
+    match delta.is_finite() {
+        true if delta.abs() < 1e5 => Cell::fixed(delta, 1),
+        true => Cell::Number(si_digits(delta, "", 3).0),
+        false => Cell::Empty,
+    }
+}
+
+/// What was read.
+pub(super) fn recordings(diagnosis: &Diagnosis) -> Body {
+    let mut body = Body::new();
+    table(&mut body, &diagnosis.recordings);
+    for facts in &diagnosis.recordings {
+        if !facts.disturbed_s.is_empty() {
+            let text = format!(
+                "The count of {} was disturbed at {}.",
+                facts.file,
+                instants(&facts.disturbed_s)
+            );
+            body.section("", &[&text]);
+        }
+    }
+    body
+}
+
+/// The first of some instants.
+fn instants(all: &[f64]) -> String {
+    const LISTED: usize = 10;
+    let first: Vec<String> = all
+        .iter()
+        .take(LISTED)
+        .map(|t| format!("{t:.4} s"))
+        .collect();
+    match all.len().saturating_sub(LISTED) {
+        0 => list(&first),
+        more => format!("{} and {more} more (--json lists all)", first.join(", ")),
+    }
+}
+
+/// A recording in a line.
+pub(super) fn recording(facts: &RecordingFacts) -> String {
+    let mut text = format!(
+        "{} against {}: {} edges in {:.1} turns, {} at {}; ",
+        facts.file,
+        facts.twin,
+        facts.edges,
+        facts.turns,
+        si(facts.seconds, "s"),
+        speed(facts.speed_r_min),
+    );
+    if let Some(stamp) = facts.stamp_rms_s {
+        text += &format!("time stamps to {}, ", si(stamp, "s"));
+    }
+    text += &format!("angles from {}", origin(facts));
+    match facts.disturbed_s.len() {
+        0 => {}
+        1 => text += "; count disturbed at 1 instant",
+        times => text += &format!("; count disturbed at {times} instants"),
+    }
+    text
+}

@@ -1,0 +1,191 @@
+//! A finding in named facts, the same on the page and on the terminal.
+
+use crate::diagnose::answer::{Answer, Sized};
+use crate::diagnose::diagnosis::{Finding, Parameter};
+use crate::mechanism::Mechanism;
+use crate::reports::diagnose::words::{
+    list_or, named, next, parameter_name, sentence, with_interval,
+};
+
+use super::cells::{self, cell, sizes};
+use super::sure::{determined, sure};
+
+/// Instants that are written out; more are counted.
+const INSTANTS: usize = 5;
+
+/// A finding as it is told.
+pub(super) struct Told {
+    /// What it is.
+    pub(super) title: String,
+    /// Named facts, each of one or more lines.
+    pub(super) facts: Vec<(String, Vec<String>)>,
+}
+
+/// The effects of a finding; none where it is counted or is noise.
+pub(super) fn effects(answer: &Answer, index: usize) -> &[Sized] {
+    answer.cells.get(index).map_or(&[], Vec::as_slice)
+}
+
+/// Title of a finding: its mechanism's with its id, or its cell where that has no name.
+pub(super) fn title(finding: &Finding, effects: &[Sized]) -> String {
+    match finding.mechanism {
+        Mechanism::Unknown if effects.is_empty() => sentence(Mechanism::Unknown.title()),
+        Mechanism::Unknown => sentence(&cell(effects)),
+        mechanism => sentence(&named(mechanism)),
+    }
+}
+
+/// A finding of an answer.
+pub(super) fn told(answer: &Answer, index: usize, finding: &Finding) -> Told {
+    let effects = effects(answer, index);
+    let mut facts = Vec::new();
+    let mut add = |name: &str, lines: Vec<String>| {
+        let lines: Vec<String> = lines.into_iter().filter(|line| !line.is_empty()).collect();
+        if !lines.is_empty() {
+            facts.push((name.to_owned(), lines));
+        }
+    };
+    add("What", vec![without_name(finding, effects)]);
+    add("Where", vec![place(finding, effects), instants(finding)]);
+    add("How much", how_much(finding, effects));
+    add("How sure", vec![sure(finding)]);
+    let share = answer.shares.get(index).copied().flatten();
+    add("Explains", vec![share.map_or_else(String::new, explains)]);
+    add("Could also be", vec![alike(finding)]);
+    add("Record next", vec![recording(answer, finding)]);
+    Told {
+        title: title(finding, effects),
+        facts,
+    }
+}
+
+/// Says so where it is none of the catalogue's.
+fn without_name(finding: &Finding, effects: &[Sized]) -> String {
+    match (finding.mechanism, effects) {
+        (Mechanism::Unknown, []) => "An effect that no mechanism of the catalogue makes".to_owned(),
+        (Mechanism::Unknown, _) => {
+            "An effect without a name in the catalogue; its cell and sizes are its model".to_owned()
+        }
+        _ => String::new(),
+    }
+}
+
+/// The cell in words; what has none is told by its sentence.
+fn place(finding: &Finding, effects: &[Sized]) -> String {
+    match effects {
+        [] => sentence(finding.text.trim().trim_end_matches('.')),
+        effects => sentence(&cell(effects)),
+    }
+}
+
+/// When it happened, of what is counted.
+fn instants(finding: &Finding) -> String {
+    let times = &finding.place.times_s;
+    let counted = matches!(
+        finding.mechanism,
+        Mechanism::LostEdges | Mechanism::ExtraEdges | Mechanism::IndexSlip
+    );
+    if times.is_empty() || !counted {
+        return String::new();
+    }
+    let first: Vec<String> = times
+        .iter()
+        .take(INSTANTS)
+        .map(|time| format!("{time:.4} s"))
+        .collect();
+    let more = match times.len().saturating_sub(INSTANTS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("At {}{more}", first.join(", "))
+}
+
+/// Each number with its interval; sizes of the cell where the finding has no numbers.
+fn how_much(finding: &Finding, effects: &[Sized]) -> Vec<String> {
+    if finding.parameters.is_empty() {
+        return sizes(effects)
+            .into_iter()
+            .map(|size| sentence(&size))
+            .collect();
+    }
+    let each = finding.parameters.iter().map(|(name, parameter)| {
+        let parameter = Parameter {
+            unit: unit(finding, name, parameter, effects),
+            ..parameter.clone()
+        };
+        let words = match parameter_name(name, &parameter.unit).as_str() {
+            "f" => "Frequency".to_owned(),
+            words => sentence(words),
+        };
+        let open = match determined(name, &parameter) {
+            Some(false) => ": not determined by these recordings",
+            _ => "",
+        };
+        format!("{words} {}{open}", number(&parameter))
+    });
+    each.collect()
+}
+
+/// A number with its interval; what is counted has no decimals.
+pub(super) fn number(parameter: &Parameter) -> String {
+    match parameter.ci95 {
+        None if parameter.unit == "1" && parameter.value.fract() == 0.0 => {
+            format!("{:.0}", parameter.value).replace('-', "\u{2212}")
+        }
+        _ => with_interval(parameter),
+    }
+}
+
+/// The unit of a number: where no card names it that of its cell, or the one at the end of its name.
+pub(super) fn unit(
+    finding: &Finding,
+    name: &str,
+    parameter: &Parameter,
+    effects: &[Sized],
+) -> String {
+    const ENDS: [(&str, &str); 6] = [
+        ("_hz_s", "Hz/s"),
+        ("_n_m", "N m"),
+        ("_rad_s", "rad/s"),
+        ("_rad", "rad"),
+        ("_hz", "Hz"),
+        ("_s", "s"),
+    ];
+    let by_name = ENDS.iter().find(|(end, _)| name.ends_with(end));
+    let known = finding.mechanism != Mechanism::Unknown || parameter.unit != "1";
+    match (effects.first(), by_name) {
+        _ if known => parameter.unit.clone(),
+        (Some(first), _) if name == "size" => cells::unit(&first.effect),
+        (_, Some((_, unit))) => (*unit).to_owned(),
+        _ => parameter.unit.clone(),
+    }
+}
+
+/// The share of the reducible residual that it explains.
+fn explains(share: f64) -> String {
+    let percent = match 100.0 * share {
+        percent if !percent.is_finite() => return String::new(),
+        percent if percent < 0.1 => "under 0.1 %".to_owned(),
+        percent if percent > 99.9 => "over 99.9 %".to_owned(),
+        percent if percent < 10.0 => format!("{percent:.1} %"),
+        percent => format!("{percent:.0} %"),
+    };
+    format!("{percent} of the reducible sum of squares of the residual")
+}
+
+/// What else it could be.
+fn alike(finding: &Finding) -> String {
+    let names: Vec<String> = finding.look_alikes.iter().copied().map(named).collect();
+    sentence(&list_or(&names))
+}
+
+/// The recording that would tell; what is said at the top is not said again.
+fn recording(answer: &Answer, finding: &Finding) -> String {
+    match &finding.next_recording {
+        None => String::new(),
+        same if *same == answer.diagnosis.next_recording => {
+            "The recording named at the top would tell".to_owned()
+        }
+        Some(other) => next(other),
+    }
+}
