@@ -59,6 +59,7 @@ impl Bench {
         let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
         // Once more about the course without what shifts edges.
         course = Course::new(&record, &declared.off);
+        course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
         let mut leaps = Leaps::of(&plant, &course);

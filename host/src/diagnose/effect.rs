@@ -191,7 +191,7 @@ impl Effect {
                 for at in 0..scene.record.len() {
                     let by = self.by_edge(scene, at);
                     if by != 0.0 {
-                        let value = self.value(scene.here(at, &self.site));
+                        let value = self.value(scene.here(at, self));
                         for (column, value) in columns.iter_mut().zip(value) {
                             column[at] = by * value;
                         }
@@ -230,12 +230,7 @@ impl Effect {
                 }
             }
             Site::Stamp(on) => {
-                let forward = scene.record.way[at] > 0.0;
-                let captured = Change {
-                    rises: change.rises == forward,
-                    ..change
-                };
-                if on.has(captured) {
+                if on.has(scene.record.captured(at)) {
                     -scene.course.speed[at]
                 } else {
                     0.0
@@ -342,17 +337,20 @@ impl Effect {
 }
 
 impl Scene<'_> {
-    /// The instant of an edge as a site sees it: disc errors go with the grid, all else with the course.
+    /// The instant of an edge as an effect sees it: errors of the disc go with the grid, all else with the shaft, a run-out as well. What
+    /// goes with time goes by when the edge was there, before any delay.
     #[must_use]
     #[inline]
-    pub fn here(&self, at: usize, site: &Site) -> Here {
-        let angle = match site {
-            Site::Disc(_) => self.record.grid_rad(at),
+    pub fn here(&self, at: usize, effect: &Effect) -> Here {
+        let runs_out = matches!(effect.carrier, Carrier::Order(order) if order.fract() != 0.0);
+        let angle = match effect.site {
+            Site::Disc(_) if !runs_out => self.record.grid_rad(at),
             _ => self.course.angle[at],
         };
+        let time_s = self.course.time_s[at] - self.course.late_s[at];
         Here {
-            time_s: self.course.time_s[at],
-            inside_s: self.course.time_s[at],
+            time_s,
+            inside_s: time_s,
             angle,
             speed: self.course.speed[at],
         }
