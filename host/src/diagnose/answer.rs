@@ -21,7 +21,7 @@ pub struct Answer {
     pub shares: Vec<Option<f64>>,
     /// Of each finding, in the findings' order, the numbers of the twin that it corrects, as the twin declares them.
     pub declared: Vec<BTreeMap<String, f64>>,
-    /// Angle residual along time, for plots.
+    /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,
 }
@@ -48,12 +48,12 @@ pub struct Map {
     pub after: Vec<Vec<Option<f64>>>,
 }
 
-/// Residual of a recording along time, less its mean over a turn.
+/// RMS of the innovations of a recording, in windows along time.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// The recording's file.
     pub file: String,
-    /// Times, s.
+    /// Start of each window, s.
     pub time_s: Vec<f64>,
     /// With the twin as given, rad.
     pub before_rad: Vec<f64>,

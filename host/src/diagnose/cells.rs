@@ -130,8 +130,17 @@ fn instants(board: &Board) -> Vec<f64> {
         .collect()
 }
 
+/// Sizes and knobs of effects.
+#[must_use]
+pub fn numbers(effects: &[Effect]) -> usize {
+    let each = effects.iter();
+    each.map(|effect| effect.sizes() + effect.knobs().len())
+        .sum()
+}
+
 /// A board's channels.
-fn channels(board: &Board) -> u8 {
+#[must_use]
+pub fn channels(board: &Board) -> u8 {
     board
         .benches
         .iter()

@@ -333,7 +333,7 @@ impl Board {
         let mut cost = board.cost(&fit);
         for _ in 0..ROUNDS {
             let wanted = board.values(&fit.model);
-            if board.settled(&fit, &wanted) {
+            if board.is_settled(&fit, &wanted) {
                 break;
             }
             let mut share = 1.0;
@@ -367,7 +367,7 @@ impl Board {
     }
 
     /// Whether the values that a fit wants are those that the twins have.
-    fn settled(&self, fit: &Fit, wanted: &[Vec<f64>]) -> bool {
+    fn is_settled(&self, fit: &Fit, wanted: &[Vec<f64>]) -> bool {
         fit.of.iter().enumerate().all(|(column, (term, _))| {
             let effect = &fit.model.terms[*term].effect;
             let Some((correction, at)) = self.correction(effect) else {

@@ -9,7 +9,7 @@ use crate::mechanism::Mechanism;
 /// A finished diagnosis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagnosis {
-    /// Version of this form: 1.
+    /// Version of this form: 2.
     pub version: u32,
     /// The verdict.
     pub verdict: Verdict,
@@ -67,9 +67,8 @@ pub struct RecordingFacts {
     pub disturbed_s: Vec<f64>,
 }
 
-/// Agreement: how far edges stand away from the twin's course, less its mean over a turn to either side. An error that comes
-/// again each turn keeps its size in that; what is slower stands apart. A shaft that sticks and slips is compared slip by slip instead,
-/// and what means nothing there is none.
+/// Agreement: the RMS of innovations, how far each edge comes from where the twin, the edges before it and the noise of the shaft let it
+/// expect. In all of it edges weigh as in the fit, so findings never make it larger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// RMS with the twin as it was given, rad.
@@ -78,27 +77,12 @@ pub struct Fit {
     pub rms_after_rad: Option<f64>,
     /// RMS that the noise alone would have, rad.
     pub floor_rad: Option<f64>,
-    /// What is slower than two turns, beside a straight line in time.
-    pub slow: Band,
-    /// How far each edge comes from where the edges before it and the noise of the shaft let it expect.
-    pub edge_to_edge: Band,
     /// Probability that what is left is noise, before the findings.
     pub whiteness_p_before: Option<f64>,
     /// The same with them.
     pub whiteness_p: Option<f64>,
     /// Fitted on the turns before, judged on the last ones of each recording.
     pub held_out: HeldOut,
-}
-
-/// Another part of the residual.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Band {
-    /// RMS with the twin as it was given, rad.
-    pub rms_before_rad: Option<f64>,
-    /// RMS with the findings in the twin, rad.
-    pub rms_after_rad: Option<f64>,
-    /// RMS that the noise alone would have, rad.
-    pub floor_rad: Option<f64>,
 }
 
 /// Agreement on turns that the parameters were not fitted on.

@@ -183,9 +183,7 @@ impl Effect {
     #[must_use]
     pub fn columns(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         match self.site {
-            Site::Torque | Site::Drive => (0..self.sizes())
-                .map(|size| self.pushed(scene, size))
-                .collect(),
+            Site::Torque | Site::Drive => self.pushed(scene),
             Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
@@ -240,7 +238,7 @@ impl Effect {
         }
     }
 
-    fn pushed(&self, scene: &Scene<'_>, size: usize) -> Vec<f64> {
+    fn pushed(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         let rate = |speed: f64| match self.carrier {
             Carrier::Order(order) => order * speed,
             Carrier::Tone(f_hz) => TAU * f_hz,
@@ -261,31 +259,37 @@ impl Effect {
         };
         breaks.retain(|time| time.is_finite());
         let law = &scene.plant.law;
-        match self.site {
+        let all = 0..scene.course.len();
+        let responses = match self.site {
             Site::Drive => {
                 let change = |here: Here| {
                     if here.inside_s >= law.off_s {
-                        return 0.0;
+                        return [0.0; 2];
                     }
                     // What the drive adds to follow: J dw/dt, and damping times what it asks for on top.
                     let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
                     let by = 1e-6 * (1.0 + here.time_s.abs());
-                    let at = |time_s: f64| self.value(Here { time_s, ..here })[size];
-                    let change = (at(here.time_s + by) - at(here.time_s - by)) / (2.0 * by);
-                    let value = at(here.time_s);
-                    rate * value
-                        + asked * change
-                        + law.damping(here.inside_s, here.speed) * asked * value
+                    let at = |time_s: f64| self.value(Here { time_s, ..here });
+                    let (before, value, after) =
+                        (at(here.time_s - by), at(here.time_s), at(here.time_s + by));
+                    let damping = law.damping(here.inside_s, here.speed);
+                    [0, 1].map(|size| {
+                        let change = (after[size] - before[size]) / (2.0 * by);
+                        rate * value[size] + asked * change + damping * asked * value[size]
+                    })
                 };
-                scene.plant.response(scene.course, change, rate, &breaks)
+                scene
+                    .plant
+                    .responses(all, scene.course, change, rate, &breaks)
             }
-            _ => scene.plant.response(
-                scene.course,
-                |here| self.value(here)[size] / law.inertia,
-                rate,
-                &breaks,
-            ),
-        }
+            _ => {
+                let push = |here: Here| self.value(here).map(|torque| torque / law.inertia);
+                scene
+                    .plant
+                    .responses(all, scene.course, push, rate, &breaks)
+            }
+        };
+        responses.into_iter().take(self.sizes()).collect()
     }
 
     /// Its numbers that are searched, beside its sizes.

@@ -10,7 +10,7 @@ const BLOCKS: usize = 4;
 /// Share of what a finding shows in one block from which on the others can't foretell it.
 const ONCE: f64 = 0.7;
 /// Share of each recording that is held out for the figures of the fit: its last part.
-const HELD_OUT: f64 = 0.3;
+pub const HELD_OUT: f64 = 0.3;
 
 /// Products of a fit's columns and target over some rows.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use super::bench::{self, Bench};
 use super::correct::Correction;
 use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
-use super::lsq::{self, Solution};
+use super::lsq::{self, Basis, Solution};
 use super::noise::Free;
 use super::pattern::Pattern;
 
@@ -134,19 +134,62 @@ impl Model {
 }
 
 impl Fit {
-    /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
+    /// The same without a group: all other numbers fitted again, knobs as slopes.
     #[must_use]
-    pub fn loss(&self, group: usize) -> f64 {
+    pub fn without(&self, group: usize) -> Self {
+        let kept: Vec<usize> = (0..self.of.len())
+            .filter(|&at| self.model.terms[self.of[at].0].group != group)
+            .collect();
+        let columns: Vec<Vec<f64>> = kept.iter().map(|&at| self.columns[at].clone()).collect();
+        let by_column: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let Solution {
+            rss,
+            left,
+            covariance,
+            ..
+        } = lsq::solve(&by_column, &self.beside(group));
+        let before = |term: usize| {
+            let terms = self.model.terms[..term].iter();
+            terms.filter(|term| term.group == group).count()
+        };
+        let of = kept.iter().map(|&at| {
+            let (term, number) = self.of[at];
+            (term - before(term), number)
+        });
+        Self {
+            model: self.model.without(group),
+            of: of.collect(),
+            columns,
+            covariance,
+            left,
+            rss,
+        }
+    }
+
+    /// What is left where a group's sizes are none.
+    fn beside(&self, group: usize) -> Vec<f64> {
         let mut target = self.left.clone();
         for (column, (term, number)) in self.columns.iter().zip(&self.of) {
             let term = &self.model.terms[*term];
             if term.group == group && *number < term.sizes.len() {
-                target
-                    .iter_mut()
-                    .zip(column)
-                    .for_each(|(target, of)| *target += term.sizes[*number] * of);
+                let each = target.iter_mut().zip(column);
+                each.for_each(|(target, of)| *target += term.sizes[*number] * of);
             }
         }
+        target
+    }
+
+    /// An orthonormal basis of its columns.
+    #[must_use]
+    pub fn basis(&self) -> Basis {
+        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+        Basis::of(&columns)
+    }
+
+    /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
+    #[must_use]
+    pub fn loss(&self, group: usize) -> f64 {
+        let target = self.beside(group);
         let others: Vec<&[f64]> = self
             .columns
             .iter()
@@ -412,8 +455,25 @@ impl Board {
     /// Fits all numbers of a model, from where they are.
     #[must_use]
     pub fn fit(&self, model: &Model) -> Fit {
-        let target = self.target();
-        let mut now = self.linear(model, &target);
+        self.settled(model, &self.target(), &Basis::default())
+    }
+
+    /// More effects with their best numbers beside a fit, whose own sizes and knobs move along but are not worked out anew: their terms,
+    /// and by how much the sum of squares falls. `basis` is that of the fit's columns.
+    #[must_use]
+    pub fn beside(&self, fit: &Fit, basis: &Basis, effects: &[Effect]) -> (Vec<Effect>, f64) {
+        let mut target = fit.left.clone();
+        basis.clear(&mut target);
+        let mut model = Model::default();
+        model.add(effects, 0);
+        let before = lsq::dot(&target, &target);
+        let settled = self.settled(&model, &target, basis);
+        (settled.model.effects(0), before - settled.rss)
+    }
+
+    /// All numbers of a model, re-linearised until nothing changes; what is of the basis is taken off its columns.
+    fn settled(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
+        let mut now = self.linear(model, target, basis);
         for _ in 0..ROUNDS {
             if now
                 .of
@@ -422,7 +482,7 @@ impl Board {
             {
                 break;
             }
-            let Some(better) = self.step(&now, &target) else {
+            let Some(better) = self.step(&now, target, basis) else {
                 break;
             };
             let gain = now.rss - better.rss;
@@ -435,11 +495,18 @@ impl Board {
     }
 
     /// Sizes for knobs as they are, with the columns of small changes of the knobs.
-    fn linear(&self, model: &Model, target: &[f64]) -> Fit {
+    fn linear(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
         let mut columns = Vec::new();
         let mut of = Vec::new();
-        for (at, term) in model.terms.iter().enumerate() {
-            for (number, column) in self.columns(&term.effect).into_iter().enumerate() {
+        let of_effect = |effect: &Effect| {
+            let mut columns = self.columns(effect);
+            columns.iter_mut().for_each(|column| basis.clear(column));
+            columns
+        };
+        let terms = model.terms.par_iter();
+        let each: Vec<Vec<Vec<f64>>> = terms.map(|term| of_effect(&term.effect)).collect();
+        for (at, some) in each.into_iter().enumerate() {
+            for (number, column) in some.into_iter().enumerate() {
                 columns.push(column);
                 of.push((at, number));
             }
@@ -453,38 +520,33 @@ impl Board {
             model.terms[*term].sizes[*number] = *size;
         }
         // What a small change of each knob does, at these sizes.
-        let mut more = Vec::new();
-        for (at, term) in model.terms.iter().enumerate() {
-            let (knobs, reach) = (term.effect.knobs(), self.reach(&term.effect));
-            for knob in self.fitted(&term.effect) {
-                let step = 0.02 * reach[knob];
-                let side = |by: f64| {
-                    let mut knobs = knobs.clone();
-                    knobs[knob] += by;
-                    let mut sum: Vec<f64> = vec![0.0; target.len()];
-                    for (column, size) in self
-                        .columns(&term.effect.with_knobs(&knobs))
-                        .iter()
-                        .zip(&term.sizes)
-                    {
-                        sum.iter_mut()
-                            .zip(column)
-                            .for_each(|(sum, of)| *sum += size * of);
-                    }
-                    sum
-                };
-                let (above, below) = (side(step), side(-step));
-                let slope = above
-                    .iter()
-                    .zip(&below)
-                    .map(|(a, b)| (a - b) / (2.0 * step))
-                    .collect();
-                more.push((slope, (at, term.effect.sizes() + knob)));
-            }
-        }
-        for (column, place) in more {
-            columns.push(column);
-            of.push(place);
+        let knobs = model.terms.iter().enumerate().flat_map(|(at, term)| {
+            let fitted = self.fitted(&term.effect);
+            fitted.into_iter().map(move |knob| (at, knob))
+        });
+        let knobs: Vec<(usize, usize)> = knobs.collect();
+        let slopes = knobs.par_iter().map(|&(at, knob)| {
+            let term = &model.terms[at];
+            let step = 0.02 * self.reach(&term.effect)[knob];
+            let side = |by: f64| {
+                let mut knobs = term.effect.knobs();
+                knobs[knob] += by;
+                let mut sum: Vec<f64> = vec![0.0; target.len()];
+                let columns = of_effect(&term.effect.with_knobs(&knobs));
+                for (column, size) in columns.iter().zip(&term.sizes) {
+                    let each = sum.iter_mut().zip(column);
+                    each.for_each(|(sum, of)| *sum += size * of);
+                }
+                sum
+            };
+            let (above, below) = (side(step), side(-step));
+            let each = above.iter().zip(&below);
+            each.map(|(a, b)| (a - b) / (2.0 * step)).collect()
+        });
+        let slopes: Vec<Vec<f64>> = slopes.collect();
+        for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
+            columns.push(slope);
+            of.push((at, model.terms[at].effect.sizes() + knob));
         }
         let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let covariance = lsq::solve(&all, target).covariance;
@@ -499,7 +561,7 @@ impl Board {
     }
 
     /// A step of Gauss and Newton, shortened until it helps; none where it does not.
-    fn step(&self, now: &Fit, target: &[f64]) -> Option<Fit> {
+    fn step(&self, now: &Fit, target: &[f64], basis: &Basis) -> Option<Fit> {
         let all: Vec<&[f64]> = now.columns.iter().map(Vec::as_slice).collect();
         let by = lsq::solve(&all, &now.left).sizes;
         let mut share = 1.0;
@@ -519,7 +581,7 @@ impl Board {
                     term.effect = moved;
                 }
             }
-            let next = self.linear(&model, target);
+            let next = self.linear(&model, target, basis);
             if next.rss < now.rss {
                 return Some(next);
             }

@@ -63,6 +63,23 @@ pub fn mechanism(effects: &[Effect]) -> Mechanism {
     }
 }
 
+/// The whole order whose sideband an order may be: a part of a turn's order that comes and goes slowly shows beside it, nearer than what
+/// the recordings tell apart.
+#[must_use]
+pub fn sideband_of(board: &Board, effects: &[Effect]) -> Option<f64> {
+    // In what the longest recording tells apart, and as a share of the order: gears and bearings are further off.
+    const REACHES: f64 = 4.0;
+    const SHARE: f64 = 0.005;
+    let first = effects.first()?;
+    let Carrier::Order(order) = first.carrier else {
+        return None;
+    };
+    let (whole, reach) = (order.round(), board.reach(first)[0]);
+    let off = (order - whole).abs();
+    let beside = off > 0.0 && whole > 0.0 && off < REACHES * reach && off < SHARE * whole;
+    beside.then_some(whole)
+}
+
 /// A number of a finding with its standard error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {
@@ -237,14 +254,27 @@ impl Fit {
     }
 }
 
+/// A unit of torque where the twin declares no inertia: then only torque over inertia is known.
+fn per_inertia(unit: &str, known_inertia: bool) -> String {
+    if known_inertia || !unit.starts_with("N m") {
+        unit.to_owned()
+    } else {
+        format!("{unit}/(kg m^2)")
+    }
+}
+
 /// Numbers as a finding has them.
 #[must_use]
-pub fn parameters(mechanism: Mechanism, numbers: &[Number]) -> BTreeMap<String, Parameter> {
+pub fn parameters(
+    mechanism: Mechanism,
+    numbers: &[Number],
+    known_inertia: bool,
+) -> BTreeMap<String, Parameter> {
     let each = numbers.iter().map(|number| {
         let by = number.error.map(|error| NINETY_FIVE * error);
         let parameter = Parameter {
             value: number.value,
-            unit: mechanism.card().unit(&number.name).to_owned(),
+            unit: per_inertia(mechanism.card().unit(&number.name), known_inertia),
             ci95: by.map(|by| [number.value - by, number.value + by]),
         };
         (number.name.clone(), parameter)

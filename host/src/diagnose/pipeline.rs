@@ -6,17 +6,17 @@ use super::answer::{Answer, Curve, Map, Sized};
 use super::bench::Bench;
 use super::cells::Bank;
 use super::edges::turned;
-use super::effect::Carrier;
+use super::effect::{Carrier, Effect, Growth};
 use super::filter::Noise;
 use super::judge::Parts;
 use super::lsq;
 use super::model::{Board, Fit};
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
-use super::{correct, events, map, name, search, stamps};
+use super::{correct, events, judge, map, name, search, stamps};
 use crate::diagnose::diagnosis::{
-    Band, Diagnosis, Evidence, Finding, Fit as Agreement, HeldOut, NextRecording, Place,
-    RecordingFacts, RunnerUp, Verdict,
+    Diagnosis, Evidence, Finding, Fit as Agreement, HeldOut, NextRecording, Place, RecordingFacts,
+    RunnerUp, Verdict,
 };
 use crate::mechanism::Mechanism;
 use crate::sim;
@@ -33,14 +33,12 @@ const RIVALS: usize = 4;
 const BETTER: f64 = 2.0;
 /// Part of what a finding explains that it has to foretell.
 const FORETELLS: f64 = 0.6;
-/// Confidence of a name beside something that has none, at the most.
-const BESIDE_UNKNOWN: f64 = 0.9;
 /// Probability of whiteness below which something is left.
 const NOT_WHITE: f64 = 1e-6;
 /// Lags that whiteness is tested over.
 const LAGS: usize = 24;
 /// Points of a curve.
-const POINTS: usize = 1500;
+const POINTS: usize = 300;
 
 /// Finds what the twins of one rig lack.
 ///
@@ -152,10 +150,11 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let corrects = own.iter().any(|effect| board.correction(effect).is_some());
         // What the twin declares comes first.
         let better = if corrects { ALIKE } else { BETTER };
-        let rest = board.fit(&fit.model.without(group));
+        let rest = fit.without(group);
+        let basis = rest.basis();
         let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
         // The best of each other name that comes near, fitted with everything else.
-        let mut rivals: Vec<(Mechanism, f64, Fit)> = Vec::new();
+        let mut rivals: Vec<(Mechanism, f64, Vec<Effect>)> = Vec::new();
         for candidate in search::candidates(board, bank, &rest) {
             let here = search::evidence(board, candidate.gain, candidate.numbers());
             let named = name::mechanism(&candidate.effects);
@@ -167,11 +166,17 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {
-                let mut model = rest.model.clone();
-                model.add(&candidate.effects, group);
-                let tried = board.fit(&model);
-                let fitted = search::evidence(board, rest.rss - tried.rss, candidate.numbers());
-                rivals.push((named, fitted, tried));
+                let (effects, gain) = board.beside(&rest, &basis, &candidate.effects);
+                let fitted = search::evidence(board, gain, candidate.numbers());
+                rivals.push((named, fitted, effects));
+            }
+        }
+        for effects in grown(board, &own) {
+            let (effects, gain) = board.beside(&rest, &basis, &effects);
+            let numbers = fit.model.numbers(group) + effects.len();
+            let fitted = search::evidence(board, gain, numbers);
+            if fitted > worth + search::SURE {
+                rivals.push((Mechanism::Unknown, fitted, effects));
             }
         }
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -181,12 +186,14 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             .first()
             .is_some_and(|(_, best, _)| *best > worth + better)
         {
-            let (other, best, tried) = rivals.swap_remove(0);
+            let (other, best, effects) = rivals.swap_remove(0);
             if other != mechanism {
-                rivals.push((mechanism, worth, fit.clone()));
+                rivals.push((mechanism, worth, own));
             }
             (named, worth) = (other, best);
-            *fit = tried;
+            let mut model = rest.model;
+            model.add(&effects, group);
+            *fit = board.fit(&model);
         }
         let alike = rivals
             .iter()
@@ -203,6 +210,23 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     all
 }
 
+/// The same effect with sizes that go with time or speed, to be fitted in its place.
+fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [effect] = own else { return Vec::new() };
+    if effect.sizes() < 2 || effect.growth != Growth::Constant {
+        return Vec::new();
+    }
+    let rate = 1.0 / board.seconds();
+    [
+        Growth::Even(rate),
+        Growth::Even(-0.5 * rate),
+        Growth::Speed(1.0),
+        Growth::Speed(-1.0),
+    ]
+    .map(|growth| vec![Effect { growth, ..*effect }])
+    .into()
+}
+
 fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Alike]) -> Answer {
     let parts = Parts::blocks(board, fit);
     let [none, early, _] = Parts::held_out(board, fit).judged(fit);
@@ -217,6 +241,8 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         .max(f64::MIN_POSITIVE);
     let mut findings: Vec<(Finding, Vec<Sized>, Option<f64>)> = Vec::new();
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
+    let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
+    let known_inertia = board.benches.iter().all(inertia);
     for group in fit.model.groups() {
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
@@ -241,7 +267,8 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             parts.only_once(fit, group)
         };
         let mut mechanism = board.mechanism(&effects);
-        if worse || !once && foretold < FORETELLS * loss {
+        let sideband = name::sideband_of(board, &effects);
+        if worse || sideband.is_some() || !once && foretold < FORETELLS * loss {
             mechanism = Mechanism::Unknown;
         }
         let others: &[(Mechanism, f64)] = alike
@@ -283,16 +310,19 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         let ratio = (1.0 - foretold / (fit.rss + loss)).max(0.0).sqrt();
         let finding = Finding {
             mechanism,
-            text: if corrected.is_empty() {
-                name::text(&effects)
-            } else {
-                correct::text(&corrected, spread)
+            text: match sideband {
+                Some(whole) => format!(
+                    "{}: beside order {whole}, of a size or phase that changes along the recording",
+                    name::text(&effects)
+                ),
+                None if !corrected.is_empty() => correct::text(&corrected, spread),
+                None => name::text(&effects),
             },
             confidence,
             parameters: if mechanism == Mechanism::Unknown {
                 std::collections::BTreeMap::new()
             } else {
-                name::parameters(mechanism, &numbers)
+                name::parameters(mechanism, &numbers, known_inertia)
             },
             place,
             evidence: Evidence {
@@ -353,18 +383,24 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .iter()
             .all(|(finding, ..)| finding.mechanism != Mechanism::Unknown)
     {
-        findings.push((unknown(), Vec::new(), None));
+        let mut unknown = unknown();
+        unknown.evidence.delta_bic = (correlation(board, &rests(board, fit)).0).max(0.0);
+        findings.push((unknown, Vec::new(), None));
     }
     merge_unknown(&mut findings);
-    // Beside something that no cell explains, no name is sure: it may be a part of that.
+    // Beside something that no cell explains, a name is no surer than it is the larger: it may be a part of that.
     let nameless = |finding: &Finding| finding.mechanism == Mechanism::Unknown;
-    if findings.iter().any(|(finding, ..)| nameless(finding)) {
-        for (finding, ..) in findings
-            .iter_mut()
-            .filter(|(finding, ..)| !nameless(finding))
-        {
-            finding.confidence = finding.confidence.min(BESIDE_UNKNOWN);
-        }
+    let without: f64 = findings
+        .iter()
+        .filter(|(finding, ..)| nameless(finding))
+        .map(|(finding, ..)| finding.evidence.delta_bic)
+        .fold(0.0, f64::max);
+    let with_name = findings
+        .iter_mut()
+        .filter(|(finding, _, share)| !nameless(finding) && share.is_some());
+    for (finding, ..) in with_name {
+        let part = without / (without + finding.evidence.delta_bic.max(0.0)).max(f64::MIN_POSITIVE);
+        finding.confidence = finding.confidence.min(1.0 - part);
     }
     findings.sort_by(|a, b| b.0.evidence.delta_bic.total_cmp(&a.0.evidence.delta_bic));
     let verdict = verdict(&findings);
@@ -382,7 +418,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
     let summary = summary(verdict, &said);
     Answer {
         diagnosis: Diagnosis {
-            version: 1,
+            version: 2,
             verdict,
             summary,
             recordings: rig
@@ -570,78 +606,44 @@ fn less_start(bench: &Bench, rest: &mut [f64]) {
 
 /// How well twins and recordings agree before and after.
 fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
-    let nuisances = fit.model.nuisances();
-    // As given, in the noise that was found: so that only the model differs.
-    let mut before = given.clone();
-    before.pattern = None;
-    before.set_noise(board.noise);
-    let plain = before.fit(&nuisances);
-    let one = rests(&before, &plain);
-    let other = rests(board, fit);
-    let turn = |rests: &[Vec<f64>]| {
-        let each = board.benches.iter().zip(rests);
-        rms(each.flat_map(|(bench, rest)| within_turns(&bench.record, rest)))
-    };
-    let innovations = |rests: &[Vec<f64>]| {
-        let each = board.benches.iter().zip(rests);
-        rms(each.flat_map(|(bench, rest)| {
-            let white = bench.white(rest);
-            let scales = bench.scales.clone();
-            white
-                .into_iter()
-                .zip(scales)
-                .filter(|(_, scale)| *scale > 0.0)
-                .map(|(white, scale)| white / scale)
-                .collect::<Vec<f64>>()
-        }))
-    };
-    let floor = rms(board.benches.iter().flat_map(|bench| {
-        bench
-            .scales
-            .iter()
-            .filter(|scale| **scale > 0.0)
-            .map(|scale| 1.0 / scale)
-            .collect::<Vec<f64>>()
+    let before = as_given(given, board);
+    let plain = before.fit(&fit.model.nuisances());
+    let edges = board.edges() as f64;
+    // White innovations count in deviations of the noise; a deviation is so many rad.
+    let deviation = rms(board.benches.iter().flat_map(|bench| {
+        let scales = bench.scales.iter().filter(|scale| **scale > 0.0);
+        scales.map(|scale| 1.0 / scale)
     }));
-    let judged = Parts::held_out(board, fit).judged(fit);
-    let [none, early, late] = judged;
+    let scale = deviation.unwrap_or(0.0);
+    let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
+    let [none, early, late] = Parts::held_out(board, fit).judged(fit);
     let found = !fit.model.groups().is_empty();
-    let scale = floor.unwrap_or(0.0);
-    let held: f64 = board
-        .benches
-        .iter()
-        .map(|bench| 0.3 * bench.record.len() as f64)
-        .sum();
-    let to_rad = |square: f64| Some(scale * (square / held.max(1.0)).sqrt());
+    let held = judge::HELD_OUT * edges;
     let reducible = (found && none > late).then(|| {
         // As a root of squares above what the best leaves.
         1.0 - ((early - late).max(0.0) / (none - late)).sqrt().min(1.0)
     });
-    let before_steps = innovations(&one);
-    let after_steps = innovations(&other);
     Agreement {
-        rms_before_rad: turn(&one),
-        rms_after_rad: if found || board.pattern.is_some() {
-            turn(&other)
-        } else {
-            turn(&one)
-        },
-        floor_rad: None,
-        slow: Band::default(),
-        edge_to_edge: Band {
-            rms_before_rad: before_steps,
-            rms_after_rad: after_steps,
-            floor_rad: floor,
-        },
-        whiteness_p_before: Some(whiteness(&before, &one)),
-        whiteness_p: Some(whiteness(board, &other)),
+        rms_before_rad: to_rad(plain.rss, edges),
+        rms_after_rad: to_rad(fit.rss.min(plain.rss), edges),
+        floor_rad: deviation,
+        whiteness_p_before: Some(whiteness(&before, &rests(&before, &plain))),
+        whiteness_p: Some(whiteness(board, &rests(board, fit))),
         held_out: HeldOut {
-            rms_before_rad: to_rad(none),
-            rms_after_rad: to_rad(if found { early.min(none) } else { none }),
-            floor_rad: to_rad(held),
+            rms_before_rad: to_rad(none, held),
+            rms_after_rad: to_rad(if found { early.min(none) } else { none }, held),
+            floor_rad: to_rad(held, held),
             reducible_removed: reducible,
         },
     }
+}
+
+/// Twins as given, in the noise that was found: so that only the model differs.
+fn as_given(given: &Board, board: &Board) -> Board {
+    let mut before = given.clone();
+    before.pattern = None;
+    before.set_noise(board.noise);
+    before
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -651,20 +653,14 @@ fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then(|| (sum / count).sqrt())
 }
 
-/// Angles less their mean over a turn to either side; none within a turn of the ends.
-fn within_turns(record: &Record, rest: &[f64]) -> Vec<f64> {
-    let reach = (record.edges as usize).min(rest.len() / 4).max(1);
-    let mut sums = vec![0.0; rest.len() + 1];
-    for (at, value) in rest.iter().enumerate() {
-        sums[at + 1] = sums[at] + value;
-    }
-    (reach..rest.len().saturating_sub(reach))
-        .map(|at| rest[at] - (sums[at + reach + 1] - sums[at - reach]) / (2 * reach + 1) as f64)
-        .collect()
-}
-
 /// Probability that noise alone leaves innovations that hang together so (G. M. Ljung, G. E. P. Box, Biometrika 65, 1978).
 fn whiteness(board: &Board, rests: &[Vec<f64>]) -> f64 {
+    let (sum, lags) = correlation(board, rests);
+    ChiSquared::new(lags).map_or(1.0, |chi| chi.sf(sum))
+}
+
+/// Sum of squares that the innovations before an edge foretell of its own, and over how many lags.
+fn correlation(board: &Board, rests: &[Vec<f64>]) -> (f64, f64) {
     let (mut sum, mut lags) = (0.0, 0.0);
     for (bench, rest) in board.benches.iter().zip(rests) {
         let mut white = bench.white(rest);
@@ -679,7 +675,7 @@ fn whiteness(board: &Board, rests: &[Vec<f64>]) -> f64 {
             lags += 1.0;
         }
     }
-    ChiSquared::new(lags).map_or(1.0, |chi| chi.sf(sum))
+    (sum, lags)
 }
 
 fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
@@ -705,27 +701,37 @@ fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
     }
 }
 
+/// RMS of the innovations in windows along each recording, before and after.
 fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<Curve> {
-    let plain = Fit {
-        model: fit.model.nuisances(),
-        ..fit.clone()
-    };
-    let mut before = given.clone();
-    before.pattern = None;
+    let before = as_given(given, board);
+    let plain = before.fit(&fit.model.nuisances());
     let (one, other) = (rests(&before, &plain), rests(board, fit));
-    rig.iter()
-        .zip(&board.benches)
-        .enumerate()
+    let pairs = rig.iter().zip(&board.benches).enumerate();
+    pairs
         .map(|(at, (recorded, bench))| {
-            let record = &bench.record;
-            let reach = (record.edges as usize).min(record.len() / 4).max(1);
-            let every = (record.len() / POINTS).max(1);
-            let thin = |values: Vec<f64>| values.into_iter().step_by(every).collect::<Vec<f64>>();
+            let window = bench.record.len().div_ceil(POINTS).max(1);
+            let along = |rest: &[f64]| -> Vec<f64> {
+                let white = bench.white(rest);
+                let scaled = white.iter().zip(&bench.scales);
+                let rad: Vec<f64> = scaled
+                    .map(|(white, scale)| if *scale > 0.0 { white / scale } else { 0.0 })
+                    .collect();
+                let windows = rad.chunks(window);
+                windows
+                    .filter_map(|some| rms(some.iter().copied()))
+                    .collect()
+            };
             Curve {
                 file: recorded.file.clone(),
-                time_s: thin(record.time_s[reach..record.len() - reach].to_vec()),
-                before_rad: thin(within_turns(record, &one[at])),
-                after_rad: thin(within_turns(record, &other[at])),
+                time_s: bench
+                    .record
+                    .time_s
+                    .iter()
+                    .copied()
+                    .step_by(window)
+                    .collect(),
+                before_rad: along(&one[at]),
+                after_rad: along(&other[at]),
             }
         })
         .collect()

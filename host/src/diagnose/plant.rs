@@ -233,8 +233,23 @@ impl Plant {
         rate: impl Fn(f64) -> f64,
         breaks: &[f64],
     ) -> Vec<f64> {
-        let mut out = vec![0.0; range.len()];
-        let mut state = [0.0; 4];
+        let [out] = self.responses(range, course, |here| [acceleration(here)], rate, breaks);
+        out
+    }
+
+    /// The same of several accelerations at once.
+    pub fn responses<const K: usize>(
+        &self,
+        range: std::ops::Range<usize>,
+        course: &Course,
+        acceleration: impl Fn(Here) -> [f64; K],
+        rate: impl Fn(f64) -> f64,
+        breaks: &[f64],
+    ) -> [Vec<f64>; K] {
+        let mut out = [(); K].map(|()| vec![0.0; range.len()]);
+        let mut states = [[0.0; 4]; K];
+        // What acts at the start of an interval is what did at the end of the last one, unless it jumps.
+        let mut push = None;
         let mut next = breaks.partition_point(|&time| {
             time <= course.time_s.get(range.start).copied().unwrap_or(0.0)
         });
@@ -247,7 +262,17 @@ impl Plant {
                     let end = breaks.get(next).copied().filter(|&time| time < until);
                     let stop = end.unwrap_or(until);
                     if stop > begun {
-                        state = self.over(course, at, [begun, stop], state, &acceleration, &rate);
+                        let part = [begun, stop];
+                        let before = push.filter(|_| breaks.is_empty());
+                        push = Some(self.over(
+                            course,
+                            at,
+                            part,
+                            &mut states,
+                            before,
+                            &acceleration,
+                            &rate,
+                        ));
                     }
                     begun = stop;
                     match end {
@@ -259,21 +284,25 @@ impl Plant {
             while breaks.get(next).is_some_and(|&time| time <= until) {
                 next += 1;
             }
-            out[at - range.start] = state[0];
+            for (out, state) in out.iter_mut().zip(&states) {
+                out[at - range.start] = state[0];
+            }
         }
         out
     }
 
-    /// State after a part of the interval that ends at an edge.
-    fn over(
+    /// Takes states through a part of the interval that ends at an edge; gives what acts at its end.
+    #[allow(clippy::too_many_arguments)]
+    fn over<const K: usize>(
         &self,
         course: &Course,
         at: usize,
         [begun, stop]: [f64; 2],
-        mut state: [f64; 4],
-        acceleration: &impl Fn(Here) -> f64,
+        states: &mut [[f64; 4]; K],
+        before: Option<[f64; K]>,
+        acceleration: &impl Fn(Here) -> [f64; K],
         rate: &impl Fn(f64) -> f64,
-    ) -> [f64; 4] {
+    ) -> [f64; K] {
         let (from, h) = (
             course.time_s[at - 1],
             course.time_s[at] - course.time_s[at - 1],
@@ -304,25 +333,27 @@ impl Plant {
                 speed,
             })
         };
-        let mut push = here(begun);
+        let mut push = before.unwrap_or_else(|| here(begun));
         for part in 0..parts as usize {
             let start = begun + step * part as f64;
             let (middle, last) = (here(start + 0.5 * step), here(start + step));
-            state = match &self.law.mode {
-                Some(mode) => swung(mode, b, step, state, [push, middle, last]),
-                None => [
-                    state[0]
-                        + whole.0 * state[1]
-                        + step / 6.0 * (whole.0 * push + 4.0 * half.0 * middle),
-                    whole.1 * state[1]
-                        + step / 6.0 * (whole.1 * push + 4.0 * half.1 * middle + last),
-                    0.0,
-                    0.0,
-                ],
-            };
+            for (k, state) in states.iter_mut().enumerate() {
+                *state = match &self.law.mode {
+                    Some(mode) => swung(mode, b, step, *state, [push[k], middle[k], last[k]]),
+                    None => [
+                        state[0]
+                            + whole.0 * state[1]
+                            + step / 6.0 * (whole.0 * push[k] + 4.0 * half.0 * middle[k]),
+                        whole.1 * state[1]
+                            + step / 6.0 * (whole.1 * push[k] + 4.0 * half.1 * middle[k] + last[k]),
+                        0.0,
+                        0.0,
+                    ],
+                };
+            }
             push = last;
         }
-        state
+        push
     }
 
     /// Angle at each edge of a shaft that starts with unit speed and is not pushed, s.

@@ -27,13 +27,15 @@ impl Candidate {
     /// Numbers that it has: sizes and knobs.
     #[must_use]
     pub fn numbers(&self) -> usize {
-        self.effects
-            .iter()
-            .map(|effect| effect.sizes() + effect.knobs().len())
-            .sum()
+        super::cells::numbers(&self.effects)
     }
 }
 
+/// Part of a peak's gain that the whole order beside it has to have to be taken in its place: what is left of it may be how its size
+/// changes, which no single line explains.
+const WHOLE: f64 = 0.9;
+/// Slowest carrier beside a drive that nobody declared, cycles a turn: what is slower is the drive's own course.
+const SLOWEST: f64 = 0.25;
 /// Peaks of a spectrum that are looked at.
 const PEAKS: usize = 2;
 /// Bounds of bands, as shares of half the edges' rate: what swings slowly has images at high frequencies, which must not hide it.
@@ -137,7 +139,11 @@ pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
         match rounded {
             Some(whole) if whole != *effect => {
                 let there = gain(&whole);
-                if there > here.0 { (there, whole) } else { here }
+                if there > WHOLE * here.0 {
+                    (there, whole)
+                } else {
+                    here
+                }
             }
             _ => here,
         }
@@ -212,10 +218,9 @@ fn refined(board: &Board, basis: &Basis, fit: &Fit, effect: &Effect, gain: f64) 
         }
         step *= 0.5;
     }
-    // A whole order is one number less.
     if let Some(effect) = whole(&best.effects[0], reach) {
         let gain = basis.gain(&board.columns(&effect), &fit.left);
-        if gain > best.gain - (board.edges() as f64).ln() {
+        if gain > WHOLE * best.gain {
             return Candidate {
                 effects: vec![effect],
                 gain,
@@ -298,7 +303,23 @@ impl Scores {
             }
         }
         // Fewer than two cycles are no rhythm.
-        let mut order: Vec<usize> = (4..count.saturating_sub(1))
+        let slowest = if board.free.drift {
+            let turn = match over {
+                Over::Angle => 1.0,
+                Over::Time => {
+                    board
+                        .benches
+                        .iter()
+                        .map(|bench| bench.course.mean())
+                        .fold(0.0, f64::max)
+                        / TAU
+                }
+            };
+            (SLOWEST * turn / step).ceil() as usize
+        } else {
+            0
+        };
+        let mut order: Vec<usize> = (slowest.max(4)..count.saturating_sub(1))
             .filter(|&at| power[at] >= power[at - 1] && power[at] >= power[at + 1])
             .collect();
         order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));

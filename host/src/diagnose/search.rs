@@ -1,13 +1,16 @@
 //! One search: the best cell is added, all numbers are fitted together, what is no longer worth its numbers is dropped, until nothing
 //! changes.
 
+use rayon::prelude::*;
+
 use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
-use super::effect::{Carrier, Effect, Site};
-use super::lsq::Basis;
+use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::model::{Board, Fit, Model};
+use super::name;
 use super::plant::Law;
 use super::scan::{self, Candidate};
+use crate::mechanism::Mechanism;
 
 /// Findings at the most.
 const FINDINGS: usize = 7;
@@ -18,7 +21,7 @@ const NEARLY: f64 = 0.8;
 /// Evidence by which a new effect has to be better than a correction of what the twin declares.
 const ALIKE: f64 = 10.0;
 /// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
-const SURE: f64 = 12.0;
+pub const SURE: f64 = 12.0;
 
 /// Evidence of a candidate: what it explains, less what its numbers would by chance (G. Schwarz, Annals of Statistics 6, 1978).
 #[must_use]
@@ -43,8 +46,7 @@ pub fn nuisances(board: &Board) -> Model {
 /// All candidates beside a fit, strongest first.
 #[must_use]
 pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
-    let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-    let basis = Basis::of(&columns);
+    let basis = fit.basis();
     let mut fit = fit.clone();
     basis.clear(&mut fit.left);
     let fit = &fit;
@@ -74,23 +76,31 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
         let most = found
             .first()
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
-        let mut next: Option<(f64, Fit)> = None;
         let told = found
             .iter()
-            .filter(|candidate| !coarse || larger_than_rounding(board, candidate, &fit));
-        for candidate in told.take(TRIED) {
-            let here = evidence(board, candidate.gain, candidate.numbers());
-            if here < 0.7 * SURE || here < NEARLY * most {
-                break;
-            }
-            let mut model = fit.model.clone();
-            model.add(&candidate.effects, group);
-            let tried = board.fit(&model);
-            let here = evidence(board, fit.rss - tried.rss, candidate.numbers());
-            if here > SURE && next.as_ref().is_none_or(|(best, _)| here > *best) {
-                next = Some((here, tried));
-            }
-        }
+            .filter(|candidate| !coarse || larger_than_rounding(board, candidate, &fit))
+            .take(TRIED)
+            .filter(|candidate| {
+                let here = evidence(board, candidate.gain, candidate.numbers());
+                here >= 0.7 * SURE && here >= NEARLY * most
+            });
+        let told: Vec<&Candidate> = told.collect();
+        let basis = fit.basis();
+        let tried = told.par_iter().map(|candidate| {
+            let (effects, gain) = board.beside(&fit, &basis, &candidate.effects);
+            (evidence(board, gain, candidate.numbers()), effects)
+        });
+        let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
+        let best = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let next = best.and_then(|(_, effects)| {
+            let numbers = cells::numbers(&effects);
+            let (group, rest, effects) = joined(&fit.model, group, effects, cells::channels(board));
+            let mut model = rest;
+            model.add(&effects, group);
+            let next = board.fit(&model);
+            let worth = evidence(board, fit.rss - next.rss, numbers);
+            (worth > SURE).then_some((worth, next))
+        });
         // What the twin declares comes first, if it explains as much.
         let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
         if let Some((better, corrected)) = correction(board, &slopes, &fit, group, least) {
@@ -130,8 +140,7 @@ fn correction(
     free: usize,
     least: f64,
 ) -> Option<(Board, Fit)> {
-    let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-    let basis = Basis::of(&columns);
+    let basis = fit.basis();
     let mut cleared = fit.clone();
     basis.clear(&mut cleared.left);
     let mut best: Option<(f64, Board, Fit)> = None;
@@ -157,14 +166,64 @@ fn correction(
     best.map(|(_, board, fit)| (board, fit))
 }
 
+/// Steady effects of edge classes that a finding has in part already are one finding with it, channel by channel: its group, the model
+/// without it, and all of its effects.
+fn joined(
+    model: &Model,
+    group: usize,
+    effects: Vec<Effect>,
+    channels: u8,
+) -> (usize, Model, Vec<Effect>) {
+    let steady = |effects: &[Effect]| {
+        let mut each = effects.iter();
+        each.all(|effect| effect.carrier == Carrier::Steady && effect.growth == Growth::Constant)
+    };
+    let named = name::mechanism(&effects);
+    let mut groups = model.groups().into_iter();
+    let other = groups.find(|other| {
+        let own = model.effects(*other);
+        steady(&own) && name::mechanism(&own) == named
+    });
+    let Some(other) = other.filter(|_| steady(&effects) && named != Mechanism::Unknown) else {
+        return (group, model.clone(), effects);
+    };
+    let mut all: Vec<Effect> = Vec::new();
+    for effect in model.effects(other).into_iter().chain(effects) {
+        for effect in by_channel(effect, channels) {
+            if !all.contains(&effect) {
+                all.push(effect);
+            }
+        }
+    }
+    (other, model.without(other), all)
+}
+
+/// An effect on all channels as one on each.
+fn by_channel(effect: Effect, channels: u8) -> Vec<Effect> {
+    let each = |site: &dyn Fn(On) -> Site, on: On| match on.channel {
+        Some(_) => vec![effect],
+        None => (0..channels)
+            .map(|channel| {
+                let channel = Some(channel);
+                let site = site(On { channel, ..on });
+                Effect { site, ..effect }
+            })
+            .collect(),
+    };
+    match effect.site {
+        Site::Stamp(on) => each(&Site::Stamp, on),
+        Site::Disc(on) => each(&Site::Disc, on),
+        _ => vec![effect],
+    }
+}
+
 /// Changes of the drive at the most.
 const CHANGES: usize = 16;
 
 /// A drive that the twin does not declare may change at any instant: its changes are part of the course, not findings.
 fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
     for change in 0..CHANGES {
-        let columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-        let basis = Basis::of(&columns);
+        let basis = fit.basis();
         let mut cleared = fit.clone();
         basis.clear(&mut cleared.left);
         let found = cells::loads(board, bank, &cleared, &basis);

@@ -69,7 +69,8 @@ fn given_inertia<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::E
 
 impl Twin {
     /// All friction but the viscous, against the motion, at a speed, N m.
-    pub(crate) fn friction_n_m(&self, rad_s: f64) -> f64 {
+    #[must_use]
+    pub fn friction_n_m(&self, rad_s: f64) -> f64 {
         let shaft = &self.shaft;
         let mut friction = shaft.coulomb_n_m;
         if shaft.drag_n_m_s2 > 0.0 {

@@ -3,7 +3,7 @@
 mod interval;
 
 use quadcal_host::diagnose::diagnosis::{
-    Band, Diagnosis, Evidence, Finding, Fit, HeldOut, Parameter, Place, Verdict,
+    Diagnosis, Evidence, Finding, Fit, HeldOut, Parameter, Place, Verdict,
 };
 use quadcal_host::mechanism::Mechanism;
 use serde_json::{Value, json};
@@ -61,7 +61,7 @@ fn finding(mechanism: Mechanism, parameters: &[(&str, f64, [f64; 2])]) -> Findin
 /// An answer that has gone through the JSON of the command.
 fn answer(verdict: Verdict, findings: Vec<Finding>) -> Answer {
     let diagnosis = Diagnosis {
-        version: 1,
+        version: 2,
         verdict,
         summary: String::new(),
         recordings: Vec::new(),
@@ -69,8 +69,6 @@ fn answer(verdict: Verdict, findings: Vec<Finding>) -> Answer {
             rms_before_rad: Some(2.0),
             rms_after_rad: Some(1.0),
             floor_rad: Some(1.0),
-            slow: Band::default(),
-            edge_to_edge: Band::default(),
             whiteness_p_before: Some(0.0),
             whiteness_p: Some(0.5),
             held_out: HeldOut {

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use crate::diagnose::answer::{Answer, Curve, Map, Sized};
 use crate::diagnose::diagnosis::{
-    Band, Diagnosis, Evidence, Finding, Fit, HeldOut, NextRecording, Parameter, Place,
-    RecordingFacts, RunnerUp, Verdict,
+    Diagnosis, Evidence, Finding, Fit, HeldOut, NextRecording, Parameter, Place, RecordingFacts,
+    RunnerUp, Verdict,
 };
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::mechanism::Mechanism;
@@ -247,7 +247,7 @@ pub(crate) fn full() -> Answer {
         lost(),
     ];
     let diagnosis = Diagnosis {
-        version: 1,
+        version: 2,
         verdict: Verdict::Ambiguous,
         summary: "The twin lacked: torque ripple of the motor, rise and fall delayed unequally, friction, jitter, lost edges; these \
                   recordings allow other names for it."
@@ -257,16 +257,6 @@ pub(crate) fn full() -> Answer {
             rms_before_rad: Some(2.23e-4),
             rms_after_rad: Some(6.1e-6),
             floor_rad: Some(5.8e-6),
-            slow: Band {
-                rms_before_rad: Some(2.1e-5),
-                rms_after_rad: Some(9.4e-6),
-                floor_rad: Some(9.1e-6),
-            },
-            edge_to_edge: Band {
-                rms_before_rad: Some(4.1e-6),
-                rms_after_rad: Some(3.2e-6),
-                floor_rad: Some(3.2e-6),
-            },
             whiteness_p_before: Some(0.0),
             whiteness_p: Some(0.31),
             held_out: HeldOut {

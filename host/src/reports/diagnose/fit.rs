@@ -18,10 +18,10 @@ pub(super) fn parts(fit: &Fit) -> Vec<Part> {
         name,
         rms_rad: [before, after, floor],
     };
-    let (held, slow, edges) = (&fit.held_out, &fit.slow, &fit.edge_to_edge);
+    let held = &fit.held_out;
     let all = [
         part(
-            "All turns",
+            "All edges",
             fit.rms_before_rad,
             fit.rms_after_rad,
             fit.floor_rad,
@@ -31,18 +31,6 @@ pub(super) fn parts(fit: &Fit) -> Vec<Part> {
             held.rms_before_rad,
             held.rms_after_rad,
             held.floor_rad,
-        ),
-        part(
-            "Slower than two turns",
-            slow.rms_before_rad,
-            slow.rms_after_rad,
-            slow.floor_rad,
-        ),
-        part(
-            "From edge to edge",
-            edges.rms_before_rad,
-            edges.rms_after_rad,
-            edges.floor_rad,
         ),
     ];
     let given = |part: &Part| part.rms_rad[0].is_some();
@@ -86,8 +74,8 @@ pub(super) fn noise(fit: &Fit, found: bool) -> Option<String> {
 pub(super) fn section(body: &mut Body, answer: &Answer) {
     let fit = &answer.diagnosis.fit;
     let found = !answer.diagnosis.findings.is_empty();
-    let mut text = "The residual is how far edges stand from the twin's course, less its mean over a turn: what comes again each turn \
-                    keeps its size, slow wander is out of it."
+    let mut text = "The residual is the innovation: how far each edge comes from where the twin, the edges before it and the noise of \
+                    the shaft let it expect."
         .to_owned();
     if let Some(noise) = noise(fit, found) {
         text += &format!(" Probability that noise alone leaves as much: {noise}.");
@@ -117,7 +105,7 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
         body.table("All recordings together", columns, rows);
     }
     for curve in &answer.curves {
-        let mut plot = Xy::new(Axis::new("Time", "s"), Axis::new("Residual", "rad")).series(
+        let mut plot = Xy::new(Axis::new("Time", "s"), Axis::new("Innovation, RMS", "rad")).series(
             Series::line("twin as given", &curve.time_s, &curve.before_rad).colour(Colour::BEFORE),
         );
         // Noise that was found leaves the residual as it is.
@@ -125,6 +113,13 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
             let after = Series::line("with the findings", &curve.time_s, &curve.after_rad);
             plot = plot.series(after.colour(Colour::AFTER));
         }
-        body.figure(plot, format!("Residual along {}.", curve.file));
+        body.figure(
+            plot,
+            format!(
+                "Innovations along {}, RMS of {} windows.",
+                curve.file,
+                curve.time_s.len()
+            ),
+        );
     }
 }

@@ -2,9 +2,7 @@
 
 mod numbers;
 
-use crate::diagnose::diagnosis::{
-    Band, Diagnosis, Evidence, Finding, Fit, NextRecording, Parameter, Verdict,
-};
+use crate::diagnose::diagnosis::{Diagnosis, Evidence, Finding, NextRecording, Parameter, Verdict};
 use crate::mechanism::Mechanism;
 use crate::report::si_digits;
 pub use numbers::{parameter_name, probability, value, with_interval};
@@ -154,23 +152,6 @@ pub fn next(next: &NextRecording) -> String {
 pub fn mended(diagnosis: &Diagnosis) -> bool {
     let mut found = diagnosis.findings.iter();
     found.any(|finding| finding.mechanism != Mechanism::Unknown)
-}
-
-/// The other parts of the residual, named.
-#[must_use]
-pub const fn bands(fit: &Fit) -> [(&'static str, &Band); 2] {
-    [
-        ("slower than two turns", &fit.slow),
-        ("from edge to edge", &fit.edge_to_edge),
-    ]
-}
-
-/// Whether the findings change it.
-#[must_use]
-pub fn changes(band: &Band) -> bool {
-    const PART: f64 = 0.02;
-    let both = band.rms_before_rad.zip(band.rms_after_rad);
-    both.is_some_and(|(before, after)| (before - after).abs() > PART * before)
 }
 
 /// Share of what the findings make on turns not fitted on that they foretell, in percent.
