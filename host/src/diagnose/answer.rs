@@ -21,6 +21,8 @@ pub struct Answer {
     pub shares: Vec<Option<f64>>,
     /// Of each finding, in the findings' order, the numbers of the twin that it corrects, as the twin declares them.
     pub declared: Vec<BTreeMap<String, f64>>,
+    /// Numbers that the twins declare and that these recordings can't determine, in words: nothing is said of them.
+    pub not_identifiable: Vec<String>,
     /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,

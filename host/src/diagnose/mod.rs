@@ -16,6 +16,7 @@ pub mod edges;
 pub mod effect;
 pub mod events;
 pub mod filter;
+pub mod identify;
 pub mod judge;
 pub mod lsq;
 pub mod map;

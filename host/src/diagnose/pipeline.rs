@@ -56,11 +56,16 @@ pub fn diagnose(
     let mut board = Board::new(benches);
     let given = board.clone();
     progress(0.15, "Searching");
-    let (mut fit, bank) = search::search(&mut board);
+    let search::Found {
+        mut fit,
+        bank,
+        not_identifiable,
+    } = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
     let alike = swapped(&mut board, &bank, &mut fit);
     progress(0.85, "Judging");
     let mut answer = answer(rig, &given, &board, &fit, &alike);
+    answer.not_identifiable = not_identifiable;
     let nuisances = fit.model.nuisances();
     let before = board.fit(&nuisances);
     answer.map = map::map(
@@ -437,6 +442,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .collect(),
         cells,
         shares,
+        not_identifiable: Vec::new(),
         curves: curves(rig, given, board, fit),
     }
 }

@@ -6,8 +6,10 @@ use rayon::prelude::*;
 use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Growth, On, Site};
+use super::identify;
 use super::model::{Board, Fit, Model};
 use super::name;
+use super::numbers::Knob;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 use crate::mechanism::Mechanism;
@@ -60,12 +62,30 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
     all
 }
 
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The model with its numbers.
+    pub fit: Fit,
+    /// Cells that were tried throughout.
+    pub bank: Bank,
+    /// What the twins declare and the recordings do not determine, in words.
+    pub not_identifiable: Vec<String>,
+}
+
 /// Searches until nothing is left that is worth its numbers.
 #[must_use]
-pub fn search(board: &mut Board) -> (Fit, Bank) {
+pub fn search(board: &mut Board) -> Found {
     let mut bank = Bank::new(board);
     let mut slopes = correct::all(board);
     let mut fit = board.fit(&nuisances(board));
+    // Of numbers that only show together one is fitted.
+    let open = identify::open(board, &slopes, &fit);
+    let skipped: Vec<Knob> = open
+        .skipped
+        .iter()
+        .map(|at| slopes[*at].knob.clone())
+        .collect();
     if board.free.drift {
         fit = free_course(board, &bank, fit);
     }
@@ -103,7 +123,8 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
         });
         // What the twin declares comes first, if it explains as much.
         let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
-        if let Some((better, corrected)) = correction(board, &slopes, &fit, group, least) {
+        if let Some((better, corrected)) = correction(board, &slopes, &skipped, &fit, group, least)
+        {
             let laws = |board: &Board| -> Vec<Law> {
                 let each = board.benches.iter();
                 each.map(|bench| bench.plant.law.clone()).collect()
@@ -129,13 +150,21 @@ pub fn search(board: &mut Board) -> (Fit, Bank) {
             fit = board.fit(&model);
         }
     }
-    (fit, bank)
+    // What does not show goes by the noise as it was found.
+    let plain = board.fit(&fit.model.nuisances());
+    let not_identifiable = identify::open(board, &slopes, &plain).words;
+    Found {
+        fit,
+        bank,
+        not_identifiable,
+    }
 }
 
 /// The declared number that explains most beside a fit, if it has so much evidence: the board beside twins with it, and the fit.
 fn correction(
     board: &Board,
     slopes: &[Slopes],
+    skipped: &[Knob],
     fit: &Fit,
     free: usize,
     least: f64,
@@ -146,6 +175,7 @@ fn correction(
     let mut best: Option<(f64, Board, Fit)> = None;
     for candidate in correct::candidates(board, slopes, &cleared, &basis)
         .into_iter()
+        .filter(|candidate| !skipped.contains(&candidate.slopes.knob))
         .take(TRIED)
     {
         let numbers = candidate.slopes.declared.len();
