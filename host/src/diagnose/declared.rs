@@ -270,6 +270,26 @@ impl Declared {
     }
 }
 
+/// How late each stamp is by the delays that a twin declares, s.
+#[must_use]
+pub fn late_s(twin: &Twin, record: &Record) -> Vec<f64> {
+    let mean_s = twin
+        .capture_latency
+        .and_then(|latency| latency.mean_s)
+        .unwrap_or(0.0);
+    let mut late = vec![mean_s; record.len()];
+    for (effect, sizes) in effects(twin) {
+        if let Site::Stamp(on) = effect.site {
+            for (at, late) in late.iter_mut().enumerate() {
+                if on.has(record.captured(at)) {
+                    *late += sizes[0];
+                }
+            }
+        }
+    }
+    late
+}
+
 /// What a declared latency of every capture makes of edges in the mean.
 fn late(twin: &Twin, course: &Course, off: &mut [f64]) {
     if let Some(CaptureLatency {

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::bench::{self, Bench};
+use super::correct::Correction;
 use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
@@ -21,6 +22,8 @@ pub struct Board {
     pub free: Free,
     /// The disc's pattern, where it is part of what is fitted.
     pub pattern: Option<Pattern>,
+    /// Numbers that the twins declare and that are fitted, in the order of [`Site::Declared`].
+    pub corrections: Vec<Correction>,
 }
 
 /// An effect in a model.
@@ -98,13 +101,12 @@ impl Model {
     /// Groups that are findings, in the order in which they were found.
     #[must_use]
     pub fn groups(&self) -> Vec<usize> {
-        let mut groups: Vec<usize> = self
-            .terms
-            .iter()
-            .filter(|term| !term.nuisance)
-            .map(|term| term.group)
-            .collect();
-        groups.dedup();
+        let mut groups: Vec<usize> = Vec::new();
+        for term in self.terms.iter().filter(|term| !term.nuisance) {
+            if !groups.contains(&term.group) {
+                groups.push(term.group);
+            }
+        }
         groups
     }
 
@@ -241,6 +243,7 @@ impl Board {
                 stamp: true,
             },
             pattern: None,
+            corrections: Vec::new(),
         };
         let looped = board
             .benches

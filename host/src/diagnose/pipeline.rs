@@ -12,7 +12,7 @@ use super::judge::Parts;
 use super::model::{Board, Fit};
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
-use super::{events, judge, map, name, search, stamps};
+use super::{correct, events, judge, map, name, search, stamps};
 use crate::diagnose::diagnosis::{
     Diagnosis, Evidence, Finding, Fit as Agreement, HeldOut, NextRecording, Place, RecordingFacts,
     RunnerUp, Verdict,
@@ -57,11 +57,16 @@ pub fn diagnose(
     let mut board = Board::new(benches);
     let given = board.clone();
     progress(0.15, "Searching");
-    let (mut fit, bank) = search::search(&mut board);
+    let search::Found {
+        mut fit,
+        bank,
+        not_identifiable,
+    } = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
     let alike = swapped(&mut board, &bank, &mut fit);
     progress(0.85, "Judging");
     let mut answer = answer(rig, &given, &board, &fit, &alike);
+    answer.not_identifiable = not_identifiable;
     let nuisances = fit.model.nuisances();
     let before = board.fit(&nuisances);
     answer.map = map::map(
@@ -147,7 +152,10 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     let mut all = Vec::new();
     for group in fit.model.groups() {
         let own = fit.model.effects(group);
-        let mechanism = name::mechanism(&own);
+        let mechanism = board.mechanism(&own);
+        let corrects = own.iter().any(|effect| board.correction(effect).is_some());
+        // What the twin declares comes first.
+        let better = if corrects { ALIKE } else { BETTER };
         let rest = fit.without(group);
         let basis = rest.basis();
         let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
@@ -159,6 +167,9 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             let near = here > NEAR * worth - ALIKE;
             if !near || rivals.len() == RIVALS {
                 break;
+            }
+            if corrects && board.same_columns(fit, group, &candidate.effects) {
+                continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {
                 let (effects, gain) = board.beside(&rest, &basis, &candidate.effects);
@@ -179,7 +190,7 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let mut named = mechanism;
         if rivals
             .first()
-            .is_some_and(|(_, best, _)| *best > worth + BETTER)
+            .is_some_and(|(_, best, _)| *best > worth + better)
         {
             let (other, best, effects) = rivals.swap_remove(0);
             if other != mechanism {
@@ -255,20 +266,14 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                     | Carrier::Stribeck(_)
             )
         });
-        let mut mechanism = name::mechanism(&effects);
+        let corrected = correct::measured(board, fit, group);
+        let once = if corrected.is_empty() {
+            once
+        } else {
+            parts.only_once(fit, group)
+        };
+        let mut mechanism = board.mechanism(&effects);
         let sideband = name::sideband_of(board, &effects);
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "DBG {:?} loss {loss:.0} foretold {foretold:.0} worse {worse} ({early:.0} > {none:.0}) sizes {:?}",
-                effects,
-                fit.model
-                    .terms
-                    .iter()
-                    .filter(|t| t.group == group)
-                    .map(|t| t.sizes.clone())
-                    .collect::<Vec<_>>()
-            );
-        }
         if worse || sideband.is_some() || !once && foretold < FORETELLS * loss {
             mechanism = Mechanism::Unknown;
         }
@@ -276,7 +281,11 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .iter()
             .find(|one| one.group == group)
             .map_or(&[], |one| &one.others);
-        let mut numbers = fit.numbers(group);
+        let mut numbers = if corrected.is_empty() {
+            fit.numbers(group)
+        } else {
+            corrected.iter().map(|one| one.number.clone()).collect()
+        };
         for number in &mut numbers {
             number.error = number.error.map(|error| error * spread);
         }
@@ -312,6 +321,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                     "{}: beside order {whole}, of a size or phase that changes along the recording",
                     name::text(&effects)
                 ),
+                None if !corrected.is_empty() => correct::text(&corrected, spread),
                 None => name::text(&effects),
             },
             confidence,
@@ -431,9 +441,15 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             next_recording: next,
         },
         map: Map::default(),
+        declared: cells
+            .iter()
+            .map(|cells| correct::declared(board, cells))
+            .collect(),
         cells,
         shares,
         pattern: learned(board, &board.rest(&fit.model)),
+        not_identifiable: Vec::new(),
+        corrected: board.corrected(&fit.model),
         curves: curves(rig, given, board, fit),
     }
 }

@@ -7,6 +7,7 @@ use super::answer::{Answer, Sized};
 use super::diagnosis::Finding;
 use super::edges::CountKind;
 use super::effect::{Carrier, Effect, Growth, On, Site};
+use super::numbers::{self, Knob};
 use super::plant::Law;
 use super::rig::Recorded;
 use crate::mechanism::Mechanism;
@@ -36,11 +37,22 @@ pub struct Written {
 /// # Errors
 /// As [`sim::true_errors`].
 pub fn twins(rig: &[Recorded], answer: &Answer) -> Result<Vec<Written>, TwinError> {
-    rig.iter().map(|one| written(one, answer)).collect()
+    let each = rig.iter().zip(&answer.corrected);
+    each.map(|(one, corrected)| written(one, corrected, answer))
+        .collect()
 }
 
-fn written(one: &Recorded, answer: &Answer) -> Result<Written, TwinError> {
-    let mut twin = one.twin.clone();
+fn written(
+    one: &Recorded,
+    corrected: &[(Knob, Vec<f64>)],
+    answer: &Answer,
+) -> Result<Written, TwinError> {
+    let corrected: Vec<(&Knob, &[f64])> = corrected
+        .iter()
+        .map(|(knob, values)| (knob, values.as_slice()))
+        .collect();
+    let taken = numbers::changed(&one.twin, &corrected).filter(|twin| twin.check().is_ok());
+    let mut twin = taken.unwrap_or_else(|| one.twin.clone());
     let span = Span::of(one);
     let found = answer.diagnosis.findings.iter().zip(&answer.cells);
     for (finding, cells) in found {
@@ -50,6 +62,7 @@ fn written(one: &Recorded, answer: &Answer) -> Result<Written, TwinError> {
             true => put_counted(&mut new, finding, one),
             false => cells
                 .iter()
+                .filter(|cell| !matches!(cell.effect.site, Site::Declared(_)))
                 .all(|cell| finding.mechanism != Mechanism::Unknown && put(&mut new, cell, &span)),
         };
         if took && new.check().is_ok() {
@@ -59,7 +72,7 @@ fn written(one: &Recorded, answer: &Answer) -> Result<Written, TwinError> {
         for cell in cells {
             let mut new = twin.clone();
             new.effect
-                .push(DeclaredEffect::of(&cell.effect, &cell.sizes));
+                .extend(DeclaredEffect::of(&cell.effect, &cell.sizes));
             if new.check().is_ok() {
                 twin = new;
             }
@@ -594,6 +607,3 @@ impl Written {
         twin
     }
 }
-
-#[cfg(test)]
-mod tests;

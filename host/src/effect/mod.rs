@@ -56,6 +56,8 @@ pub enum Site {
     Level(On),
     /// A time of the stamp, s: it comes so much later. Flanks are those of the signal.
     Stamp(On),
+    /// A number that the twin declares, as the board counts those that it corrects; no twin has it as an effect.
+    Declared(u16),
 }
 
 /// What an effect follows.

@@ -62,7 +62,7 @@ fn less_start(bench: &Bench, row: &[f64]) -> Vec<f64> {
 fn off(effect: &Effect, sizes: &[f64], profile: &str) -> (f64, f64) {
     let given = rig(profile);
     let mut real = given.clone();
-    real.effect = vec![DeclaredEffect::of(effect, sizes)];
+    real.effect = DeclaredEffect::of(effect, sizes).into_iter().collect();
     // Through its text, as a file has it.
     let real = Twin::parse(&real.to_toml().unwrap(), "a.toml").unwrap();
     let bench = bench(&real, &given);
@@ -79,14 +79,35 @@ fn off(effect: &Effect, sizes: &[f64], profile: &str) -> (f64, f64) {
         .map(|(seen, foretold)| seen - foretold)
         .collect();
     if std::env::var("DEBUG_OFF").is_ok() {
-        let mut events: Vec<_> = Simulation::new(&real).unwrap().filter(|e| e.truth.edge.is_some()).collect();
-        while events.len() > bench.record.len() { events.remove(0); }
-        let d: Vec<i64> = events.iter().zip(&bench.record.place).map(|(e, p)| p - (e.truth.angle_rad / bench.record.step_rad()).round() as i64).collect();
-        println!("{effect:?} events {} record {}", events.len(), bench.record.len());
+        let mut events: Vec<_> = Simulation::new(&real)
+            .unwrap()
+            .filter(|e| e.truth.edge.is_some())
+            .collect();
+        while events.len() > bench.record.len() {
+            events.remove(0);
+        }
+        let d: Vec<i64> = events
+            .iter()
+            .zip(&bench.record.place)
+            .map(|(e, p)| p - (e.truth.angle_rad / bench.record.step_rad()).round() as i64)
+            .collect();
+        println!(
+            "{effect:?} events {} record {}",
+            events.len(),
+            bench.record.len()
+        );
         for at in 1..d.len() {
             if d[at] != d[at - 1] {
                 for i in at.saturating_sub(4)..(at + 4).min(d.len()) {
-                    println!("  {i} t {:.6} angle/step {:.4} class {:?} | place {} t {:.6} way {}", events[i].truth.time_s, events[i].truth.angle_rad / bench.record.step_rad(), events[i].truth.class, bench.record.place[i], bench.record.time_s[i], bench.record.way[i]);
+                    println!(
+                        "  {i} t {:.6} angle/step {:.4} class {:?} | place {} t {:.6} way {}",
+                        events[i].truth.time_s,
+                        events[i].truth.angle_rad / bench.record.step_rad(),
+                        events[i].truth.class,
+                        bench.record.place[i],
+                        bench.record.time_s[i],
+                        bench.record.way[i]
+                    );
                 }
                 break;
             }
@@ -109,6 +130,7 @@ fn size(site: Site, carrier: Carrier) -> f64 {
             Site::Drive => 3e-4,
             Site::Disc(_) | Site::Level(_) => 1e-4,
             Site::Stamp(_) => 1e-5,
+            Site::Declared(_) => 0.0,
         }
 }
 
