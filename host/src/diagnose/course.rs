@@ -13,6 +13,8 @@ pub struct Course {
     pub speed: Vec<f64>,
     /// When it turns round, s.
     pub reversals_s: Vec<f64>,
+    /// How late each stamp is, as far as that is known, s.
+    pub late_s: Vec<f64>,
 }
 
 impl Course {
@@ -28,6 +30,7 @@ impl Course {
             angle,
             speed,
             reversals_s: Vec::new(),
+            late_s: vec![0.0; record.len()],
         };
         course.reversals_s = (1..course.len())
             .filter(|&at| record.way[at] != record.way[at - 1])

@@ -160,6 +160,8 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
 #[derive(Clone, Debug)]
 pub struct Asked {
     points: Vec<(f64, f64)>,
+    /// Whether the drive gives what following it takes, friction included: a speed loop does not.
+    follows: bool,
 }
 
 impl Asked {
@@ -195,7 +197,34 @@ impl Asked {
                 points
             }
         };
-        Self { points }
+        Self {
+            points,
+            follows: twin.speed_loop().is_none(),
+        }
+    }
+
+    /// What friction is balanced at: the speed that an open-loop drive asks for, no motion where there is none.
+    #[must_use]
+    pub fn here(&self, here: Here) -> Here {
+        let (speed, rate) = match self.follows {
+            true => self.at(here.time_s, here.inside_s),
+            false => (0.0, 0.0),
+        };
+        let way = sign(if speed == 0.0 { rate } else { speed });
+        Here { speed, way, ..here }
+    }
+
+    /// Instants at which what friction is balanced at jumps, s.
+    #[must_use]
+    pub fn breaks_s(&self) -> Vec<f64> {
+        let mut breaks: Vec<f64> = self.points.iter().map(|(time_s, _)| *time_s).collect();
+        for pair in self.points.windows(2) {
+            let ((from_s, one), (until_s, other)) = (pair[0], pair[1]);
+            if one * other < 0.0 {
+                breaks.push(from_s + (until_s - from_s) * one / (one - other));
+            }
+        }
+        breaks
     }
 
     /// Speed at a time, rad/s, and its rate, rad/s^2; `inside_s` says on which side of a jump.
@@ -268,6 +297,26 @@ impl Declared {
             ties,
         }
     }
+}
+
+/// How late each stamp is by the delays that a twin declares, s.
+#[must_use]
+pub fn late_s(twin: &Twin, record: &Record) -> Vec<f64> {
+    let mean_s = twin
+        .capture_latency
+        .and_then(|latency| latency.mean_s)
+        .unwrap_or(0.0);
+    let mut late = vec![mean_s; record.len()];
+    for (effect, sizes) in effects(twin) {
+        if let Site::Stamp(on) = effect.site {
+            for (at, late) in late.iter_mut().enumerate() {
+                if on.has(record.captured(at)) {
+                    *late += sizes[0];
+                }
+            }
+        }
+    }
+    late
 }
 
 /// What a declared latency of every capture makes of edges in the mean.
@@ -370,7 +419,10 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
             .iter()
             .map(|point| (point.t_s, point.torque_n_m / law.inertia))
             .collect();
-        let given = Asked { points };
+        let given = Asked {
+            points,
+            follows: false,
+        };
         let push = |here: Here| given.at(here.time_s, here.inside_s).0 + friction(here);
         return (
             scene.plant.response(scene.course, push, |_| 0.0, &breaks),

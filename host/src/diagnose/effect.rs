@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::course::Course;
 use super::declared::Asked;
 use super::plant::{Plant, sign};
-use super::record::{Change, Record};
+use super::record::Record;
 use crate::effect::number::Sloped;
 pub use crate::effect::{Carrier, Effect, Growth, Here, On, Site, along_time};
 
@@ -28,12 +28,12 @@ impl Effect {
     pub fn columns(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         match self.site {
             Site::Torque | Site::Drive => self.pushed(scene),
-            Site::Disc(_) | Site::Level(_) | Site::Stamp(_) => {
+            Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
                     let by = self.by_edge(scene, at);
                     if by != 0.0 {
-                        let value = self.value(scene.here(at, &self.site));
+                        let value = self.value(scene.here(at, self));
                         for (column, value) in columns.iter_mut().zip(value) {
                             column[at] = by * value;
                         }
@@ -47,18 +47,10 @@ impl Effect {
     /// Angle that one unit at its site is at an edge, rad.
     fn by_edge(&self, scene: &Scene<'_>, at: usize) -> f64 {
         let change = scene.record.change(at);
-        let Site::Stamp(on) = self.site else {
-            return self.ahead(change);
-        };
-        let forward = scene.record.way[at] > 0.0;
-        let captured = Change {
-            rises: change.rises == forward,
-            ..change
-        };
-        if on.has(captured) {
-            -scene.course.speed[at]
-        } else {
-            0.0
+        match self.site {
+            Site::Stamp(on) if on.has(scene.record.captured(at)) => -scene.course.speed[at],
+            Site::Stamp(_) | Site::Declared(_) => 0.0,
+            _ => self.ahead(change),
         }
     }
 
@@ -80,6 +72,10 @@ impl Effect {
         );
         if turns || matches!(self.growth, Growth::Speed(_)) {
             breaks.extend(&scene.course.reversals_s);
+        }
+        if self.is_friction() {
+            breaks.extend(scene.asked.breaks_s());
+            breaks.extend(Some(scene.plant.law.off_s).filter(|off_s| off_s.is_finite()));
         }
         breaks.sort_by(f64::total_cmp);
         let law = &scene.plant.law;
@@ -103,7 +99,15 @@ impl Effect {
                     .responses(all, scene.course, change, rate, &breaks)
             }
             _ => {
-                let push = |here: Here| self.value(here).map(|torque| torque / law.inertia);
+                let push = |here: Here| {
+                    let torques = self.value(here);
+                    let given = if self.is_friction() && here.inside_s < law.off_s {
+                        self.value(scene.asked.here(here))
+                    } else {
+                        [0.0; 2]
+                    };
+                    [0, 1].map(|size| (torques[size] - given[size]) / law.inertia)
+                };
                 scene
                     .plant
                     .responses(all, scene.course, push, rate, &breaks)
@@ -114,17 +118,20 @@ impl Effect {
 }
 
 impl Scene<'_> {
-    /// The instant of an edge as a site sees it: disc errors go with the grid, all else with the course.
+    /// The instant of an edge as an effect sees it: errors of the disc go with the grid, all else with the shaft, a run-out as well. What
+    /// goes with time goes by when the edge was there, before any delay.
     #[must_use]
     #[inline]
-    pub fn here(&self, at: usize, site: &Site) -> Here {
-        let angle = match site {
-            Site::Disc(_) => self.record.grid_rad(at),
+    pub fn here(&self, at: usize, effect: &Effect) -> Here {
+        let runs_out = matches!(effect.carrier, Carrier::Order(order) if order.fract() != 0.0);
+        let angle = match effect.site {
+            Site::Disc(_) if !runs_out => self.record.grid_rad(at),
             _ => self.course.angle[at],
         };
+        let time_s = self.course.time_s[at] - self.course.late_s[at];
         Here {
-            time_s: self.course.time_s[at],
-            inside_s: self.course.time_s[at],
+            time_s,
+            inside_s: time_s,
             angle,
             speed: self.course.speed[at],
             way: sign(self.course.speed[at]),

@@ -9,6 +9,8 @@ use super::rig::Recorded;
 use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place};
 use crate::mechanism::Mechanism;
 
+/// Rows of a glitch: its start and its end.
+pub const ROWS_A_GLITCH: i32 = 2;
 /// Standard deviations of a number of events that chance seldom reaches.
 const SURE: f64 = 4.0;
 
@@ -79,13 +81,19 @@ fn undeclared(one: &Recorded) -> Vec<CountEvent> {
         }),
         CountKind::Lost | CountKind::Extra => true,
     });
-    for (kind, probability, listed) in [
+    for (kind, probability, listed, rows) in [
         (
             CountKind::Lost,
             declared.lost_probability,
             declared.lost_edges.len(),
+            1,
         ),
-        (CountKind::Extra, declared.glitch_probability, 0),
+        (
+            CountKind::Extra,
+            declared.glitch_probability,
+            0,
+            ROWS_A_GLITCH,
+        ),
     ] {
         let count: i32 = events
             .iter()
@@ -94,7 +102,7 @@ fn undeclared(one: &Recorded) -> Vec<CountEvent> {
             .sum();
         let expected = probability * one.edges.len() as f64;
         let most = expected + SURE * expected.sqrt() + listed as f64;
-        if expected + listed as f64 > 0.0 && f64::from(count) <= most {
+        if expected + listed as f64 > 0.0 && f64::from(count) <= most * f64::from(rows) {
             events.retain(|event| event.kind != kind);
         }
     }

@@ -9,11 +9,10 @@ use super::edges::turned;
 use super::effect::{Carrier, Effect, Growth};
 use super::filter::Noise;
 use super::judge::Parts;
-use super::lsq;
 use super::model::{Board, Fit};
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
-use super::{events, judge, map, name, search, stamps};
+use super::{correct, events, judge, map, name, search, stamps};
 use crate::diagnose::diagnosis::{
     Diagnosis, Evidence, Finding, Fit as Agreement, HeldOut, NextRecording, Place, RecordingFacts,
     RunnerUp, Verdict,
@@ -35,6 +34,8 @@ const BETTER: f64 = 2.0;
 const FORETELLS: f64 = 0.6;
 /// Probability of whiteness below which something is left.
 const NOT_WHITE: f64 = 1e-6;
+/// How many times as much correlation as rounding to ticks alone makes is more than that.
+const ROUNDED: f64 = 2.0;
 /// Lags that whiteness is tested over.
 const LAGS: usize = 24;
 /// Points of a curve.
@@ -56,11 +57,16 @@ pub fn diagnose(
     let mut board = Board::new(benches);
     let given = board.clone();
     progress(0.15, "Searching");
-    let (mut fit, bank) = search::search(&mut board);
+    let search::Found {
+        mut fit,
+        bank,
+        not_identifiable,
+    } = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
     let alike = swapped(&mut board, &bank, &mut fit);
     progress(0.85, "Judging");
     let mut answer = answer(rig, &given, &board, &fit, &alike);
+    answer.not_identifiable = not_identifiable;
     let nuisances = fit.model.nuisances();
     let before = board.fit(&nuisances);
     answer.map = map::map(
@@ -146,7 +152,10 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     let mut all = Vec::new();
     for group in fit.model.groups() {
         let own = fit.model.effects(group);
-        let mechanism = name::mechanism(&own);
+        let mechanism = board.mechanism(&own);
+        let corrects = own.iter().any(|effect| board.correction(effect).is_some());
+        // What the twin declares comes first.
+        let better = if corrects { ALIKE } else { BETTER };
         let rest = fit.without(group);
         let basis = rest.basis();
         let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
@@ -158,6 +167,9 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             let near = here > NEAR * worth - ALIKE;
             if !near || rivals.len() == RIVALS {
                 break;
+            }
+            if corrects && board.same_columns(fit, group, &candidate.effects) {
+                continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {
                 let (effects, gain) = board.beside(&rest, &basis, &candidate.effects);
@@ -178,7 +190,7 @@ fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let mut named = mechanism;
         if rivals
             .first()
-            .is_some_and(|(_, best, _)| *best > worth + BETTER)
+            .is_some_and(|(_, best, _)| *best > worth + better)
         {
             let (other, best, effects) = rivals.swap_remove(0);
             if other != mechanism {
@@ -254,20 +266,14 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                     | Carrier::Stribeck(_)
             )
         });
-        let mut mechanism = name::mechanism(&effects);
+        let corrected = correct::measured(board, fit, group);
+        let once = if corrected.is_empty() {
+            once
+        } else {
+            parts.only_once(fit, group)
+        };
+        let mut mechanism = board.mechanism(&effects);
         let sideband = name::sideband_of(board, &effects);
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "DBG {:?} loss {loss:.0} foretold {foretold:.0} worse {worse} ({early:.0} > {none:.0}) sizes {:?}",
-                effects,
-                fit.model
-                    .terms
-                    .iter()
-                    .filter(|t| t.group == group)
-                    .map(|t| t.sizes.clone())
-                    .collect::<Vec<_>>()
-            );
-        }
         if worse || sideband.is_some() || !once && foretold < FORETELLS * loss {
             mechanism = Mechanism::Unknown;
         }
@@ -275,7 +281,11 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .iter()
             .find(|one| one.group == group)
             .map_or(&[], |one| &one.others);
-        let mut numbers = fit.numbers(group);
+        let mut numbers = if corrected.is_empty() {
+            fit.numbers(group)
+        } else {
+            corrected.iter().map(|one| one.number.clone()).collect()
+        };
         for number in &mut numbers {
             number.error = number.error.map(|error| error * spread);
         }
@@ -311,6 +321,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                     "{}: beside order {whole}, of a size or phase that changes along the recording",
                     name::text(&effects)
                 ),
+                None if !corrected.is_empty() => correct::text(&corrected, spread),
                 None => name::text(&effects),
             },
             confidence,
@@ -372,14 +383,18 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         )
     });
     let fitted = agreement(given, board, fit);
-    let left_over = fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy;
+    // Rounding to ticks hangs together where the course is quiet.
+    let spurs = correlation(board, &board.rounded(&fit.model)).0;
+    let left = correlation(board, &rests(board, fit)).0;
+    let left_over =
+        fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy && left > ROUNDED * spurs;
     if left_over
         && findings
             .iter()
             .all(|(finding, ..)| finding.mechanism != Mechanism::Unknown)
     {
         let mut unknown = unknown();
-        unknown.evidence.delta_bic = (correlation(board, &rests(board, fit)).0).max(0.0);
+        unknown.evidence.delta_bic = left;
         findings.push((unknown, Vec::new(), None));
     }
     merge_unknown(&mut findings);
@@ -426,9 +441,15 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             next_recording: next,
         },
         map: Map::default(),
+        declared: cells
+            .iter()
+            .map(|cells| correct::declared(board, cells))
+            .collect(),
         cells,
         shares,
         pattern: learned(board, &board.rest(&fit.model)),
+        not_identifiable: Vec::new(),
+        corrected: board.corrected(&fit.model),
         curves: curves(rig, given, board, fit),
     }
 }
@@ -577,24 +598,9 @@ fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
         }
     }
     for (bench, rest) in board.benches.iter().zip(&mut rests) {
-        less_start(bench, rest);
+        bench.less_start(rest);
     }
     rests
-}
-
-/// Takes off a residual what an unknown start makes of it: angle, speed and how that fades.
-fn less_start(bench: &Bench, rest: &mut [f64]) {
-    let first = bench.record.time_s[0];
-    let line: Vec<f64> = bench
-        .record
-        .time_s
-        .iter()
-        .map(|time| time - first)
-        .collect();
-    let fades = bench.plant.fading(&bench.course);
-    let one = vec![1.0; rest.len()];
-    let solved = lsq::solve(&[&one, &line, &fades], rest);
-    rest.copy_from_slice(&solved.left);
 }
 
 /// How well twins and recordings agree before and after.
@@ -603,10 +609,8 @@ fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let plain = before.fit(&fit.model.nuisances());
     let edges = board.edges() as f64;
     // White innovations count in deviations of the noise; a deviation is so many rad.
-    let deviation = rms(board.benches.iter().flat_map(|bench| {
-        let scales = bench.scales.iter().filter(|scale| **scale > 0.0);
-        scales.map(|scale| 1.0 / scale)
-    }));
+    let scales = board.benches.iter().flat_map(|bench| &bench.scales);
+    let deviation = rms(scales.copied().filter(|scale| *scale > 0.0)).map(f64::recip);
     let scale = deviation.unwrap_or(0.0);
     let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
     let [none, early, late] = Parts::held_out(board, fit).judged(fit);

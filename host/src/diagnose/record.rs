@@ -102,6 +102,16 @@ impl Record {
         change(self.class(at), self.classes)
     }
 
+    /// What changes at an edge, as it was captured: in reverse a rise is a fall.
+    #[must_use]
+    pub fn captured(&self, at: usize) -> Change {
+        let change = self.change(at);
+        Change {
+            rises: change.rises == (self.way[at] > 0.0),
+            ..change
+        }
+    }
+
     /// Channels.
     #[must_use]
     pub fn channels(&self) -> u8 {

@@ -7,12 +7,14 @@ use super::answer::{Answer, Sized};
 use super::diagnosis::Finding;
 use super::edges::CountKind;
 use super::effect::{Carrier, Effect, Growth, On, Site};
+use super::events::ROWS_A_GLITCH;
+use super::numbers::{self, Knob};
 use super::plant::Law;
 use super::rig::Recorded;
 use crate::mechanism::Mechanism;
 use crate::sim;
 use crate::twin::{
-    Bearing, CaptureLatency, Channel, DeclaredEffect, Drive, EdgeDelay, Encoder, Errors, Flank,
+    Bearing, CaptureLatency, Channel, DeclaredEffect, EdgeDelay, Encoder, Errors, Flank,
     Harmonic, Hysteresis, IndexSlip, LoadStep, LocalDefect, Ripple, RiseFall, SpeedDrift,
     ThresholdDrift, ThresholdRipple, TorqueTone, Twin, TwinError,
 };
@@ -36,11 +38,22 @@ pub struct Written {
 /// # Errors
 /// As [`sim::true_errors`].
 pub fn twins(rig: &[Recorded], answer: &Answer) -> Result<Vec<Written>, TwinError> {
-    rig.iter().map(|one| written(one, answer)).collect()
+    let each = rig.iter().zip(&answer.corrected);
+    each.map(|(one, corrected)| written(one, corrected, answer))
+        .collect()
 }
 
-fn written(one: &Recorded, answer: &Answer) -> Result<Written, TwinError> {
-    let mut twin = one.twin.clone();
+fn written(
+    one: &Recorded,
+    corrected: &[(Knob, Vec<f64>)],
+    answer: &Answer,
+) -> Result<Written, TwinError> {
+    let corrected: Vec<(&Knob, &[f64])> = corrected
+        .iter()
+        .map(|(knob, values)| (knob, values.as_slice()))
+        .collect();
+    let taken = numbers::changed(&one.twin, &corrected).filter(|twin| twin.check().is_ok());
+    let mut twin = taken.unwrap_or_else(|| one.twin.clone());
     let span = Span::of(one);
     let found = answer.diagnosis.findings.iter().zip(&answer.cells);
     for (finding, cells) in found {
@@ -50,6 +63,7 @@ fn written(one: &Recorded, answer: &Answer) -> Result<Written, TwinError> {
             true => put_counted(&mut new, finding, one),
             false => cells
                 .iter()
+                .filter(|cell| !matches!(cell.effect.site, Site::Declared(_)))
                 .all(|cell| finding.mechanism != Mechanism::Unknown && put(&mut new, cell, &span)),
         };
         if took && new.check().is_ok() {
@@ -59,7 +73,7 @@ fn written(one: &Recorded, answer: &Answer) -> Result<Written, TwinError> {
         for cell in cells {
             let mut new = twin.clone();
             new.effect
-                .push(DeclaredEffect::of(&cell.effect, &cell.sizes));
+                .extend(DeclaredEffect::of(&cell.effect, &cell.sizes));
             if new.check().is_ok() {
                 twin = new;
             }
@@ -468,16 +482,8 @@ fn put_tone(twin: &mut Twin, f_hz: f64, wave: Phasor, span: &Span) -> bool {
     true
 }
 
-/// Friction of the shaft. A drive that follows a speed balances what its twin declares, which a found torque was not: there it stays
-/// an effect.
+/// Friction of the shaft.
 fn put_friction(twin: &mut Twin, carrier: Carrier, size: f64) -> bool {
-    let follows = matches!(
-        twin.drive,
-        Drive::Constant { .. } | Drive::Ramp { .. } | Drive::Steps(_) | Drive::Profile(_)
-    );
-    if follows {
-        return false;
-    }
     let shaft = &mut twin.shaft;
     match carrier {
         Carrier::Power(0.0) => shaft.coulomb_n_m += size,
@@ -556,10 +562,13 @@ fn put_counted(twin: &mut Twin, finding: &Finding, one: &Recorded) -> bool {
         }
         Mechanism::ExtraEdges => {
             let extra = edges.events.iter();
-            let glitches = extra.filter(|event| event.kind == CountKind::Extra).count();
+            let rows: i32 = extra
+                .filter(|event| event.kind == CountKind::Extra)
+                .map(|event| event.edges)
+                .sum();
             let count = edges.time_s.len().max(1) as f64;
             twin.faults.glitch_probability =
-                (twin.faults.glitch_probability + glitches as f64 / count).min(1.0);
+                (f64::from(rows) / (f64::from(ROWS_A_GLITCH) * count)).min(1.0);
             if twin.faults.glitch_width_s == 0.0 {
                 twin.faults.glitch_width_s = GLITCH_SHARE * Span::of(one).seconds / count;
             }

@@ -56,6 +56,8 @@ pub enum Site {
     Level(On),
     /// A time of the stamp, s: it comes so much later. Flanks are those of the signal.
     Stamp(On),
+    /// A number that the twin declares, as the board counts those that it corrects; no twin has it as an effect.
+    Declared(u16),
 }
 
 /// What an effect follows.
@@ -80,9 +82,10 @@ pub enum Carrier {
     Time,
     /// Direction of motion: half forward, minus half in reverse.
     Direction,
-    /// Speed: sign(w) |w|^p, against the motion.
+    /// Speed: sign(w) |w|^p, against the motion. Of torques that is friction, which an open-loop drive balances at the speed that it asks
+    /// for, as it does all friction of its shaft.
     Power(f64),
-    /// Speed: sign(w) exp(-(w/ws)^2), against the motion.
+    /// Speed: sign(w) exp(-(w/ws)^2), against the motion; balanced as well.
     Stribeck(f64),
 }
 
@@ -230,6 +233,13 @@ impl Effect {
             _ => false,
         };
         matches!(self.site, Site::Disc(_)) && self.growth == Growth::Constant && repeats
+    }
+
+    /// Whether it is friction.
+    #[must_use]
+    pub fn is_friction(&self) -> bool {
+        let against = matches!(self.carrier, Carrier::Power(_) | Carrier::Stribeck(_));
+        self.site == Site::Torque && against
     }
 
     /// Instants at which it jumps or kinks, s.

@@ -103,6 +103,16 @@ impl Effects {
             .sum()
     }
 
+    /// Term `k` of the acceleration by which a drive that asks for a speed balances friction among the torques; `towards` is the sign of
+    /// that speed.
+    pub(super) fn balance(&self, k: usize, start: &Start, asked: &Series, towards: f64) -> f64 {
+        let friction = self.torques.iter().filter(|(effect, _)| effect.is_friction());
+        let along = start.along(k, asked, towards);
+        -friction
+            .map(|(effect, sizes)| effect.sized(sizes, along).terms[k])
+            .sum::<f64>()
+    }
+
     /// Term `k` of what torques hold a standing shaft with: what of them is against either way that it might go, rad/s^2.
     pub(super) fn hold(&self, k: usize, start: &Start) -> f64 {
         let at = |way: f64| self.term(k, start, &[0.0; DEGREE], way);

@@ -101,6 +101,8 @@ pub(super) struct Extended {
     pulls: bool,
     /// The drive from the step's start on, if it follows a speed that effects change.
     changed: Option<Knot>,
+    /// Sign of the speed at which the drive balances friction, if it does.
+    balances: Option<f64>,
     /// The step's start.
     start: Start,
     /// Around the step's start: push, speed asked for, and the fastest rate of change, 1/s.
@@ -141,6 +143,7 @@ impl Extended {
             effects,
             pulls: false,
             changed: None,
+            balances: None,
             start: Start::default(),
             push: [0.0; DEGREE],
             asked: [0.0; DEGREE],
@@ -165,6 +168,8 @@ impl Extended {
         self.start = start;
         (self.push, self.asked) = self.profile.around(knot, now_s);
         self.given = self.asked;
+        let balances = knot.driven && self.spring.is_none();
+        self.balances = balances.then_some(knot.towards);
         self.changed = (knot.driven && self.effects.drives()).then_some(*knot);
         self.pulls = knot.driven;
         self.fastest = self.profile.fastest(knot).max(self.effects.fastest(now_s));
@@ -198,6 +203,9 @@ impl Extended {
         }
         if !self.effects.is_empty() {
             all += self.effects.term(k, &self.start, omega, self.motion);
+            if let Some(towards) = self.balances {
+                all += self.effects.balance(k, &self.start, &self.asked, towards);
+            }
         }
         if self.motion != 0.0 {
             all -= self.motion * self.friction.term(k, omega, &mut self.falling);

@@ -141,8 +141,7 @@ impl Simulation {
             }
             Duration::Seconds(seconds) => (f64::INFINITY, seconds),
         };
-        let tracks = Shifts::new(twin)
-            .map(|shifts| Tracks::new(&disc, shifts, angle, start_speed));
+        let tracks = Shifts::new(twin).map(|shifts| Tracks::new(&disc, shifts, angle, start_speed));
         let place = disc.place_above(angle);
         let levels = match &tracks {
             Some(tracks) => tracks.levels(&disc),

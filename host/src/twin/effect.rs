@@ -55,9 +55,9 @@ pub enum Follows {
     Time,
     /// The direction of motion.
     Direction,
-    /// A power of the speed, against the motion.
+    /// A power of the speed, against the motion; of a torque, friction that an open-loop drive balances at the speed that it asks for.
     Speed,
-    /// Against the motion, falling with the speed.
+    /// Against the motion, falling with the speed; balanced as well.
     Stribeck,
 }
 
@@ -176,15 +176,16 @@ impl DeclaredEffect {
         }
     }
 
-    /// An effect with its sizes as a section declares it.
+    /// An effect with its sizes as a section declares it; none of a number that a twin declares elsewhere.
     #[must_use]
-    pub fn of(effect: &effect::Effect, sizes: &[f64]) -> Self {
+    pub fn of(effect: &effect::Effect, sizes: &[f64]) -> Option<Self> {
         let (site, on) = match effect.site {
             effect::Site::Torque => (EffectSite::Torque, On::ALL),
             effect::Site::Drive => (EffectSite::Drive, On::ALL),
             effect::Site::Disc(on) => (EffectSite::Disc, on),
             effect::Site::Level(on) => (EffectSite::Level, On { rises: None, ..on }),
             effect::Site::Stamp(on) => (EffectSite::Stamp, on),
+            effect::Site::Declared(_) => return None,
         };
         let mut new = Self::at(site);
         new.channel = on.channel.map(Channel::numbered);
@@ -247,7 +248,7 @@ impl DeclaredEffect {
                 new.modulation_phase_rad = Some(phase);
             }
         }
-        new
+        Some(new)
     }
 
     fn size_mut(&mut self) -> &mut Option<f64> {

@@ -64,7 +64,7 @@ fn less_start(bench: &Bench, row: &[f64]) -> Vec<f64> {
 fn off(effect: &Effect, sizes: &[f64], profile: &str) -> (f64, f64) {
     let given = rig(profile);
     let mut real = given.clone();
-    real.effect = vec![DeclaredEffect::of(effect, sizes)];
+    real.effect = DeclaredEffect::of(effect, sizes).into_iter().collect();
     // Through its text, as a file has it.
     let real = Twin::parse(&real.to_toml().unwrap(), "a.toml").unwrap();
     let bench = bench(&real, &given);

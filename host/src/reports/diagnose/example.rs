@@ -294,6 +294,9 @@ pub(crate) fn full() -> Answer {
             Vec::new(),
             Vec::new(),
         ],
+        corrected: Vec::new(),
+        declared: vec![Default::default(); 6],
+        not_identifiable: Vec::new(),
         shares: vec![
             Some(0.874),
             Some(0.0312),

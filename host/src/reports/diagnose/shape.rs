@@ -181,6 +181,7 @@ fn axis_unit(site: &Site) -> &'static str {
     match site {
         Site::Torque => "N m",
         Site::Drive => "%",
+        Site::Declared(_) => "1",
         Site::Disc(_) | Site::Level(_) => "rad",
         Site::Stamp(_) => "s",
     }
