@@ -353,10 +353,12 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         findings.push((finding, sized, Some(loss / total)));
     }
     let stamps = stamps::find(board, fit);
-    // A latency is skewed, and has long tails of its own.
-    let late = stamps
-        .as_ref()
-        .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
+    // A latency is skewed, and has long tails of its own, declared or found.
+    let declares = |bench: &Bench| bench.twin.capture_latency.is_some();
+    let late = board.benches.iter().any(declares)
+        || stamps
+            .as_ref()
+            .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
     if !late && heavy_tails(fit) {
         let text =
             "innovations come in bursts or with heavy tails: noise that is not the same throughout";

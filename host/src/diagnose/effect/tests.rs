@@ -96,7 +96,7 @@ fn size(site: Site, carrier: Carrier) -> f64 {
             Site::Torque => 2e-6,
             Site::Drive => 3e-4,
             Site::Disc(_) | Site::Level(_) => 1e-4,
-            Site::Stamp(_) => 1e-5,
+            Site::Stamp(_) | Site::Declared(_) => 1e-5,
         }
 }
 
