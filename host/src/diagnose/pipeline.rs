@@ -407,7 +407,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         .fold(0.0, f64::max);
     let with_name = findings
         .iter_mut()
-        .filter(|(finding, _, share)| !nameless(finding) && share.is_some());
+        .filter(|(finding, ..)| !nameless(finding) && !events::counted(finding.mechanism));
     for (finding, ..) in with_name {
         let part = without / (without + finding.evidence.delta_bic.max(0.0)).max(f64::MIN_POSITIVE);
         finding.confidence = finding.confidence.min(1.0 - part);
