@@ -377,12 +377,13 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .into_iter()
             .map(|finding| (finding, Vec::new(), None)),
     );
-    let noisy = findings.iter().any(|(finding, ..)| {
+    let of_stamps = |finding: &Finding| {
         matches!(
             finding.mechanism,
             Mechanism::TimestampJitter | Mechanism::CaptureLatency
         )
-    });
+    };
+    let noisy = findings.iter().any(|(finding, ..)| of_stamps(finding));
     let fitted = agreement(given, board, fit);
     let left_over = fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy;
     if left_over && !findings.iter().any(nameless) {
@@ -399,7 +400,8 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         .fold(0.0, f64::max);
     let with_name = findings
         .iter_mut()
-        .filter(|one| !nameless(one) && one.2.is_some());
+        // What is left makes stamps look noisy as well.
+        .filter(|one| !nameless(one) && (one.2.is_some() || of_stamps(&one.0)));
     for (finding, ..) in with_name {
         let part = without / (without + finding.evidence.delta_bic.max(0.0)).max(f64::MIN_POSITIVE);
         finding.confidence = finding.confidence.min(1.0 - part);
