@@ -4,6 +4,7 @@ use super::course::Course;
 use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
 use super::filter::Noise;
+use super::lsq;
 use super::noise::{self, Free};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
@@ -142,6 +143,34 @@ impl Bench {
                     .for_each(|(white, by)| *white -= by);
             }
         }
+    }
+
+    /// Takes off residual angles what an unknown start makes of them: angle, speed and how that fades.
+    pub fn less_start(&self, rest: &mut [f64]) {
+        let first = self.record.time_s[0];
+        let times = self.record.time_s.iter();
+        let line: Vec<f64> = times.map(|time| time - first).collect();
+        let fades = self.plant.fading(&self.course);
+        let one = vec![1.0; rest.len()];
+        let solved = lsq::solve(&[&one, &line, &fades], rest);
+        rest.copy_from_slice(&solved.left);
+    }
+
+    /// Residual angles that rounding to ticks alone would leave, had the shaft gone as the filter has it beside a residual.
+    #[must_use]
+    pub fn rounded(&self, rest: &[f64], stamp_s: f64) -> Vec<f64> {
+        // Errors of the stamps as smoothed: R S^-1 y.
+        let mut scores = rest.to_vec();
+        self.gains.whiten(&mut scores);
+        self.gains.transposed(&mut scores);
+        let each = scores.iter().zip(&self.record.time_s);
+        each.zip(&self.course.speed)
+            .map(|((score, time_s), speed)| {
+                let error_s = speed * stamp_s * stamp_s * score;
+                let ticks = (time_s + error_s) / self.record.tick_s;
+                speed * self.record.tick_s * (ticks - ticks.round())
+            })
+            .collect()
     }
 
     /// The residual beside a changed twin, about the same course; none where there is no such twin. A change that bears on how the shaft

@@ -246,6 +246,23 @@ impl Board {
         all
     }
 
+    /// Of each recording, the knobs that a model corrects and its twin declares, with their values.
+    #[must_use]
+    pub fn corrected(&self, model: &Model) -> Vec<Vec<(Knob, Vec<f64>)>> {
+        let values = self.values(model);
+        let in_model = |own: &Correction| {
+            let mut terms = model.terms.iter();
+            terms.any(|term| own.effects().contains(&term.effect))
+        };
+        let of_bench = |bench: &Bench| {
+            let each = self.corrections.iter().zip(&values);
+            each.filter(|(own, _)| in_model(own) && !bench.tangents[own.first].is_empty())
+                .map(|(own, values)| (own.knob.clone(), values.clone()))
+                .collect()
+        };
+        self.benches.iter().map(of_bench).collect()
+    }
+
     /// The board beside twins with other values of the corrections; none where there are no such twins.
     fn taken(&self, values: &[Vec<f64>]) -> Option<Self> {
         let benches: Option<Vec<Bench>> = self

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::course::Course;
-use super::effect::{Carrier, Effect, Growth, On, Scene, Site};
+use super::effect::{Carrier, Effect, On, Scene, Site};
 use super::plant::{Here, Law, Plant, sign};
 use super::record::Record;
 use super::speed_loop::{self, Tie};
@@ -150,10 +150,9 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
         }
         _ => {}
     }
-    debug_assert!(
-        all.iter()
-            .all(|(effect, _)| effect.growth == Growth::Constant)
-    );
+    // What is part of the disc is in its errors.
+    let others = twin.effect.iter().map(|one| (one.effect(), one.sizes()));
+    all.extend(others.filter(|(effect, _)| !effect.is_of_disc()));
     all
 }
 

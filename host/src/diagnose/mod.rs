@@ -35,3 +35,4 @@ mod speed_loop;
 pub mod stamps;
 #[cfg(test)]
 mod tests;
+pub mod write;

@@ -229,7 +229,11 @@ impl Board {
         let undriven = benches
             .iter()
             .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
-        let pattern = if known { None } else { Pattern::new(&benches) };
+        let pattern = if known {
+            None
+        } else {
+            Pattern::new(&benches, None)
+        };
         let mut board = Self {
             benches,
             noise,
@@ -266,7 +270,7 @@ impl Board {
             };
             let rest = self.rest(model);
             // Its worth goes by the present noise.
-            if let Some(fresh) = Pattern::new(&self.benches) {
+            if let Some(fresh) = Pattern::new(&self.benches, Some(&pattern)) {
                 pattern = fresh;
             }
             let white = self.white(&rest);
@@ -346,6 +350,7 @@ impl Board {
             })
             .collect();
         (0..effect.sizes())
+            .into_par_iter()
             .map(|size| {
                 self.beside_pattern(
                     each.iter()
@@ -384,6 +389,44 @@ impl Board {
             each.for_each(|(rest, all)| *rest = all - *rest);
         }
         rest
+    }
+
+    /// What rounding to ticks alone would leave of each edge's angle, rad, for each recording, on the course that a model has.
+    #[must_use]
+    pub fn rounded(&self, model: &Model) -> Vec<Vec<f64>> {
+        let mut rest = self.rest(model);
+        if let Some(pattern) = &self.pattern {
+            let each = self.benches.iter().zip(&rest);
+            let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+            let errors = pattern.errors(&self.benches, &white.concat());
+            for (bench, rest) in self.benches.iter().zip(&mut rest) {
+                let each = rest.iter_mut().enumerate();
+                each.for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
+            }
+        }
+        let each = self.benches.iter().zip(&rest);
+        each.map(|(bench, rest)| bench.rounded(rest, self.noise.stamp_s))
+            .collect()
+    }
+
+    /// Sum of squares below which nothing is claimed: what the twins declare of the shaft's course is only worked out to so many digits.
+    #[must_use]
+    pub fn precision(&self) -> f64 {
+        /// Part of the declared course that may be wrong.
+        const DIGITS: f64 = 1e-6;
+        let each = self.benches.iter();
+        let white = each.map(|bench| {
+            let mut response = bench.declared.response.clone();
+            bench.less_start(&mut response);
+            bench.white(&response)
+        });
+        DIGITS * DIGITS * white.map(|white| lsq::dot(&white, &white)).sum::<f64>()
+    }
+
+    /// What rounding leaves, white, in a row.
+    #[must_use]
+    pub fn spurs(&self, model: &Model) -> Vec<f64> {
+        self.white(&self.rounded(model))
     }
 
     /// Steps of an effect's knobs that hardly change it: what two of them are apart by to be told apart.

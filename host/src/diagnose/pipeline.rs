@@ -9,7 +9,6 @@ use super::edges::turned;
 use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
 use super::judge::Parts;
-use super::lsq;
 use super::model::{Board, Fit};
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
@@ -35,6 +34,8 @@ const BETTER: f64 = 2.0;
 const FORETELLS: f64 = 0.6;
 /// Probability of whiteness below which something is left.
 const NOT_WHITE: f64 = 1e-6;
+/// How many times as much correlation as rounding to ticks alone makes is more than that.
+const ROUNDED: f64 = 2.0;
 /// Lags that whiteness is tested over.
 const LAGS: usize = 24;
 /// Points of a curve.
@@ -385,10 +386,14 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
     };
     let noisy = findings.iter().any(|(finding, ..)| of_stamps(finding));
     let fitted = agreement(given, board, fit);
-    let left_over = fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy;
+    // Rounding to ticks hangs together where the course is quiet.
+    let spurs = correlation(board, &board.rounded(&fit.model)).0;
+    let left = correlation(board, &rests(board, fit)).0;
+    let left_over =
+        fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy && left > ROUNDED * spurs;
     if left_over && !findings.iter().any(nameless) {
         let mut unknown = unknown();
-        unknown.evidence.delta_bic = (correlation(board, &rests(board, fit)).0).max(0.0);
+        unknown.evidence.delta_bic = left;
         findings.push((unknown, Vec::new(), None));
     }
     merge_unknown(&mut findings);
@@ -443,7 +448,9 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
         declared,
         cells,
         shares,
+        pattern: learned(board, &board.rest(&fit.model)),
         not_identifiable: Vec::new(),
+        corrected: board.corrected(&fit.model),
         curves: curves(rig, given, board, fit),
     }
 }
@@ -583,17 +590,18 @@ fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String 
     }
 }
 
+/// Errors of the edges of a disc that the twins do not give, rad, from what a model leaves.
+fn learned(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let pattern = board.pattern.as_ref()?;
+    let each = board.benches.iter().zip(rests);
+    let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+    Some(pattern.errors(&board.benches, &white.concat()))
+}
+
 /// Residual angles as given and with the model, rad.
 fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
     let mut rests = board.rest(&fit.model);
-    if let Some(pattern) = &board.pattern {
-        let white: Vec<Vec<f64>> = board
-            .benches
-            .iter()
-            .zip(&rests)
-            .map(|(bench, rest)| bench.white(rest))
-            .collect();
-        let errors = pattern.errors(&board.benches, &white.concat());
+    if let Some(errors) = learned(board, &rests) {
         for (bench, rest) in board.benches.iter().zip(&mut rests) {
             rest.iter_mut()
                 .enumerate()
@@ -601,24 +609,9 @@ fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
         }
     }
     for (bench, rest) in board.benches.iter().zip(&mut rests) {
-        less_start(bench, rest);
+        bench.less_start(rest);
     }
     rests
-}
-
-/// Takes off a residual what an unknown start makes of it: angle, speed and how that fades.
-fn less_start(bench: &Bench, rest: &mut [f64]) {
-    let first = bench.record.time_s[0];
-    let line: Vec<f64> = bench
-        .record
-        .time_s
-        .iter()
-        .map(|time| time - first)
-        .collect();
-    let fades = bench.plant.fading(&bench.course);
-    let one = vec![1.0; rest.len()];
-    let solved = lsq::solve(&[&one, &line, &fades], rest);
-    rest.copy_from_slice(&solved.left);
 }
 
 /// How well twins and recordings agree before and after.
@@ -627,10 +620,8 @@ fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let plain = before.fit(&fit.model.nuisances());
     let edges = board.edges() as f64;
     // White innovations count in deviations of the noise; a deviation is so many rad.
-    let deviation = rms(board.benches.iter().flat_map(|bench| {
-        let scales = bench.scales.iter().filter(|scale| **scale > 0.0);
-        scales.map(|scale| 1.0 / scale)
-    }));
+    let scales = board.benches.iter().flat_map(|bench| &bench.scales);
+    let deviation = rms(scales.copied().filter(|scale| *scale > 0.0)).map(f64::recip);
     let scale = deviation.unwrap_or(0.0);
     let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
     let [none, early, late] = Parts::held_out(board, fit).judged(fit);

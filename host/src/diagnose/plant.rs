@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::filter::{self, ANGLE, DRIFT, HELD, Leap, SPEED, STATES, STIFF, SWING, SWINGS, Square};
+pub use crate::effect::Here;
 use crate::twin::{Drive, Noise as TwinNoise, Twin};
 
 /// A share of the inertia behind a spring.
@@ -159,19 +160,6 @@ impl Law {
 #[must_use]
 pub fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
-}
-
-/// What a torque is evaluated at.
-#[derive(Clone, Copy, Debug)]
-pub struct Here {
-    /// Time, s.
-    pub time_s: f64,
-    /// A time near it on the same side of whatever jumps, s.
-    pub inside_s: f64,
-    /// Angle, rad.
-    pub angle: f64,
-    /// Speed, rad/s.
-    pub speed: f64,
 }
 
 /// A shaft along its course.
@@ -331,6 +319,7 @@ impl Plant {
                 inside_s,
                 angle,
                 speed,
+                way: sign(speed),
             })
         };
         let mut push = before.unwrap_or_else(|| here(begun));

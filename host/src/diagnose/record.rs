@@ -3,19 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::edges::Edges;
+pub use crate::effect::Change;
 use crate::twin::Twin;
 
 /// Part of a turn by which the first edge may be behind the angle that its twin starts at.
 const LEAD_TURNS: f64 = 0.02;
-
-/// What changes at an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Change {
-    /// 0 is A.
-    pub channel: u8,
-    /// Whether the level rises when the mark is passed forward.
-    pub rises: bool,
-}
 
 /// A recording.
 #[derive(Clone, Debug)]

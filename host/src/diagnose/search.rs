@@ -7,6 +7,7 @@ use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::identify;
+use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
 use super::plant::Law;
@@ -81,23 +82,44 @@ pub fn search(board: &mut Board) -> Found {
     if board.free.drift {
         fit = free_course(board, &bank, fit);
     }
-    let coarse = rounded_alike(board, &fit);
     for group in 0..FINDINGS {
         let found = candidates(board, &bank, &fit);
         // The best one as fitted with everything else, of those that look nearly as good.
         let most = found
             .first()
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
+        let basis = fit.basis();
+        let precision = board.precision();
+        let mut spurs = board.spurs(&fit.model);
+        if std::env::var("DBG").is_ok() {
+            use super::lsq::dot;
+            eprintln!(
+                "spur corr {} noise {:?} tick {} prec {precision}",
+                dot(&spurs, &fit.left) / (dot(&spurs, &spurs) * fit.rss).sqrt(),
+                board.noise,
+                board.benches[0].record.tick_s
+            );
+            for c in found.iter().take(2) {
+                let cols: Vec<Vec<f64>> = c.effects.iter().flat_map(|e| board.columns(e)).collect();
+                eprintln!(
+                    "  {:?} gain {} spur {}",
+                    c.effects,
+                    c.gain,
+                    basis.gain(&cols, &spurs)
+                );
+            }
+        }
+        basis.clear(&mut spurs);
         let told = found
             .iter()
-            .filter(|candidate| !coarse || larger_than_rounding(board, candidate, &fit))
+            .filter(|candidate| candidate.gain > precision)
+            .filter(|candidate| !is_spur(board, candidate, &basis, &spurs))
             .take(TRIED)
             .filter(|candidate| {
                 let here = evidence(board, candidate.gain, candidate.numbers());
                 here >= 0.7 * SURE && here >= NEARLY * most
             });
         let told: Vec<&Candidate> = told.collect();
-        let basis = fit.basis();
         let tried = told.par_iter().map(|candidate| {
             let (effects, gain) = board.beside(&fit, &basis, &candidate.effects);
             (evidence(board, gain, candidate.numbers()), effects)
@@ -268,53 +290,15 @@ fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
     fit
 }
 
-/// Whether stamps are as coarse as their ticks and rounding hangs together from edge to edge: it is no white noise then.
-fn rounded_alike(board: &Board, fit: &Fit) -> bool {
-    // Lag-one correlation, in its standard errors, and stamps over what rounding alone makes of them.
-    const DEVIATIONS: f64 = 4.0;
-    const ROUNDED: f64 = 1.1;
-    let tick_s = board
-        .benches
+/// Whether rounding to ticks alone, of the course as it is modelled, shows a good part of what a candidate explains.
+fn is_spur(board: &Board, candidate: &Candidate, basis: &Basis, spurs: &[f64]) -> bool {
+    const PART: f64 = 0.25;
+    let columns: Vec<Vec<f64>> = candidate
+        .effects
         .iter()
-        .map(|bench| bench.record.tick_s)
-        .fold(0.0, f64::max);
-    let count = board.edges() as f64;
-    let product: f64 = fit
-        .left
-        .iter()
-        .zip(&fit.left[1..])
-        .map(|(a, b)| a * b)
-        .sum();
-    let lag = product / fit.rss.max(f64::MIN_POSITIVE);
-    board.noise.stamp_s < ROUNDED * tick_s / 12_f64.sqrt() && lag.abs() * count.sqrt() > DEVIATIONS
-}
-
-/// Whether a candidate moves edges by more than rounding does.
-fn larger_than_rounding(board: &Board, candidate: &Candidate, fit: &Fit) -> bool {
-    let mut model = fit.model.clone();
-    model.add(&candidate.effects, usize::MAX - 1);
-    let tried = board.fit(&model);
-    let alone = Model {
-        terms: tried
-            .model
-            .terms
-            .iter()
-            .filter(|term| term.group == usize::MAX - 1)
-            .cloned()
-            .collect(),
-    };
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (bench, by) in board.benches.iter().zip(board.predicted(&alone)) {
-        let moved = by
-            .iter()
-            .zip(&bench.course.speed)
-            .filter(|(_, speed)| **speed != 0.0);
-        for (by, speed) in moved {
-            sum += (by / speed / bench.record.tick_s).powi(2);
-            count += 1.0;
-        }
-    }
-    sum > count / 12.0
+        .flat_map(|effect| board.columns(effect))
+        .collect();
+    basis.gain(&columns, spurs) > PART * candidate.gain
 }
 
 /// A model without groups that are no longer worth their numbers.
