@@ -6,7 +6,7 @@ use super::answer::{Answer, Curve, Map, Sized};
 use super::bench::Bench;
 use super::cells::Bank;
 use super::edges::turned;
-use super::effect::{Carrier, Effect, Growth};
+use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
 use super::judge::Parts;
 use super::model::{Board, Fit};
@@ -296,7 +296,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                 look_alikes.push(*same);
             }
         }
-        if mechanism == Mechanism::Unknown {
+        if corrected.is_empty() && mechanism == Mechanism::Unknown {
             look_alikes.clear();
         }
         let against: f64 = others
@@ -325,7 +325,9 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
                 None => name::text(&effects),
             },
             confidence,
-            parameters: if mechanism == Mechanism::Unknown {
+            parameters: if !corrected.is_empty() {
+                correct::parameters(&corrected, spread)
+            } else if mechanism == Mechanism::Unknown {
                 std::collections::BTreeMap::new()
             } else {
                 name::parameters(mechanism, &numbers, known_inertia)
@@ -376,38 +378,34 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             .into_iter()
             .map(|finding| (finding, Vec::new(), None)),
     );
-    let noisy = findings.iter().any(|(finding, ..)| {
+    let of_stamps = |finding: &Finding| {
         matches!(
             finding.mechanism,
             Mechanism::TimestampJitter | Mechanism::CaptureLatency
         )
-    });
+    };
+    let noisy = findings.iter().any(|(finding, ..)| of_stamps(finding));
     let fitted = agreement(given, board, fit);
     // Rounding to ticks hangs together where the course is quiet.
     let spurs = correlation(board, &board.rounded(&fit.model)).0;
     let left = correlation(board, &rests(board, fit)).0;
     let left_over =
         fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy && left > ROUNDED * spurs;
-    if left_over
-        && findings
-            .iter()
-            .all(|(finding, ..)| finding.mechanism != Mechanism::Unknown)
-    {
+    if left_over && !findings.iter().any(nameless) {
         let mut unknown = unknown();
         unknown.evidence.delta_bic = left;
         findings.push((unknown, Vec::new(), None));
     }
     merge_unknown(&mut findings);
     // Beside something that no cell explains, a name is no surer than it is the larger: it may be a part of that.
-    let nameless = |finding: &Finding| finding.mechanism == Mechanism::Unknown;
     let without: f64 = findings
         .iter()
-        .filter(|(finding, ..)| nameless(finding))
+        .filter(|one| nameless(one))
         .map(|(finding, ..)| finding.evidence.delta_bic)
         .fold(0.0, f64::max);
     let with_name = findings
         .iter_mut()
-        .filter(|(finding, ..)| !nameless(finding) && !events::counted(finding.mechanism));
+        .filter(|one| !nameless(one) && !events::counted(one.0.mechanism));
     for (finding, ..) in with_name {
         let part = without / (without + finding.evidence.delta_bic.max(0.0)).max(f64::MIN_POSITIVE);
         finding.confidence = finding.confidence.min(1.0 - part);
@@ -415,7 +413,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
     findings.sort_by(|a, b| b.0.evidence.delta_bic.total_cmp(&a.0.evidence.delta_bic));
     let verdict = verdict(&findings);
     let last = verdict != Verdict::Unknown;
-    findings.sort_by_key(|(finding, ..)| (finding.mechanism == Mechanism::Unknown) == last);
+    findings.sort_by_key(|one| nameless(one) == last);
     let (mut said, mut cells, mut shares) = (Vec::new(), Vec::new(), Vec::new());
     for (finding, sized, share) in findings {
         said.push(finding);
@@ -425,7 +423,12 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
     let next = said
         .iter()
         .find_map(|finding| finding.next_recording.clone());
-    let summary = summary(verdict, &said);
+    let declared: Vec<_> = cells
+        .iter()
+        .map(|cells| correct::declared(board, cells))
+        .collect();
+    let corrects: Vec<bool> = declared.iter().map(|some| !some.is_empty()).collect();
+    let summary = summary(verdict, &said, &corrects);
     Answer {
         diagnosis: Diagnosis {
             version: 2,
@@ -441,10 +444,7 @@ fn answer(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit, alike: &[Al
             next_recording: next,
         },
         map: Map::default(),
-        declared: cells
-            .iter()
-            .map(|cells| correct::declared(board, cells))
-            .collect(),
+        declared,
         cells,
         shares,
         pattern: learned(board, &board.rest(&fit.model)),
@@ -493,11 +493,15 @@ fn unknown() -> Finding {
     }
 }
 
+/// Whether a finding has no name and is no number of drive or shaft either, which no mechanism of the catalogue is of.
+fn nameless((finding, cells, _): &(Finding, Vec<Sized>, Option<f64>)) -> bool {
+    let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
+    finding.mechanism == Mechanism::Unknown && !cells.iter().any(declared)
+}
+
 /// All that has no name is one finding.
 fn merge_unknown(findings: &mut Vec<(Finding, Vec<Sized>, Option<f64>)>) {
-    let (nameless, named): (Vec<_>, Vec<_>) = findings
-        .drain(..)
-        .partition(|(finding, ..)| finding.mechanism == Mechanism::Unknown);
+    let (nameless, named): (Vec<_>, Vec<_>) = findings.drain(..).partition(nameless);
     *findings = named;
     let mut nameless = nameless.into_iter();
     let Some(mut first) = nameless.next() else {
@@ -519,10 +523,7 @@ fn merge_unknown(findings: &mut Vec<(Finding, Vec<Sized>, Option<f64>)>) {
 }
 
 fn verdict(findings: &[(Finding, Vec<Sized>, Option<f64>)]) -> Verdict {
-    let unknown = findings
-        .iter()
-        .filter(|(finding, ..)| finding.mechanism == Mechanism::Unknown)
-        .count();
+    let unknown = findings.iter().filter(|one| nameless(one)).count();
     if findings.is_empty() {
         Verdict::Complete
     } else if unknown == findings.len() {
@@ -535,7 +536,7 @@ fn verdict(findings: &[(Finding, Vec<Sized>, Option<f64>)]) -> Verdict {
             .iter()
             .max_by(|a, b| a.0.evidence.delta_bic.total_cmp(&b.0.evidence.delta_bic));
         match strongest {
-            Some((finding, ..)) if finding.mechanism == Mechanism::Unknown => Verdict::Unknown,
+            Some(strongest) if nameless(strongest) => Verdict::Unknown,
             _ => Verdict::Partly,
         }
     } else {
@@ -552,26 +553,35 @@ fn open(finding: &Finding) -> bool {
         .any(|one| !told_by_rig.contains(one))
 }
 
-fn summary(verdict: Verdict, findings: &[Finding]) -> String {
-    let names: Vec<&str> = findings
-        .iter()
-        .map(|finding| finding.mechanism.title())
-        .collect();
+/// The verdict in words; `corrects` says which findings are other values of what the twin declares.
+fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String {
+    let list = |start: &str, corrected: bool| {
+        let each = findings.iter().zip(corrects);
+        let names: Vec<&str> = each
+            .filter(|(_, corrects)| **corrects == corrected)
+            .map(|(finding, _)| match (corrected, finding.mechanism) {
+                (true, Mechanism::Unknown) => finding.text.as_str(),
+                _ => finding.mechanism.title(),
+            })
+            .collect();
+        (!names.is_empty()).then(|| format!("{start}: {}.", names.join("; ")))
+    };
+    let said = [
+        list("The twin has other numbers than the rig", true),
+        list("The twin lacks", false),
+    ];
+    let said = said.into_iter().flatten().collect::<Vec<_>>().join(" ");
     match verdict {
         Verdict::Complete => "The twin explains the recordings; what is left is noise.".to_owned(),
-        Verdict::Explained => format!("The twin lacks: {}.", names.join("; ")),
-        Verdict::Partly => format!(
-            "The twin lacks: {}. More than noise is left.",
-            names.join("; ")
-        ),
+        Verdict::Explained => said,
+        Verdict::Partly => format!("{said} More than noise is left."),
         Verdict::Ambiguous => {
             let first = findings.iter().find(|finding| open(finding));
             let others = first.map_or_else(Vec::new, |first| {
                 first.look_alikes.iter().map(|one| one.title()).collect()
             });
             format!(
-                "The twin lacks: {}. These recordings allow as well: {}.",
-                names.join("; "),
+                "{said} These recordings allow as well: {}.",
                 others.join("; ")
             )
         }

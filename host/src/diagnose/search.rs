@@ -10,7 +10,6 @@ use super::identify;
 use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
-use super::numbers::Knob;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 use crate::mechanism::Mechanism;
@@ -80,13 +79,6 @@ pub fn search(board: &mut Board) -> Found {
     let mut bank = Bank::new(board);
     let mut slopes = correct::all(board);
     let mut fit = board.fit(&nuisances(board));
-    // Of numbers that only show together one is fitted.
-    let open = identify::open(board, &slopes, &fit);
-    let skipped: Vec<Knob> = open
-        .skipped
-        .iter()
-        .map(|at| slopes[*at].knob.clone())
-        .collect();
     if board.free.drift {
         fit = free_course(board, &bank, fit);
     }
@@ -145,8 +137,7 @@ pub fn search(board: &mut Board) -> Found {
         });
         // What the twin declares comes first, if it explains as much.
         let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
-        if let Some((better, corrected)) = correction(board, &slopes, &skipped, &fit, group, least)
-        {
+        if let Some((better, corrected)) = correction(board, &slopes, &fit, group, least) {
             let laws = |board: &Board| -> Vec<Law> {
                 let each = board.benches.iter();
                 each.map(|bench| bench.plant.law.clone()).collect()
@@ -174,7 +165,7 @@ pub fn search(board: &mut Board) -> Found {
     }
     // What does not show goes by the noise as it was found.
     let plain = board.fit(&fit.model.nuisances());
-    let not_identifiable = identify::open(board, &slopes, &plain).words;
+    let not_identifiable = identify::open(board, &slopes, &plain);
     Found {
         fit,
         bank,
@@ -186,7 +177,6 @@ pub fn search(board: &mut Board) -> Found {
 fn correction(
     board: &Board,
     slopes: &[Slopes],
-    skipped: &[Knob],
     fit: &Fit,
     free: usize,
     least: f64,
@@ -197,7 +187,6 @@ fn correction(
     let mut best: Option<(f64, Board, Fit)> = None;
     for candidate in correct::candidates(board, slopes, &cleared, &basis)
         .into_iter()
-        .filter(|candidate| !skipped.contains(&candidate.slopes.knob))
         .take(TRIED)
     {
         let numbers = candidate.slopes.declared.len();
@@ -210,7 +199,12 @@ fn correction(
         let group = board.group_of(&model, &candidate.slopes.knob, free);
         model.add(&effects, group);
         let (better, tried, gain) = wider.settle(&model, fit);
-        let here = evidence(board, gain, numbers);
+        // Of numbers that only show together the one goes that leaves a twin which can be.
+        let possible = better
+            .benches
+            .iter()
+            .all(|bench| bench.twin.check().is_ok());
+        let here = evidence(board, gain, numbers) - if possible { 0.0 } else { ALIKE };
         if here > least.max(SURE) && best.as_ref().is_none_or(|(most, ..)| here > *most) {
             best = Some((here, better, tried));
         }
