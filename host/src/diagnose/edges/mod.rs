@@ -175,7 +175,9 @@ pub fn place(sensor: &Sensor, clock_hz: u64, rows: &[Row]) -> Result<Edges, Plac
         grid_edges,
         classes,
         tick_s: 1.0 / clock_hz as f64,
-        begins_s: rows.first().map_or(0.0, |row| row.ticks as f64 / clock_hz as f64),
+        begins_s: rows
+            .first()
+            .map_or(0.0, |row| row.ticks as f64 / clock_hz as f64),
         ..Edges::default()
     };
     match sensor {
