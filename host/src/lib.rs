@@ -21,6 +21,7 @@ pub mod reports;
 pub mod sensor;
 pub mod showcase;
 pub mod sim;
+pub mod starting_twin;
 pub mod survey;
 pub mod table_file;
 pub mod time_step;

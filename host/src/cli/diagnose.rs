@@ -4,7 +4,6 @@ mod catalogue;
 mod encoder;
 mod new_twins;
 mod rig;
-mod staged;
 
 use std::path::{Path, PathBuf};
 
@@ -24,10 +23,10 @@ use super::footer::footer;
 use super::input::ReadingArgs;
 use super::output::{Facts, JsonArg, ReportArg, Target, spare};
 use super::progress::Progress;
+use super::staged::Staged;
 pub use encoder::OtherEncoder;
 use new_twins::{Diagnosed, NewFile};
 use rig::Named;
-use staged::Staged;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -19,6 +19,7 @@ use crate::free_run::FreeRunError;
 use crate::locate::LocateError;
 use crate::recording::ReadError;
 use crate::recording::write::WriteError;
+use crate::starting_twin::SensorUnknown;
 use crate::table_file;
 use crate::twin::TwinError;
 use crate::verify::{ReferenceError, VerifyError};
@@ -113,6 +114,17 @@ pub enum Failure {
         recording: PathBuf,
         /// Why.
         source: PlaceError,
+    },
+    /// Nothing to make a twin of.
+    #[error("no recording is given")]
+    NoRecording,
+    /// The sensor of a recording can't be told.
+    #[error("{recording}: {source}", recording = recording.display())]
+    Sensor {
+        /// The recording.
+        recording: PathBuf,
+        /// Why.
+        source: SensorUnknown,
     },
     /// Neither one twin nor one for each recording.
     #[error(

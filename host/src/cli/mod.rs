@@ -20,8 +20,11 @@ pub mod progress;
 mod sensor_args;
 mod simulate;
 mod simulated;
+mod staged;
+mod started;
 mod table_arg;
 mod tally;
+mod twin;
 mod verify;
 
 use std::process::ExitCode;
@@ -44,6 +47,7 @@ Examples:
   quadcal calibrate spindle.csv -o spindle.qct --report spindle.html
   quadcal verify spindle.csv --table spindle.qct
   quadcal locate spindle.csv --table spindle.qct
+  quadcal twin rig.csv -o rig.toml            a twin from the recording alone
   quadcal diagnose rig.csv --twin rig.toml --report rig.html
   quadcal info spindle.csv                    what a recording holds
   quadcal convert capture.vcd -o capture.csv  from one format to another
@@ -85,6 +89,7 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     Verify(verify::Verify),
     Locate(locate::Locate),
+    Twin(twin::Twin),
     Diagnose(diagnose::Diagnose),
     Info(info::Info),
     Convert(convert::Convert),
@@ -119,6 +124,7 @@ impl Cli {
             Command::Calibrate(command) => command.run(globals),
             Command::Verify(command) => command.run(globals),
             Command::Locate(command) => command.run(globals),
+            Command::Twin(command) => command.run(globals),
             Command::Diagnose(command) => command.run(globals),
             Command::Info(command) => command.run(globals),
             Command::Convert(command) => command.run(globals),

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::answer::Sized;
 use super::bench::Bench;
+use super::diagnosis::Parameter;
 use super::effect::{Carrier, Effect, Site};
 use super::lsq::{self, Basis, dot};
 use super::model::{Board, Fit, Model};
@@ -610,4 +611,19 @@ pub fn declared(board: &Board, cells: &[Sized]) -> BTreeMap<String, f64> {
                 .collect::<Vec<_>>()
         })
         .collect()
+}
+
+/// Numbers of corrections as a finding has them; `spread` widens the intervals.
+#[must_use]
+pub fn parameters(corrections: &[Measured], spread: f64) -> BTreeMap<String, Parameter> {
+    let each = corrections.iter().map(|one| {
+        let by = one.number.error.map(|error| NINETY_FIVE * spread * error);
+        let parameter = Parameter {
+            value: one.number.value,
+            unit: one.unit.to_owned(),
+            ci95: by.map(|by| [one.number.value - by, one.number.value + by]),
+        };
+        (one.number.name.clone(), parameter)
+    });
+    each.collect()
 }

@@ -10,7 +10,6 @@ use nalgebra::DMatrix;
 use super::correct::Slopes;
 use super::lsq::{Basis, dot};
 use super::model::{Board, Fit};
-use crate::mechanism::Mechanism;
 
 /// Deviations that a whole number has to show.
 const SHOWS: f64 = 3.0;
@@ -21,21 +20,13 @@ const PART: f64 = 0.3;
 /// Least factor over the greatest one with which they count as the same.
 const LIKE: f64 = 0.8;
 
-/// What the twins declare and these recordings do not determine.
-#[derive(Clone, Debug, Default)]
-pub struct Open {
-    /// In words, one entry a number or a group of numbers.
-    pub words: Vec<String>,
-    /// Numbers that are not to be fitted, as indices of the slopes: one of each group is taken as declared.
-    pub skipped: Vec<usize>,
-}
-
-/// Looks at all slopes beside a fit.
+/// What the twins declare and these recordings do not determine beside a fit, in words: one entry a number or a group of numbers. Of a
+/// group that only shows together a fit has one number at the most, as the others then have no column of their own.
 #[must_use]
-pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Open {
+pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Vec<String> {
     use rayon::prelude::*;
     let basis = fit.basis();
-    let mut out = Open::default();
+    let mut words = Vec::new();
     // What of its columns is its own: each value by its declared size.
     let columns: Vec<Vec<f64>> = slopes
         .par_iter()
@@ -44,8 +35,7 @@ pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Open {
     let mut shown: Vec<usize> = Vec::new();
     for (at, column) in columns.iter().enumerate() {
         if dot(column, column).sqrt() < SHOWS {
-            out.words
-                .push(format!("{}: does not show here", slopes[at].knob.path()));
+            words.push(format!("{}: does not show here", slopes[at].knob.path()));
         } else {
             shown.push(at);
         }
@@ -71,19 +61,13 @@ pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Open {
             .filter(|(_, share)| share.abs() > PART * most)
             .collect();
         group.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-        out.words.push(format!(
+        words.push(format!(
             "{}: {}",
             named(slopes, &group),
             known_by(&group, &|at| size(at))
         ));
-        // One of them is taken as declared, a number that is no mechanism's before others.
-        let left = group.iter().filter(|(at, _)| !out.skipped.contains(at));
-        let plain = |at: usize| slopes[at].knob.path().mechanism() == Mechanism::Unknown;
-        if let Some((at, _)) = left.max_by_key(|(at, _)| plain(*at)) {
-            out.skipped.push(*at);
-        }
     }
-    out
+    words
 }
 
 /// What a change of a knob by all of its value does beside a basis.

@@ -5,6 +5,8 @@
     clippy::cast_sign_loss
 )]
 
+pub mod agreement;
+mod alike;
 pub mod answer;
 pub mod bench;
 pub mod cells;
@@ -16,6 +18,7 @@ pub mod edges;
 pub mod effect;
 pub mod events;
 pub mod filter;
+mod findings;
 pub mod identify;
 pub mod judge;
 pub mod lsq;

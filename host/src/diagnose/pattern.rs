@@ -230,6 +230,27 @@ impl Pattern {
         best.1
     }
 
+    /// Twice the logarithm by which the recordings narrow the errors: of what the likelihood has for errors that are integrated out.
+    #[must_use]
+    pub fn log_volume(&self) -> f64 {
+        let each = (1..self.worth.len()).map(|order| {
+            let numbers = if 2 * order == self.edges { 1.0 } else { 2.0 };
+            numbers * (self.worth[order] * self.size2).ln_1p()
+        });
+        each.sum()
+    }
+
+    /// Variance of a wave of unit size of an order, as prior and recordings leave it, rad^2.
+    #[must_use]
+    pub fn variance(&self, order: usize) -> f64 {
+        let worth = self.worth.get(order).copied().unwrap_or(0.0);
+        if self.size2 > 0.0 {
+            1.0 / (worth + self.size2.recip())
+        } else {
+            0.0
+        }
+    }
+
     /// The errors that fit a white row best.
     #[must_use]
     pub fn errors(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {

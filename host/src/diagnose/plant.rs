@@ -318,7 +318,7 @@ impl Plant {
                 time_s,
                 inside_s,
                 angle,
-                speed,
+                speed: course.steady[at],
                 way: sign(speed),
             })
         };

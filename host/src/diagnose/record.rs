@@ -42,10 +42,14 @@ impl Record {
             -(lead.floor() as i64) * grid
         } else {
             // The shaft starts between the first edge and the one before it; the edge's class says which of those nearby it is.
-            let starts = edges
-                .forward
-                .first()
-                .map_or(0.0, |forward| 0.5 * way(*forward));
+            let starts = match (edges.time_s.as_slice(), edges.forward.first()) {
+                ([first_s, second_s, ..], Some(forward)) => {
+                    // The first row, if it is an edge, is an interval earlier.
+                    let earlier = (first_s - edges.begins_s) / (second_s - first_s);
+                    (0.5 + earlier.clamp(0.0, 1.0)) * way(*forward)
+                }
+                _ => 0.0,
+            };
             let before = first as f64 - starts;
             ((start_turns * grid as f64 - before) / classes as f64).round() as i64 * classes
         };

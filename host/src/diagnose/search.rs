@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::agreement;
 use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Growth, On, Site};
@@ -10,13 +11,14 @@ use super::identify;
 use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
-use super::numbers::Knob;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 use crate::mechanism::Mechanism;
 
 /// Findings at the most.
 const FINDINGS: usize = 7;
+/// Part of what a candidate explains that rounding to ticks alone may make.
+const SPUR: f64 = 0.25;
 /// Candidates that are fitted with everything else until one is worth it.
 const TRIED: usize = 4;
 /// Part of the best one's evidence that another one has to have to be fitted too.
@@ -78,15 +80,9 @@ pub struct Found {
 #[must_use]
 pub fn search(board: &mut Board) -> Found {
     let mut bank = Bank::new(board);
-    let mut slopes = correct::all(board);
+    // Worked out where something is left that they may explain.
+    let mut slopes: Option<Vec<Slopes>> = None;
     let mut fit = board.fit(&nuisances(board));
-    // Of numbers that only show together one is fitted.
-    let open = identify::open(board, &slopes, &fit);
-    let skipped: Vec<Knob> = open
-        .skipped
-        .iter()
-        .map(|at| slopes[*at].knob.clone())
-        .collect();
     if board.free.drift {
         fit = free_course(board, &bank, fit);
     }
@@ -99,24 +95,6 @@ pub fn search(board: &mut Board) -> Found {
         let basis = fit.basis();
         let precision = board.precision();
         let mut spurs = board.spurs(&fit.model);
-        if std::env::var("DBG").is_ok() {
-            use super::lsq::dot;
-            eprintln!(
-                "spur corr {} noise {:?} tick {} prec {precision}",
-                dot(&spurs, &fit.left) / (dot(&spurs, &spurs) * fit.rss).sqrt(),
-                board.noise,
-                board.benches[0].record.tick_s
-            );
-            for c in found.iter().take(2) {
-                let cols: Vec<Vec<f64>> = c.effects.iter().flat_map(|e| board.columns(e)).collect();
-                eprintln!(
-                    "  {:?} gain {} spur {}",
-                    c.effects,
-                    c.gain,
-                    basis.gain(&cols, &spurs)
-                );
-            }
-        }
         basis.clear(&mut spurs);
         let told = found
             .iter()
@@ -145,8 +123,14 @@ pub fn search(board: &mut Board) -> Found {
         });
         // What the twin declares comes first, if it explains as much.
         let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
-        if let Some((better, corrected)) = correction(board, &slopes, &skipped, &fit, group, least)
-        {
+        let left = next.is_some() || !agreement::is_white(board, &fit);
+        let declared = left.then(|| slopes.get_or_insert_with(|| correct::all(board)));
+        let told = |gain: f64, columns: &[Vec<f64>]| {
+            gain > precision && basis.gain(columns, &spurs) < SPUR * gain
+        };
+        let corrected =
+            declared.and_then(|slopes| correction(board, slopes, &fit, group, least, &told));
+        if let Some((better, corrected)) = corrected {
             let laws = |board: &Board| -> Vec<Law> {
                 let each = board.benches.iter();
                 each.map(|bench| bench.plant.law.clone()).collect()
@@ -158,7 +142,7 @@ pub fn search(board: &mut Board) -> Found {
             fit = board.fit(&fit.model);
             if !answers_alike {
                 bank = Bank::new(board);
-                slopes = correct::all(board);
+                slopes = None;
             }
         } else if let Some((_, next)) = next {
             board.fit_noise(&next.model);
@@ -174,7 +158,10 @@ pub fn search(board: &mut Board) -> Found {
     }
     // What does not show goes by the noise as it was found.
     let plain = board.fit(&fit.model.nuisances());
-    let not_identifiable = identify::open(board, &slopes, &plain).words;
+    let not_identifiable = match slopes {
+        Some(slopes) => identify::open(board, &slopes, &plain),
+        None => Vec::new(),
+    };
     Found {
         fit,
         bank,
@@ -186,10 +173,10 @@ pub fn search(board: &mut Board) -> Found {
 fn correction(
     board: &Board,
     slopes: &[Slopes],
-    skipped: &[Knob],
     fit: &Fit,
     free: usize,
     least: f64,
+    told: &dyn Fn(f64, &[Vec<f64>]) -> bool,
 ) -> Option<(Board, Fit)> {
     let basis = fit.basis();
     let mut cleared = fit.clone();
@@ -197,12 +184,15 @@ fn correction(
     let mut best: Option<(f64, Board, Fit)> = None;
     for candidate in correct::candidates(board, slopes, &cleared, &basis)
         .into_iter()
-        .filter(|candidate| !skipped.contains(&candidate.slopes.knob))
         .take(TRIED)
     {
         let numbers = candidate.slopes.declared.len();
-        if evidence(board, candidate.gain, numbers) < 0.7 * SURE {
+        let here = evidence(board, candidate.gain, numbers);
+        if here < 0.7 * SURE.max(least) {
             break;
+        }
+        if !told(candidate.gain, &candidate.slopes.white(board)) {
+            continue;
         }
         let mut wider = board.clone();
         let effects = wider.correct(candidate.slopes);
@@ -210,7 +200,12 @@ fn correction(
         let group = board.group_of(&model, &candidate.slopes.knob, free);
         model.add(&effects, group);
         let (better, tried, gain) = wider.settle(&model, fit);
-        let here = evidence(board, gain, numbers);
+        // Of numbers that only show together the one goes that leaves a twin which can be.
+        let possible = better
+            .benches
+            .iter()
+            .all(|bench| bench.twin.check().is_ok());
+        let here = evidence(board, gain, numbers) - if possible { 0.0 } else { ALIKE };
         if here > least.max(SURE) && best.as_ref().is_none_or(|(most, ..)| here > *most) {
             best = Some((here, better, tried));
         }
@@ -298,13 +293,12 @@ fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
 
 /// Whether rounding to ticks alone, of the course as it is modelled, shows a good part of what a candidate explains.
 fn is_spur(board: &Board, candidate: &Candidate, basis: &Basis, spurs: &[f64]) -> bool {
-    const PART: f64 = 0.25;
     let columns: Vec<Vec<f64>> = candidate
         .effects
         .iter()
         .flat_map(|effect| board.columns(effect))
         .collect();
-    basis.gain(&columns, spurs) > PART * candidate.gain
+    basis.gain(&columns, spurs) > SPUR * candidate.gain
 }
 
 /// A model without groups that are no longer worth their numbers.

@@ -46,6 +46,8 @@ impl Number for f64 {
     }
 }
 
+/// Up to so much a fractional power has no series that converges over any step: far below any speed in rad/s that an edge shows.
+pub const NO_SERIES: f64 = 1e-9;
 /// Most terms of a series.
 pub const TERMS: usize = 17;
 
@@ -169,11 +171,11 @@ impl Number for Series {
         }
         let mut terms = [0.0; TERMS];
         let first = self.terms[0];
-        if first <= 0.0 {
-            // At 0 there is no series: the value alone.
+        terms[0] = libm::pow(first.max(0.0), power);
+        if first <= NO_SERIES {
+            // The value alone.
             return Self { terms, ..self };
         }
-        terms[0] = libm::pow(first, power);
         for k in 1..self.known {
             let each = (1..=k).map(|j| {
                 let j_power = j as f64 * (power + 1.0) - k as f64;

@@ -106,7 +106,10 @@ impl Effects {
     /// Term `k` of the acceleration by which a drive that asks for a speed balances friction among the torques; `towards` is the sign of
     /// that speed.
     pub(super) fn balance(&self, k: usize, start: &Start, asked: &Series, towards: f64) -> f64 {
-        let friction = self.torques.iter().filter(|(effect, _)| effect.is_friction());
+        let friction = self
+            .torques
+            .iter()
+            .filter(|(effect, _)| effect.is_friction());
         let along = start.along(k, asked, towards);
         -friction
             .map(|(effect, sizes)| effect.sized(sizes, along).terms[k])
@@ -135,11 +138,12 @@ impl Effects {
         })
     }
 
-    /// How far a step may go, rad, from a speed: a bump shows in no series from afar.
-    pub(super) fn reach_rad(&self, speed: f64) -> f64 {
+    /// How far a step may go, rad, from a speed of the shaft and one that friction is balanced at: a bump shows in no series from afar.
+    pub(super) fn reach_rad(&self, speed: f64, balanced: Option<f64>) -> f64 {
+        let slowest = balanced.map_or(speed.abs(), |other| speed.abs().min(other.abs()));
         let all = self.torques.iter().chain(&self.drives);
         let reach = all.map(|(effect, _)| {
-            let fractional = |power: f64| speed == 0.0 && power.fract() != 0.0;
+            let fractional = |power: f64| slowest <= number::NO_SERIES && power.fract() != 0.0;
             match (effect.carrier, effect.growth) {
                 (Carrier::Power(power), _) | (_, Growth::Speed(power)) if fractional(power) => {
                     FROM_REST_RAD

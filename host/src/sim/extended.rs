@@ -183,6 +183,12 @@ impl Extended {
         }
     }
 
+    /// How far a step may go from a speed, rad.
+    pub(super) fn reach_rad(&self, speed: f64) -> f64 {
+        let balanced = self.balances.map(|_| self.asked[0]);
+        self.effects.reach_rad(speed, balanced)
+    }
+
     /// Sets the sign of the motion that friction acts against.
     pub(super) fn set_motion(&mut self, motion: f64) {
         self.motion = motion;

@@ -239,7 +239,7 @@ impl Integrator {
     /// A piece, shortened to what its series can show.
     fn within_reach(&self, mut piece: Piece) -> Piece {
         if let Some(extended) = &self.extended {
-            let reach = extended.effects.reach_rad(piece.omega[0]);
+            let reach = extended.reach_rad(piece.omega[0]);
             while piece.travel(piece.length_s).abs() > reach && piece.length_s > SHORTEST_S {
                 piece.length_s *= 0.5;
             }

@@ -42,6 +42,8 @@ impl Failure {
             | Self::OtherClock { .. }
             | Self::OtherRig { .. }
             | Self::Placing { .. }
+            | Self::NoRecording
+            | Self::Sensor { .. }
             | Self::TwinCount { .. }
             | Self::Diagnose(_)
             | Self::Calibrate { .. }

@@ -12,6 +12,8 @@ use quadcal::edge::Levels;
 
 /// Least of an effect, rad, that is held against its columns: a hundred times what a tick is at these speeds.
 const TOLD_RAD: f64 = 8e-6;
+/// Most recordings, of some 300, whose count may be lost.
+const LOST: usize = 12;
 /// A shaft that goes faster and slower, one way.
 const ONE_WAY: &str = "points = [{ t_s = 0.0, r_min = 40.0 }, { t_s = 1.5, r_min = 80.0 }, { t_s = 4.0, r_min = 35.0 }]";
 /// One that turns round twice.
@@ -27,7 +29,7 @@ fn rig(profile: &str) -> Twin {
 }
 
 /// A twin's recording beside another.
-fn bench(real: &Twin, given: &Twin) -> Bench {
+fn bench(real: &Twin, given: &Twin) -> Option<Bench> {
     let sensor = Sensor::Quadrature {
         lines: 500,
         index: Some(Levels(Levels::A)),
@@ -45,7 +47,10 @@ fn bench(real: &Twin, given: &Twin) -> Bench {
         drift: 0.0,
         angle_rad: 0.0,
     };
-    Bench::new(record, given, &errors, &noise)
+    edges
+        .events
+        .is_empty()
+        .then(|| Bench::new(record, given, &errors, &noise))
 }
 
 fn rms(values: &[f64]) -> f64 {
@@ -60,14 +65,15 @@ fn less_start(bench: &Bench, row: &[f64]) -> Vec<f64> {
     lsq::solve(&[&one, &time, &fades], row).left
 }
 
-/// Part of what an effect does in the simulator that its columns do not foretell, and its RMS, rad.
-fn off(effect: &Effect, sizes: &[f64], profile: &str) -> (f64, f64) {
+/// Part of what an effect does in the simulator that its columns do not foretell, and its RMS, rad; none where the recording lost its
+/// count at a reversal.
+fn off(effect: &Effect, sizes: &[f64], profile: &str) -> Option<(f64, f64)> {
     let given = rig(profile);
     let mut real = given.clone();
     real.effect = DeclaredEffect::of(effect, sizes).into_iter().collect();
     // Through its text, as a file has it.
     let real = Twin::parse(&real.to_toml().unwrap(), "a.toml").unwrap();
-    let bench = bench(&real, &given);
+    let bench = bench(&real, &given)?;
     let mut foretold = vec![0.0; bench.record.len()];
     for (column, size) in bench.columns(effect).iter().zip(sizes) {
         for (sum, value) in foretold.iter_mut().zip(column) {
@@ -81,7 +87,7 @@ fn off(effect: &Effect, sizes: &[f64], profile: &str) -> (f64, f64) {
         .map(|(seen, foretold)| seen - foretold)
         .collect();
     let (left, all) = (less_start(&bench, &left), less_start(&bench, &foretold));
-    (rms(&left) / rms(&all), rms(&all))
+    Some((rms(&left) / rms(&all), rms(&all)))
 }
 
 /// Sizes that move edges by some 1e-5 to 1e-3 rad.
@@ -138,7 +144,7 @@ fn what_an_effect_does_in_the_simulator_is_what_its_columns_foretell() {
         Growth::Speed(1.3),
         Growth::Modulated(0.7, 0.6, 0.2),
     ];
-    let mut wrong = Vec::new();
+    let (mut wrong, mut lost) = (Vec::new(), 0);
     for site in sites {
         for carrier in carriers {
             for growth in growths {
@@ -147,11 +153,18 @@ fn what_an_effect_does_in_the_simulator_is_what_its_columns_foretell() {
                     carrier,
                     growth,
                 };
-                let one = size(site, carrier);
+                // A power of the speed is 1 at 1 rad/s, and these shafts turn at some 4.
+                let one = match growth {
+                    Growth::Speed(power) => size(site, carrier) * 4_f64.powf(-power),
+                    _ => size(site, carrier),
+                };
                 let sizes = [0.6 * one, 0.8 * one];
                 let turns = matches!(carrier, Carrier::Direction | Carrier::Power(_));
                 let profile = if turns { BOTH_WAYS } else { ONE_WAY };
-                let (off, of) = off(&effect, &sizes[..effect.sizes()], profile);
+                let Some((off, of)) = off(&effect, &sizes[..effect.sizes()], profile) else {
+                    lost += 1;
+                    continue;
+                };
                 // What an unknown start makes as well can't be told from it. Between the edges at a reversal the course is not known.
                 let most = if turns && site == Site::Drive {
                     0.03
@@ -164,5 +177,6 @@ fn what_an_effect_does_in_the_simulator_is_what_its_columns_foretell() {
             }
         }
     }
+    assert!(lost <= LOST, "{lost}");
     assert!(wrong.is_empty(), "{}\n{}", wrong.len(), wrong.join("\n"));
 }

@@ -4,9 +4,10 @@ use super::Checker;
 use crate::twin::{Drive, Noise, Twin};
 
 impl Twin {
-    /// Everything given as a torque needs `shaft.inertia_kg_m2`.
+    /// Everything given as a torque needs `shaft.inertia_kg_m2`; but without a drive nothing is simulated, and a torque may be in units of
+    /// the unknown inertia.
     pub(super) fn check_inertia(&self, c: &mut Checker<'_>) {
-        if self.shaft.inertia_kg_m2 != 0.0 {
+        if self.shaft.inertia_kg_m2 != 0.0 || self.drive == Drive::Unknown {
             return;
         }
         if let Some((key, value)) = self.first_torque() {

@@ -2,8 +2,8 @@
 
 use std::io::Write as _;
 
-use crate::cli::failure::Failure;
-use crate::cli::output::{Output, Target};
+use super::failure::Failure;
+use super::output::{Output, Target};
 
 /// Files that are written, not yet in their places. Dropped, they leave nothing.
 #[derive(Debug, Default)]

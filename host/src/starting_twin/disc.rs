@@ -1,0 +1,118 @@
+//! The disc's own errors, with how sure they are and which of their orders a torque may be.
+
+use realfft::RealFftPlanner;
+
+use super::Estimate;
+use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::lsq::{Basis, dot};
+use crate::diagnose::model::{Board, Model};
+use crate::diagnose::search::SURE;
+
+/// Orders that are looked at for a torque behind them.
+const STRONGEST: usize = 8;
+/// Standard errors that an order has to be from nothing to be looked at, and with a torque beside it to be told from that.
+const SEEN: f64 = 5.0;
+const TOLD: f64 = 3.0;
+
+/// The disc's errors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiscFound {
+    /// Error of each edge of the recording's grid, rad; their mean is 0.
+    pub errors_rad: Vec<f64>,
+    /// Standard error of each, where no torque turns with the shaft, rad.
+    pub standard_error_rad: f64,
+    /// RMS of the errors.
+    pub rms_rad: Estimate,
+    /// Orders that a torque may be as well, with their amplitudes, rad.
+    pub alike: Vec<(usize, f64)>,
+}
+
+/// What repeats every turn beside a model; none where that is not worth saying.
+#[must_use]
+pub fn find(board: &Board, model: &Model) -> Option<DiscFound> {
+    let mut pattern = board.pattern.clone()?;
+    let benches = &board.benches;
+    let rest = board.rest(model);
+    let each = benches.iter().zip(&rest);
+    let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
+    let evidence = pattern.size_up(benches, &white);
+    if evidence < SURE || pattern.size2 <= 0.0 {
+        return None;
+    }
+    let mut errors_rad = pattern.errors(benches, &white);
+    let edges = errors_rad.len();
+    let mean = errors_rad.iter().sum::<f64>() / edges as f64;
+    errors_rad.iter_mut().for_each(|error| *error -= mean);
+    let powers = powers(&errors_rad);
+    // Sums over waves of unit size: each order but the last has two.
+    let (mut square, mut spread, mut variance) = (0.0, 0.0, 0.0);
+    for (order, power) in powers.iter().enumerate().skip(1) {
+        let numbers = if 2 * order == edges { 1.0 } else { 2.0 };
+        let own = pattern.variance(order);
+        square += power + numbers * own;
+        variance += numbers * own;
+        spread += 2.0 * numbers * own * own + 4.0 * own * power;
+    }
+    let count = edges as f64;
+    let rms = (square / count).sqrt();
+    let error = spread.sqrt() / count / (2.0 * rms);
+    let amplitude = |order: usize| (2.0 * powers[order] / count).sqrt();
+    let classes = benches.first()?.record.classes as usize;
+    // Orders from that of the lines on are no machine's torque.
+    let mut strongest: Vec<usize> = (1..(edges / classes.max(2)).min(powers.len()))
+        .filter(|&order| powers[order] > SEEN * SEEN * 2.0 * pattern.variance(order))
+        .collect();
+    strongest.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+    strongest.truncate(STRONGEST);
+    let mut alike: Vec<(usize, f64)> = strongest
+        .into_iter()
+        .map(|order| (order, amplitude(order)))
+        .filter(|(order, size)| *size < TOLD * error_beside_torque(board, *order))
+        .collect();
+    alike.sort_by_key(|(order, _)| *order);
+    Some(DiscFound {
+        errors_rad,
+        standard_error_rad: (variance / count).sqrt(),
+        rms_rad: Estimate::normal(rms, error),
+        alike,
+    })
+}
+
+/// Squares of a row's waves of unit size, order by order.
+fn powers(row: &[f64]) -> Vec<f64> {
+    let edges = row.len();
+    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(edges);
+    let mut spectrum = forward.make_output_vec();
+    let mut row = row.to_vec();
+    if forward.process(&mut row, &mut spectrum).is_err() {
+        return vec![0.0; edges / 2 + 1];
+    }
+    let each = spectrum.iter().enumerate().map(|(order, value)| {
+        let numbers = if 2 * order == edges { 1.0 } else { 2.0 };
+        numbers * value.norm_sqr() / edges as f64
+    });
+    each.collect()
+}
+
+/// Standard error of the disc's amplitude at an order where a torque of that order is free, rad.
+fn error_beside_torque(board: &Board, order: usize) -> f64 {
+    let columns = |site: Site| {
+        let effect = Effect::new(site, Carrier::Order(order as f64));
+        let mut both = vec![Vec::new(); 2];
+        for bench in &board.benches {
+            for (all, own) in both.iter_mut().zip(bench.columns(&effect)) {
+                all.extend(bench.white(&own));
+            }
+        }
+        both
+    };
+    let torque = columns(Site::Torque);
+    let torque: Vec<&[f64]> = torque.iter().map(Vec::as_slice).collect();
+    let basis = Basis::of(&torque);
+    let told = columns(Site::Disc(On::ALL)).into_iter().map(|mut column| {
+        basis.clear(&mut column);
+        dot(&column, &column)
+    });
+    let least = told.fold(f64::INFINITY, f64::min);
+    least.sqrt().recip()
+}

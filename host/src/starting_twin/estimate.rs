@@ -1,0 +1,382 @@
+//! The numbers of a starting twin, from recordings whose edges are placed.
+
+use std::f64::consts::TAU;
+
+use super::delays::{self, ClassDelay};
+use super::disc::{self, DiscFound};
+use super::noise::{self, NoiseFound};
+use super::sensor::Found;
+use super::{Estimate, StartingError};
+use crate::diagnose::bench::Bench;
+use crate::diagnose::edges::Edges;
+use crate::diagnose::effect::{Carrier, Effect, Site};
+use crate::diagnose::filter::Noise;
+use crate::diagnose::model::{Board, Fit, Model};
+use crate::diagnose::pattern::Pattern;
+use crate::diagnose::pipeline::EDGES_LEAST;
+use crate::diagnose::record::Record;
+use crate::diagnose::rig::DiagnoseError;
+use crate::diagnose::scan;
+use crate::diagnose::search::{self, SURE};
+use crate::twin::{Drive, Duration, Errors, Ripple, Shaft, Timer, Twin};
+
+/// Turns that a recording needs to show what repeats.
+const TURNS_LEAST: f64 = 3.0;
+/// Rounds in which the delays move the course that they are fitted on.
+const ROUNDS: usize = 3;
+/// Torques at whole orders at the most.
+const TORQUES: usize = 6;
+/// Part of a recording's edges beyond which its slowest and fastest ones are left out of the speed's range.
+const OUTERMOST: f64 = 0.01;
+/// Fastest speed over slowest from which on torque is told from the disc at all.
+const TWO_SPEEDS: f64 = 1.1;
+/// Edges that the noise is fitted on at the most: more make its intervals no narrower than its model is true.
+const NOISE_EDGES: usize = 60_000;
+
+/// A recording whose edges are placed.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// Its file, for messages.
+    pub file: String,
+    /// Its edges.
+    pub edges: Edges,
+}
+
+/// A torque at a whole order of the shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrderTorque {
+    /// Cycles a turn.
+    pub order: f64,
+    /// Amplitude over the inertia, rad/s^2.
+    pub size: Estimate,
+    /// Phase of the sine, rad.
+    pub phase_rad: f64,
+}
+
+/// What recordings say of a rig.
+#[derive(Clone, Debug)]
+pub struct Starting {
+    /// Its sensor.
+    pub found: Found,
+    /// Clock of the recordings, Hz.
+    pub clock_hz: u64,
+    /// Edges, turns and seconds of all recordings.
+    pub edges: usize,
+    /// Turns.
+    pub turns: f64,
+    /// Seconds.
+    pub seconds: f64,
+    /// Slowest and fastest speed, r/min.
+    pub speed_r_min: [f64; 2],
+    /// Whether places are angles of the disc.
+    pub anchored: bool,
+    /// RMS of the stamps' errors, s.
+    pub stamp_s: Estimate,
+    /// The same beside the rounding of a tick, s; none where that is all.
+    pub jitter_s: Option<Estimate>,
+    /// Density of the torque noise over the inertia, (rad/s^2)^2 s.
+    pub torque: Estimate,
+    /// Delays of the edge classes; none where none are seen.
+    pub delays: Vec<ClassDelay>,
+    /// Where none are seen, what one of 95 % would have to be more than, s.
+    pub delay_limit_s: Option<f64>,
+    /// Torques at whole orders that the speeds tell from the disc.
+    pub torques: Vec<OrderTorque>,
+    /// The disc's errors.
+    pub disc: Option<DiscFound>,
+}
+
+/// A twin of a sensor and a clock.
+#[must_use]
+pub fn bare(found: &Found, clock_hz: u64) -> Twin {
+    Twin {
+        effect: Vec::new(),
+        seed: 1,
+        duration: Duration::Turns(TURNS_LEAST),
+        encoder: found.encoder.clone(),
+        errors: Errors::default(),
+        local_defect: Vec::new(),
+        shaft: Shaft::default(),
+        drive: Drive::Unknown,
+        ripple: Vec::new(),
+        gear_mesh: Vec::new(),
+        bearing: Vec::new(),
+        torque_tone: Vec::new(),
+        load_step: Vec::new(),
+        noise: None,
+        speed_drift: None,
+        stick_slip: None,
+        torsional_resonance: None,
+        edge_delay: None,
+        channel_skew: None,
+        threshold_ripple: Vec::new(),
+        threshold_drift: Vec::new(),
+        hysteresis: None,
+        backlash: None,
+        index_slip: Vec::new(),
+        capture_latency: None,
+        timer: Timer {
+            clock_hz,
+            bits: 64,
+            jitter_s: 0.0,
+            raw_captures: false,
+        },
+        faults: crate::twin::Faults::default(),
+        name: String::new(),
+        folder: std::path::PathBuf::new(),
+    }
+}
+
+/// Estimates a starting twin's numbers.
+///
+/// # Errors
+/// [`StartingError`] where a recording is too short.
+pub fn estimate(
+    found: &Found,
+    clock_hz: u64,
+    recordings: &[Placed],
+    progress: &mut dyn FnMut(f64, &'static str),
+) -> Result<Starting, StartingError> {
+    let mut twin = bare(found, clock_hz);
+    let mut records = Vec::new();
+    for one in recordings {
+        let record = Record::of(&one.edges, &twin);
+        if record.len() < EDGES_LEAST || record.turns() < TURNS_LEAST {
+            return Err(DiagnoseError::TooShort {
+                file: one.file.clone(),
+                edges: record.len(),
+                turns: record.turns(),
+                least: EDGES_LEAST,
+            }
+            .into());
+        }
+        records.push(record);
+    }
+    progress(0.05, "Fitting the noise");
+    let mut board = Board::new(benches(&records, &twin));
+    progress(0.3, "Looking for delays");
+    let (delays, delay_limit_s) = delays_of(&mut board, &records, &mut twin);
+    progress(0.5, "Telling torque from the disc");
+    let speed_r_min = speeds(&board);
+    let fit = torques_of(&mut board, speed_r_min);
+    progress(0.7, "Fitting the noise");
+    let NoiseFound {
+        noise,
+        stamp_s,
+        torque,
+    } = noise_of(&board, &records, &twin, &fit.model);
+    board.set_noise(noise);
+    let fit = board.fit(&fit.model);
+    progress(0.9, "Fitting the disc");
+    let disc = disc::find(&board, &fit.model);
+    let tick2 = (1.0 / clock_hz as f64).powi(2) / 12.0;
+    Ok(Starting {
+        found: found.clone(),
+        clock_hz,
+        edges: board.edges(),
+        turns: records.iter().map(Record::turns).sum(),
+        seconds: records.iter().map(Record::seconds).sum(),
+        speed_r_min,
+        anchored: records.iter().all(|record| record.anchored),
+        stamp_s,
+        jitter_s: beside_ticks(stamp_s, tick2),
+        torque,
+        delays,
+        delay_limit_s,
+        torques: sized(&fit),
+        disc,
+    })
+}
+
+/// What stamps have beside the rounding of a tick; none where rounding may be all.
+fn beside_ticks(stamp_s: Estimate, tick2: f64) -> Option<Estimate> {
+    let [low, _] = stamp_s.ci95;
+    let beside = stamp_s.map(|stamp| (stamp * stamp - tick2).max(0.0).sqrt());
+    (low * low > tick2).then_some(beside)
+}
+
+fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
+    let each = records.iter().map(|record| {
+        let noise = Noise {
+            torque: 1.0,
+            stamp_s: record.tick_s,
+            drift: 0.0,
+            angle_rad: 0.0,
+        };
+        Bench::new(record.clone(), twin, &[], &noise)
+    });
+    each.collect()
+}
+
+/// Puts recordings beside another twin, in the noise that a board has.
+fn beside(board: &mut Board, records: &[Record], twin: &Twin) {
+    board.benches = benches(records, twin);
+    board.set_noise(board.noise);
+}
+
+/// Finds the delays and puts them into the twin and onto the board. Without any, how large one could be unseen, s.
+fn delays_of(
+    board: &mut Board,
+    records: &[Record],
+    twin: &mut Twin,
+) -> (Vec<ClassDelay>, Option<f64>) {
+    let Some(delays) = delays::find(board) else {
+        let limit_s = delays::resolution(board).map(|error| super::NORMAL_95 * error);
+        return (Vec::new(), limit_s);
+    };
+    let (mut late_s, mut covariance) = delays.fit(board);
+    let mut told = delays.told(board, &late_s, &covariance);
+    for _ in 0..ROUNDS {
+        (twin.edge_delay, twin.channel_skew) = delays::declared(&told);
+        beside(board, records, twin);
+        board.size_up(&Model::default());
+        let (more_s, spread) = delays.fit(board);
+        let done = more_s.amax() < 0.1 * spread.diagonal().amax().sqrt();
+        late_s += more_s;
+        covariance = spread;
+        told = delays.told(board, &late_s, &covariance);
+        if done {
+            break;
+        }
+    }
+    (told, None)
+}
+
+/// Slowest and fastest speed, r/min, but for a few edges.
+fn speeds(board: &Board) -> [f64; 2] {
+    let benches = board.benches.iter();
+    let mut speeds: Vec<f64> = benches
+        .flat_map(|bench| bench.course.speed.iter().copied())
+        .collect();
+    speeds.sort_by(f64::total_cmp);
+    let last = speeds.len() - 1;
+    let at = (OUTERMOST * last as f64) as usize;
+    [speeds[at], speeds[last - at]].map(|speed| speed * 60.0 / TAU)
+}
+
+/// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern.
+fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
+    let mut fit = board.fit(&Model::default());
+    let [slow, fast] = speed_r_min;
+    if slow > 0.0 && fast < TWO_SPEEDS * slow || fast < 0.0 && slow > TWO_SPEEDS * fast {
+        return fit;
+    }
+    for group in 0..TORQUES {
+        let candidates = scan::spectra(board, &fit, &fit.basis());
+        let whole = candidates.into_iter().filter_map(|candidate| {
+            let [effect] = candidate.effects[..] else {
+                return None;
+            };
+            match (effect.site, effect.carrier) {
+                (Site::Torque, Carrier::Order(order)) if order.fract() == 0.0 => {
+                    Some((candidate.gain, effect))
+                }
+                _ => None,
+            }
+        });
+        let Some((_, effect)) = whole.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+            break;
+        };
+        let mut model = fit.model.clone();
+        model.add(&[effect], group);
+        let next = board.fit(&model);
+        if search::evidence(board, fit.rss - next.rss, effect.sizes()) < SURE {
+            break;
+        }
+        board.fit_noise(&next.model);
+        fit = board.fit(&next.model);
+    }
+    fit
+}
+
+/// The torques of a fit with their intervals.
+fn sized(fit: &Fit) -> Vec<OrderTorque> {
+    let place = |term: usize| {
+        let mut of = fit.of.iter();
+        of.position(|(own, number)| *own == term && *number == 0)
+    };
+    let terms = fit.model.terms.iter().enumerate();
+    let each = terms.filter_map(|(at, term)| {
+        let Effect {
+            carrier: Carrier::Order(order),
+            ..
+        } = term.effect
+        else {
+            return None;
+        };
+        let [cos, sin] = term.sizes[..] else {
+            return None;
+        };
+        let first = place(at)?;
+        let variance = |a: usize, b: usize| fit.covariance[(first + a, first + b)];
+        let size = cos.hypot(sin);
+        let [c, s] = [cos / size, sin / size];
+        let along = c * c * variance(0, 0) + 2.0 * c * s * variance(0, 1) + s * s * variance(1, 1);
+        Some(OrderTorque {
+            order,
+            size: Estimate::normal(size, along.max(0.0).sqrt()),
+            // a sin(n angle + phase) is a sin(phase) cos(n angle) + a cos(phase) sin(n angle).
+            phase_rad: cos.atan2(sin),
+        })
+    });
+    each.collect()
+}
+
+/// The noise beside a model, on the middle of long recordings.
+fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> NoiseFound {
+    let edges = board.edges();
+    if edges <= NOISE_EDGES {
+        return noise::fit(board, model);
+    }
+    let share = NOISE_EDGES as f64 / edges as f64;
+    let parts = records.iter().map(|record| middle(record, share));
+    let parts: Vec<Record> = parts.collect();
+    let mut part = board.clone();
+    beside(&mut part, &parts, twin);
+    part.pattern = board.pattern.as_ref().and_then(|whole| {
+        let mut pattern = Pattern::new(&part.benches, None)?;
+        pattern.size2 = whole.size2;
+        Some(pattern)
+    });
+    noise::fit(&part, model)
+}
+
+/// The middle part of a recording.
+fn middle(record: &Record, share: f64) -> Record {
+    let count = record.len();
+    let kept = (share * count as f64) as usize;
+    let from = (count - kept) / 2;
+    let range = from..from + kept;
+    Record {
+        time_s: record.time_s[range.clone()].to_vec(),
+        place: record.place[range.clone()].to_vec(),
+        way: record.way[range].to_vec(),
+        ..record.clone()
+    }
+}
+
+impl Starting {
+    /// The twin of what was found, its disc's errors in a file of a name.
+    #[must_use]
+    pub fn twin(&self, errors: Option<&std::path::Path>) -> Twin {
+        let mut twin = bare(&self.found, self.clock_hz);
+        twin.duration = Duration::Turns(self.turns.ceil());
+        twin.timer.jitter_s = self.jitter_s.map_or(0.0, |jitter| jitter.value);
+        (twin.edge_delay, twin.channel_skew) = delays::declared(&self.delays);
+        let ripples = self.torques.iter().map(|torque| Ripple {
+            order: torque.order,
+            phase_rad: torque.phase_rad,
+            torque_n_m: Some(torque.size.value),
+            speed_fraction: None,
+        });
+        twin.ripple = ripples.collect();
+        twin.noise = Some(crate::twin::Noise::White {
+            psd_n2_m2_s: self.torque.value,
+            hold_s: None,
+        });
+        if self.disc.is_some() {
+            twin.errors.csv = errors.map(std::path::Path::to_path_buf);
+        }
+        twin
+    }
+}

@@ -1,0 +1,478 @@
+//! A starting twin as TOML, its disc's errors as CSV, its numbers for JSON, and lines for people.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::delays;
+use super::estimate::Starting;
+use super::sensor::Source;
+use super::{ClassDelay, Estimate};
+use crate::diagnose::edges::Sensor;
+use crate::diagnose::record;
+use crate::report::si;
+use crate::twin::{Encoder, Twin, TwinError};
+
+/// A number of the twin, as JSON has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Number {
+    /// Its key in the twin.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit; 1 of a count.
+    pub unit: &'static str,
+    /// Its 95 % interval; null of a count.
+    pub ci95: Option<[f64; 2]>,
+    /// Why it is a guess, and how to make it sure; null where it is none.
+    pub guess: Option<String>,
+}
+
+/// How torques without an inertia are to be read.
+const OF_INERTIA: &str = "in units of an inertia of 1 kg m^2";
+
+impl Starting {
+    /// Where the counts of the sensor come from.
+    fn shown_by(&self) -> &'static str {
+        match self.found.source {
+            Source::Given => "as given",
+            Source::Index => "edges between index pulses",
+            Source::Header => "the recording's header",
+            Source::Pattern => "the pattern that repeats",
+        }
+    }
+
+    /// Key, name and count of what the sensor counts.
+    fn counted(&self) -> (&'static str, &'static str, u32) {
+        match self.found.encoder {
+            Encoder::Quadrature { lines, .. } => ("lines", "lines", lines),
+            Encoder::Hall { pole_pairs } => ("pole_pairs", "pole pairs", pole_pairs),
+            Encoder::Wheel { teeth, .. } => ("teeth", "teeth", teeth),
+        }
+    }
+
+    /// What orders of the disc may be beside it.
+    fn disc_guess(&self) -> Option<String> {
+        let disc = self.disc.as_ref()?;
+        let mut guesses = Vec::new();
+        if !disc.alike.is_empty() {
+            let some: Vec<String> = disc
+                .alike
+                .iter()
+                .map(|(order, amplitude)| format!("{order} ({})", plain(&si(*amplitude, "rad"))))
+                .collect();
+            guesses.push(format!(
+                "orders {} may be torque ripple in place of the disc: record a second speed, half as fast again, and give both recordings",
+                some.join(", ")
+            ));
+        }
+        if !self.anchored {
+            guesses.push(
+                "nothing marks a place of the turn, so edge 0 is where this recording starts: connect an index to keep it".to_owned(),
+            );
+        }
+        (!guesses.is_empty()).then(|| guesses.join("; "))
+    }
+
+    /// Delays as keys of the twin.
+    fn delay_keys(&self) -> Vec<(String, &ClassDelay)> {
+        let (_, skew) = delays::declared(&self.delays);
+        let name = |channel: u8| ["a", "b", "c"][usize::from(channel.min(2))];
+        let told = self.delays.iter().filter(|delay| delay.late_s.value > 0.0);
+        let each = told.filter_map(|delay| {
+            let channel = name(delay.channel);
+            match (skew.is_some(), delay.rises) {
+                (true, true) => Some((format!("channel_skew.{channel}_s"), delay)),
+                (true, false) => None,
+                (false, rises) => {
+                    let flank = if rises { "rise_s" } else { "fall_s" };
+                    Some((format!("edge_delay.{channel}.{flank}"), delay))
+                }
+            }
+        });
+        each.collect()
+    }
+}
+
+/// A text without the spaces that only print.
+fn plain(text: &str) -> String {
+    text.replace(['\u{a0}', '\u{202f}'], " ")
+}
+
+fn interval(estimate: Estimate, unit: &str) -> String {
+    let [low, high] = estimate.ci95;
+    plain(&format!("{} to {}", si(low, unit), si(high, unit)))
+}
+
+/// All numbers that were found.
+#[must_use]
+pub fn numbers(starting: &Starting) -> Vec<Number> {
+    let (key, _, count) = starting.counted();
+    let mut all = vec![Number {
+        key: key.to_owned(),
+        value: f64::from(count),
+        unit: "1",
+        ci95: None,
+        guess: starting.found.guess.clone(),
+    }];
+    let mut add = |key: String, estimate: Estimate, unit: &'static str, guess: Option<String>| {
+        all.push(Number {
+            key,
+            value: estimate.value,
+            unit,
+            ci95: Some(estimate.ci95),
+            guess,
+        });
+    };
+    if let Some(jitter) = starting.jitter_s {
+        add("timer.jitter_s".to_owned(), jitter, "s", None);
+    }
+    let unit = "N^2 m^2 s at 1 kg m^2";
+    add(
+        "noise.white.psd_n2_m2_s".to_owned(),
+        starting.torque,
+        unit,
+        None,
+    );
+    for (key, delay) in starting.delay_keys() {
+        add(key, delay.late_s, "s", None);
+    }
+    for (at, torque) in starting.torques.iter().enumerate() {
+        let key = format!("ripple[{at}].torque_n_m");
+        add(key, torque.size, "N m at 1 kg m^2", None);
+    }
+    if let Some(disc) = &starting.disc {
+        let key = "errors.rms_rad".to_owned();
+        add(key, disc.rms_rad, "rad", starting.disc_guess());
+    }
+    all
+}
+
+/// The twin's text; `recordings` are named in it, `errors` is the file of the disc's errors beside it.
+///
+/// # Errors
+/// [`TwinError`] where what was found is no twin.
+pub fn text(
+    starting: &Starting,
+    recordings: &[String],
+    errors: Option<&Path>,
+) -> Result<String, TwinError> {
+    let text = written(starting, recordings, errors);
+    // What can't be read back is not written.
+    Twin::parse(&text, "twin")?;
+    Ok(text)
+}
+
+fn written(starting: &Starting, recordings: &[String], errors: Option<&Path>) -> String {
+    let mut text = String::new();
+    // Writing to a string never fails.
+    let mut line = |words: String| {
+        let _ = writeln!(text, "{words}");
+    };
+    line(format!(
+        "# A starting twin of {}: {} edges, {:.1} turns, {:.3} s.",
+        recordings.join(", ").replace(char::is_control, "?"),
+        starting.edges,
+        starting.turns,
+        starting.seconds
+    ));
+    line("# Behind a number stands its 95 % interval. What the recordings do not make sure is marked as a guess.".to_owned());
+    line("seed = 1".to_owned());
+    line(format!(
+        "duration = {{ turns = {:.0} }}",
+        starting.turns.ceil()
+    ));
+    line(String::new());
+    sensor(starting, &mut line);
+    disc(starting, errors, &mut line);
+    line(format!(
+        "# No [drive]: the course of the speed is the recordings' own, {:.4} to {:.4} r/min. To simulate, add one.",
+        starting.speed_r_min[0], starting.speed_r_min[1]
+    ));
+    line(format!(
+        "# No [shaft]: torques are {OF_INERTIA}. With shaft.inertia_kg_m2 = J multiply torques by J, the density of the noise by J^2."
+    ));
+    line(String::new());
+    for torque in &starting.torques {
+        line("[[ripple]]".to_owned());
+        line(format!("order = {:?}", torque.order));
+        line(format!(
+            "torque_n_m = {:.4e}  # {}",
+            torque.size.value,
+            interval(torque.size, "N m")
+        ));
+        line(format!("phase_rad = {:.4}", torque.phase_rad));
+        line(String::new());
+    }
+    line("[noise.white]".to_owned());
+    let [low, high] = starting.torque.ci95;
+    line(format!(
+        "psd_n2_m2_s = {:.4e}  # {low:.3e} to {high:.3e}",
+        starting.torque.value
+    ));
+    line(String::new());
+    timing(starting, &mut line);
+    text
+}
+
+fn sensor(starting: &Starting, line: &mut impl FnMut(String)) {
+    let shown_by = starting.shown_by();
+    if let Some(guess) = &starting.found.guess {
+        line(format!("# guess: {guess}"));
+    }
+    match &starting.found.encoder {
+        Encoder::Quadrature { lines, index } => {
+            line("[encoder.quadrature]".to_owned());
+            line(format!("lines = {lines}  # {shown_by}"));
+            line(format!("index = {index}"));
+        }
+        Encoder::Hall { pole_pairs } => {
+            line("[encoder.hall]".to_owned());
+            line(format!("pole_pairs = {pole_pairs}  # {shown_by}"));
+        }
+        Encoder::Wheel {
+            teeth,
+            missing,
+            gaps,
+        } => {
+            line("[encoder.wheel]".to_owned());
+            line(format!(
+                "teeth = {teeth}  # {shown_by}, missing ones counted"
+            ));
+            if *missing > 0 {
+                line(format!("missing = {missing}"));
+            }
+            if !gaps.is_empty() {
+                let each = gaps
+                    .iter()
+                    .map(|gap| format!("{{ at = {}, missing = {} }}", gap.at, gap.missing));
+                line(format!("gaps = [{}]", each.collect::<Vec<_>>().join(", ")));
+            }
+        }
+    }
+    line(String::new());
+}
+
+fn disc(starting: &Starting, errors: Option<&Path>, line: &mut impl FnMut(String)) {
+    let Some(disc) = &starting.disc else {
+        line("# No [errors]: no pattern repeats every turn beyond noise.".to_owned());
+        line(String::new());
+        return;
+    };
+    if let Some(guess) = starting.disc_guess() {
+        line(format!("# guess: {guess}"));
+    }
+    let size = format!(
+        "RMS {} ({}), standard error of an edge {}",
+        plain(&si(disc.rms_rad.value, "rad")),
+        interval(disc.rms_rad, "rad"),
+        plain(&si(disc.standard_error_rad, "rad"))
+    );
+    match errors {
+        Some(path) => {
+            line("[errors]".to_owned());
+            let name = toml::Value::String(path.display().to_string());
+            line(format!("csv = {name}  # {size}"));
+        }
+        None => line(format!(
+            "# No [errors], as they need a file (--errors PATH): {size}"
+        )),
+    }
+    line(String::new());
+}
+
+fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
+    let keys = starting.delay_keys();
+    match (&keys[..], starting.delay_limit_s) {
+        ([], Some(limit_s)) => line(format!(
+            "# No delays of edge classes are seen; between rise and fall, or channels, they are less than {} (95 %).{}",
+            plain(&si(limit_s, "s")),
+            if limit_s > 1e-1 / starting.edge_rate_hz() {
+                " One speed hardly tells them from the disc."
+            } else {
+                ""
+            }
+        )),
+        ([], None) => {}
+        _ => {
+            line("# Delays against the edges that come first.".to_owned());
+            let (section, _) = keys[0].0.split_once('.').unwrap_or(("edge_delay", ""));
+            line(format!("[{section}]"));
+        }
+    }
+    for (key, delay) in &keys {
+        let (_, key) = key.split_once('.').unwrap_or(("", key));
+        line(format!(
+            "{key} = {:.4e}  # {}",
+            delay.late_s.value,
+            interval(delay.late_s, "s")
+        ));
+    }
+    line(String::new());
+    line("[timer]".to_owned());
+    line(format!("clock_hz = {}", starting.clock_hz));
+    match starting.jitter_s {
+        Some(jitter) => line(format!(
+            "jitter_s = {:.4e}  # {}",
+            jitter.value,
+            interval(jitter, "s")
+        )),
+        None => line(format!(
+            "# Stamps: {} RMS, {}; a tick's rounding is all that is sure.",
+            plain(&si(starting.stamp_s.value, "s")),
+            interval(starting.stamp_s, "s")
+        )),
+    }
+}
+
+impl Starting {
+    /// Edges a second.
+    fn edge_rate_hz(&self) -> f64 {
+        self.edges as f64 / self.seconds
+    }
+}
+
+/// The disc's errors as `calibrate --csv` writes them, edges numbered as the twin does.
+#[must_use]
+pub fn errors_csv(starting: &Starting) -> Option<String> {
+    let disc = starting.disc.as_ref()?;
+    let encoder = &starting.found.encoder;
+    let pulses = matches!(
+        starting.found.sensor,
+        Sensor::Wheel {
+            both_edges: false,
+            ..
+        }
+    );
+    let mut text = "edge,class,error_rad,standard_error_rad\n".to_owned();
+    for (edge, error) in (0_u32..).zip(&disc.errors_rad) {
+        let (class, real) = if pulses {
+            ("tooth", encoder.is_real(2 * edge))
+        } else {
+            (class_name(encoder, edge), encoder.is_real(edge))
+        };
+        if real {
+            // Writing to a string never fails.
+            let _ = writeln!(
+                text,
+                "{edge},{class},{error:.4e},{:.4e}",
+                disc.standard_error_rad
+            );
+        }
+    }
+    Some(text)
+}
+
+/// What changes at an edge, as an error table has it.
+fn class_name(encoder: &Encoder, edge: u32) -> &'static str {
+    let classes = encoder.edges_per_line();
+    let change = record::change((edge % classes) as usize, classes.into());
+    match (encoder, change.channel, change.rises) {
+        (Encoder::Wheel { .. }, _, true) => "tooth begins",
+        (Encoder::Wheel { .. }, _, false) => "tooth ends",
+        (_, 0, true) => "A rises",
+        (_, 0, false) => "A falls",
+        (_, 1, true) => "B rises",
+        (_, 1, false) => "B falls",
+        (_, _, true) => "C rises",
+        (_, _, false) => "C falls",
+    }
+}
+
+/// What was found, in lines for people: names and values.
+#[must_use]
+pub fn lines_of(starting: &Starting) -> Vec<(&'static str, String)> {
+    let (_, name, count) = starting.counted();
+    let kind = match &starting.found.encoder {
+        Encoder::Quadrature { index: true, .. } => "quadrature with index",
+        Encoder::Quadrature { .. } => "quadrature without index",
+        Encoder::Hall { .. } => "three Hall sensors",
+        Encoder::Wheel { .. } => "toothed wheel",
+    };
+    let mut gaps = String::new();
+    if let Encoder::Wheel {
+        teeth,
+        missing,
+        gaps: some,
+    } = &starting.found.encoder
+    {
+        if *missing > 0 {
+            let _ = write!(gaps, ", {missing} missing at the end");
+        }
+        for gap in some {
+            let _ = write!(gaps, ", {} missing at {} of {teeth}", gap.missing, gap.at);
+        }
+    }
+    let mut lines = vec![(
+        "Sensor",
+        format!("{kind}, {count} {name}{gaps} ({})", starting.shown_by()),
+    )];
+    if let Some(guess) = &starting.found.guess {
+        lines.push(("Guess", guess.clone()));
+    }
+    lines.push((
+        "Recorded",
+        format!(
+            "{} edges, {:.1} turns, {:.3} s, {:.4} to {:.4} r/min",
+            starting.edges,
+            starting.turns,
+            starting.seconds,
+            starting.speed_r_min[0],
+            starting.speed_r_min[1]
+        ),
+    ));
+    lines.push((
+        "Stamps",
+        format!(
+            "{} RMS ({})",
+            si(starting.stamp_s.value, "s"),
+            interval(starting.stamp_s, "s")
+        ),
+    ));
+    let [low, high] = starting.torque.ci95;
+    lines.push((
+        "Torque noise",
+        format!(
+            "{:.3e} N^2 m^2 s at 1 kg m^2 ({low:.3e} to {high:.3e})",
+            starting.torque.value
+        ),
+    ));
+    let keys = starting.delay_keys();
+    for (key, delay) in &keys {
+        let value = si(delay.late_s.value, "s");
+        lines.push((
+            "Delay",
+            format!("{key} {value} ({})", interval(delay.late_s, "s")),
+        ));
+    }
+    if let Some(limit_s) = starting.delay_limit_s {
+        lines.push(("Delays", format!("none seen above {}", si(limit_s, "s"))));
+    }
+    for torque in &starting.torques {
+        lines.push((
+            "Torque",
+            format!(
+                "order {}: {} at 1 kg m^2 ({})",
+                torque.order,
+                si(torque.size.value, "N m"),
+                interval(torque.size, "N m")
+            ),
+        ));
+    }
+    if let Some(disc) = &starting.disc {
+        lines.push((
+            "Disc",
+            format!(
+                "{} RMS ({}), each edge ± {}",
+                si(disc.rms_rad.value, "rad"),
+                interval(disc.rms_rad, "rad"),
+                si(disc.standard_error_rad, "rad")
+            ),
+        ));
+    }
+    if let Some(guess) = starting.disc_guess() {
+        lines.push(("Guess", guess));
+    }
+    lines
+}
