@@ -30,7 +30,7 @@ pub fn answer(
 ) -> Answer {
     let parts = Parts::blocks(board, fit);
     let [none, early, _] = Parts::held_out(board, fit).judged(fit);
-    // Where all findings together make held-out turns worse, none of them has a name.
+    // Where all findings together make held-out turns worse, none that can be foretold has a name.
     let worse = early > none;
     let total: f64 = fit
         .model
@@ -68,7 +68,7 @@ pub fn answer(
         };
         let mut mechanism = board.mechanism(&effects);
         let sideband = name::sideband_of(board, &effects);
-        if worse || sideband.is_some() || !once && foretold < FORETELLS * loss {
+        if sideband.is_some() || !once && (worse || foretold < FORETELLS * loss) {
             mechanism = Mechanism::Unknown;
         }
         let others: &[(Mechanism, f64)] = alike

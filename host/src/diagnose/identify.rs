@@ -41,6 +41,9 @@ pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Vec<String> {
         }
     }
     let count = shown.len();
+    if count == 0 {
+        return words;
+    }
     let size = |at: usize| dot(&columns[at], &columns[at]).sqrt();
     let gram = DMatrix::from_fn(count, count, |a, b| {
         let (a, b) = (shown[a], shown[b]);

@@ -14,9 +14,9 @@ use super::rig::Recorded;
 use crate::mechanism::Mechanism;
 use crate::sim;
 use crate::twin::{
-    Bearing, CaptureLatency, Channel, DeclaredEffect, EdgeDelay, Encoder, Errors, Flank,
-    Harmonic, Hysteresis, IndexSlip, LoadStep, LocalDefect, Ripple, RiseFall, SpeedDrift,
-    ThresholdDrift, ThresholdRipple, TorqueTone, Twin, TwinError,
+    Bearing, CaptureLatency, Channel, DeclaredEffect, EdgeDelay, Encoder, Errors, Flank, Harmonic,
+    Hysteresis, IndexSlip, LoadStep, LocalDefect, Ripple, RiseFall, SpeedDrift, ThresholdDrift,
+    ThresholdRipple, TorqueTone, Twin, TwinError,
 };
 
 /// Part of a cycle by which two rhythms may part over a recording and be one.

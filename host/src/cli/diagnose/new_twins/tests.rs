@@ -56,8 +56,8 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     assert_eq!(Simulation::new(&read).unwrap().true_errors(), list);
     let text = fs::read_to_string(&first).unwrap();
     let twin = &diagnosed.diagnosis.recordings[0].twin;
-    let first = format!("# {twin} with what 'quadcal diagnose' found missing on slow.csv.");
-    assert!(text.starts_with(&first), "{text}");
+    let remark = format!("# {twin} with what 'quadcal diagnose' found missing on slow.csv.");
+    assert!(text.starts_with(&remark), "{text}");
     let found = &diagnosed.diagnosis.findings[0];
     assert!(text.contains(&format!("# {}: {}", found.mechanism, found.text)));
     for wrong in [edges - 1, edges + 1] {
