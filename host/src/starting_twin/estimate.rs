@@ -7,7 +7,7 @@ use super::disc::{self, DiscFound};
 use super::noise::{self, NoiseFound};
 use super::sensor::Found;
 use super::{Estimate, StartingError};
-use crate::diagnose::bench::Bench;
+use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::edges::Edges;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::Noise;
@@ -26,7 +26,7 @@ const TURNS_LEAST: f64 = 3.0;
 const ROUNDS: usize = 3;
 /// Torques at whole orders at the most.
 const TORQUES: usize = 6;
-/// Part of a recording's edges beyond which its slowest and fastest ones are left out of the speed's range.
+/// Part of a recording's turns, the slowest and the fastest, that are left out of the speed's range.
 const OUTERMOST: f64 = 0.01;
 /// Fastest speed over slowest from which on torque is told from the disc at all.
 const TWO_SPEEDS: f64 = 1.1;
@@ -66,7 +66,7 @@ pub struct Starting {
     pub turns: f64,
     /// Seconds.
     pub seconds: f64,
-    /// Slowest and fastest speed, r/min.
+    /// Slowest and fastest mean speed of a turn, r/min.
     pub speed_r_min: [f64; 2],
     /// Whether places are angles of the disc.
     pub anchored: bool,
@@ -152,11 +152,16 @@ pub fn estimate(
         records.push(record);
     }
     progress(0.05, "Fitting the noise");
+    let speed_r_min = speeds(&records);
     let mut board = Board::new(benches(&records, &twin));
+    settle(&mut board);
     progress(0.3, "Looking for delays");
-    let (delays, delay_limit_s) = delays_of(&mut board, &records, &mut twin);
+    let (delays, delay_limit_s) = if changes(speed_r_min) {
+        delays_of(&mut board, &records, &mut twin)
+    } else {
+        (Vec::new(), None)
+    };
     progress(0.5, "Telling torque from the disc");
-    let speed_r_min = speeds(&board);
     let fit = torques_of(&mut board, speed_r_min);
     progress(0.7, "Fitting the noise");
     let NoiseFound {
@@ -228,7 +233,7 @@ fn delays_of(
     for _ in 0..ROUNDS {
         (twin.edge_delay, twin.channel_skew) = delays::declared(&told);
         beside(board, records, twin);
-        board.size_up(&Model::default());
+        resize(board);
         let (more_s, spread) = delays.fit(board);
         let done = more_s.amax() < 0.1 * spread.diagonal().amax().sqrt();
         late_s += more_s;
@@ -241,25 +246,81 @@ fn delays_of(
     (told, None)
 }
 
-/// Slowest and fastest speed, r/min, but for a few edges.
-fn speeds(board: &Board) -> [f64; 2] {
-    let benches = board.benches.iter();
-    let mut speeds: Vec<f64> = benches
-        .flat_map(|bench| bench.course.speed.iter().copied())
-        .collect();
+/// Slowest and fastest mean speed of a turn, r/min, but for a few.
+fn speeds(records: &[Record]) -> [f64; 2] {
+    let each = records.iter().flat_map(|record| {
+        let turn = (record.len() as f64 / record.turns()).ceil() as usize;
+        let pairs = (turn..record.len()).map(move |at| (at - turn, at));
+        pairs.filter_map(|(from, until)| {
+            let way = (record.place[until] - record.place[from]) as f64 * record.step_rad();
+            let seconds = record.time_s[until] - record.time_s[from];
+            (seconds > 0.0).then(|| way / seconds * 60.0 / TAU)
+        })
+    });
+    let mut speeds: Vec<f64> = each.collect();
+    if speeds.is_empty() {
+        return [0.0; 2];
+    }
     speeds.sort_by(f64::total_cmp);
     let last = speeds.len() - 1;
     let at = (OUTERMOST * last as f64) as usize;
-    [speeds[at], speeds[last - at]].map(|speed| speed * 60.0 / TAU)
+    [speeds[at], speeds[last - at]]
+}
+
+/// Whether the speed changes so much that what goes with it is told from the disc.
+fn changes([slow, fast]: [f64; 2]) -> bool {
+    fast > TWO_SPEEDS * slow && fast >= 0.0 || slow < TWO_SPEEDS * fast && fast < 0.0
+}
+
+/// Sets the noise to what is left beside a disc of any errors, whatever their size: noise that was fitted with the disc in it would hide
+/// the disc in turn.
+fn settle(board: &mut Board) {
+    for _ in 0..ROUNDS {
+        let Some(mut pattern) = Pattern::new(&board.benches) else {
+            return;
+        };
+        pattern.size2 = (TAU / pattern.edges as f64).powi(2);
+        let benches = &board.benches;
+        let white: Vec<f64> = benches
+            .iter()
+            .flat_map(|bench| bench.white(&bench.residual))
+            .collect();
+        let errors = pattern.errors(benches, &white);
+        let left = benches.iter().map(|bench| {
+            let each = bench.residual.iter().enumerate();
+            each.map(|(at, rest)| rest - errors[bench.record.slot(at)])
+                .collect()
+        });
+        let left: Vec<Vec<f64>> = left.collect();
+        let (noise, _) = bench::fit_noise(benches, &left, board.noise, board.free);
+        board.set_noise(noise);
+    }
+    resize(board);
+}
+
+/// Sets the disc's pattern to the size of most evidence in the present noise.
+fn resize(board: &mut Board) {
+    let Some(mut pattern) = Pattern::new(&board.benches) else {
+        return;
+    };
+    let benches = board.benches.iter();
+    let white: Vec<f64> = benches
+        .flat_map(|bench| bench.white(&bench.residual))
+        .collect();
+    pattern.size_up(&board.benches, &white);
+    board.pattern = Some(pattern);
 }
 
 /// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern.
 fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
     let mut fit = board.fit(&Model::default());
-    let [slow, fast] = speed_r_min;
-    if slow > 0.0 && fast < TWO_SPEEDS * slow || fast < 0.0 && slow > TWO_SPEEDS * fast {
+    if !changes(speed_r_min) {
         return fit;
     }
+    let lines = board
+        .benches
+        .first()
+        .map_or(0, |bench| bench.record.edges / bench.record.classes.max(2));
     for group in 0..TORQUES {
         let candidates = scan::spectra(board, &fit, &fit.basis());
         let whole = candidates.into_iter().filter_map(|candidate| {
@@ -267,7 +328,9 @@ fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
                 return None;
             };
             match (effect.site, effect.carrier) {
-                (Site::Torque, Carrier::Order(order)) if order.fract() == 0.0 => {
+                (Site::Torque, Carrier::Order(order))
+                    if order.fract() == 0.0 && order < lines as f64 =>
+                {
                     Some((candidate.gain, effect))
                 }
                 _ => None,
@@ -282,8 +345,7 @@ fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
         if search::evidence(board, fit.rss - next.rss, effect.sizes()) < SURE {
             break;
         }
-        board.fit_noise(&next.model);
-        fit = board.fit(&next.model);
+        fit = next;
     }
     fit
 }

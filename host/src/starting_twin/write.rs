@@ -286,15 +286,12 @@ fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
     let keys = starting.delay_keys();
     match (&keys[..], starting.delay_limit_s) {
         ([], Some(limit_s)) => line(format!(
-            "# No delays of edge classes are seen; between rise and fall, or channels, they are less than {} (95 %).{}",
-            plain(&si(limit_s, "s")),
-            if limit_s > 1e-1 / starting.edge_rate_hz() {
-                " One speed hardly tells them from the disc."
-            } else {
-                ""
-            }
+            "# No delays of edge classes are seen; between rise and fall, or channels, they are less than {} (95 %).",
+            plain(&si(limit_s, "s"))
         )),
-        ([], None) => {}
+        ([], None) => line(
+            "# Delays of edge classes can't be told from the disc at one speed: record another one.".to_owned(),
+        ),
         _ => {
             line("# Delays against the edges that come first.".to_owned());
             let (section, _) = keys[0].0.split_once('.').unwrap_or(("edge_delay", ""));
@@ -323,13 +320,6 @@ fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
             plain(&si(starting.stamp_s.value, "s")),
             interval(starting.stamp_s, "s")
         )),
-    }
-}
-
-impl Starting {
-    /// Edges a second.
-    fn edge_rate_hz(&self) -> f64 {
-        self.edges as f64 / self.seconds
     }
 }
 
