@@ -8,6 +8,7 @@ pub mod delays;
 pub mod demo;
 pub mod device;
 pub mod diagnose;
+pub mod effect;
 pub mod findings;
 pub mod free_run;
 pub mod locate;

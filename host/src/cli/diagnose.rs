@@ -11,9 +11,11 @@ use clap::Args;
 
 use crate::diagnose::answer::Answer;
 use crate::diagnose::pipeline;
-use crate::diagnose::rig::DiagnoseError;
+use crate::diagnose::rig::{DiagnoseError, Recorded};
+use crate::diagnose::write;
 use crate::mechanism::Mechanism;
 use crate::reports;
+use crate::twin::Twin;
 
 use super::Globals;
 use super::failure::Failure;
@@ -23,6 +25,7 @@ use super::output::{Facts, JsonArg, ReportArg, Target, spare};
 use super::progress::Progress;
 use super::staged::Staged;
 pub use encoder::OtherEncoder;
+use new_twins::{Diagnosed, NewFile};
 use rig::Named;
 
 const EXAMPLES: &str = "\
@@ -115,10 +118,14 @@ impl Diagnose {
         let mut progress = Progress::share("Diagnosing", globals);
         let answer = pipeline::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
         drop(progress);
-        self.write(&answer)
+        self.write(&rig, &answer)
     }
 
-    fn write(&self, answer: &Answer) -> Result<(), Failure> {
+    fn write(&self, rig: &[Recorded], answer: &Answer) -> Result<(), Failure> {
+        let new = match &self.write_twin {
+            Some(first) => self.new_twins(first, rig, answer)?,
+            None => Vec::new(),
+        };
         let inputs: Vec<&Path> = self.inputs().collect();
         let page = match &self.report.report {
             Some(target) => {
@@ -128,6 +135,9 @@ impl Diagnose {
             None => None,
         };
         let mut staged = Staged::default();
+        for file in &new {
+            staged.add(Target::File(file.path.clone()), file.text.as_bytes())?;
+        }
         if let Some((target, page)) = page {
             staged.add(target.clone(), page.as_bytes())?;
         }
@@ -143,7 +153,32 @@ impl Diagnose {
         for (name, value) in reports::diagnose::text(answer) {
             text.push(name, value);
         }
+        for file in &new {
+            text.push("Written", file.path.display());
+        }
         Target::Stdout.write(text.to_string().as_bytes())
+    }
+
+    /// The files of the twins with the findings in them.
+    fn new_twins(
+        &self,
+        first: &Path,
+        rig: &[Recorded],
+        answer: &Answer,
+    ) -> Result<Vec<NewFile>, Failure> {
+        let declared = self.twins.iter().map(|path| Twin::load_with_text(path));
+        let declared = declared.collect::<Result<Vec<_>, _>>()?;
+        let written = write::twins(rig, answer)?;
+        let (twins, error_lists) = written
+            .into_iter()
+            .map(|one| (one.twin, one.errors_rad))
+            .unzip();
+        let diagnosed = Diagnosed {
+            diagnosis: answer.diagnosis.clone(),
+            twins,
+            error_lists,
+        };
+        new_twins::files(first, &diagnosed, &declared)
     }
 
     /// Refuses outputs that would take each other's place, or an input's.

@@ -1,8 +1,11 @@
 //! What the engine says: the diagnosis, the mismatch map before and after, and each finding's cell.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::effect::Effect;
+use super::numbers::Knob;
 use crate::diagnose::diagnosis::Diagnosis;
 
 /// An answer; its JSON is that of a diagnosis with the map and the cells beside it.
@@ -17,6 +20,16 @@ pub struct Answer {
     pub cells: Vec<Vec<Sized>>,
     /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
     pub shares: Vec<Option<f64>>,
+    /// Errors of the disc's edges, rad, where the twins do not give it and it was learned.
+    #[serde(skip)]
+    pub pattern: Option<Vec<f64>>,
+    /// Of each finding, in the findings' order, the numbers of the twin that it corrects, as the twin declares them.
+    pub declared: Vec<BTreeMap<String, f64>>,
+    /// Numbers that the twins declare and that these recordings can't determine, in words: nothing is said of them.
+    pub not_identifiable: Vec<String>,
+    /// Of each recording, the numbers that its twin declares and the findings correct, with their values.
+    #[serde(skip)]
+    pub corrected: Vec<Vec<(Knob, Vec<f64>)>>,
     /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,

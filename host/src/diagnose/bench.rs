@@ -2,11 +2,13 @@
 
 use super::course::Course;
 use super::declared::{self, Declared};
-use super::effect::{Effect, Scene};
+use super::effect::{Effect, Scene, Site};
 use super::filter::Noise;
+use super::lsq;
 use super::noise::{self, Free};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
+use crate::sim;
 use crate::twin::Twin;
 
 /// One recording with its twin.
@@ -33,7 +35,15 @@ pub struct Bench {
     /// Weight of each edge: less where it is far out.
     pub weights: Vec<f64>,
     /// Grid angles less all that the twin says, rad.
+    pub own: Vec<f64>,
+    /// The same as far as the twin was given: numbers that are corrected count as declared.
     pub residual: Vec<f64>,
+    /// What unit of each correction does to each edge, rad; empty where the twin does not declare it.
+    pub tangents: Vec<Vec<f64>>,
+    /// What ties of a speed loop decided the other way do to each edge, rad; empty without a loop.
+    tied: Vec<f64>,
+    /// The present noise.
+    noise: Noise,
 }
 
 impl Bench {
@@ -50,12 +60,13 @@ impl Bench {
         let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
         // Once more about the course without what shifts edges.
         course = Course::new(&record, &declared.off);
+        course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
         let mut leaps = Leaps::of(&plant, &course);
         leaps.jolt(&declared::jolts(twin, &course, &plant));
         let gains = leaps.filter(0..record.len(), noise);
-        let residual = (0..record.len())
+        let own: Vec<f64> = (0..record.len())
             .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])
             .collect();
         Self {
@@ -69,12 +80,17 @@ impl Bench {
             declared,
             leaps,
             gains,
-            residual,
+            residual: own.clone(),
+            own,
+            tangents: Vec::new(),
+            tied: Vec::new(),
+            noise: *noise,
         }
     }
 
     /// Goes by another noise.
     pub fn set_noise(&mut self, noise: &Noise) {
+        self.noise = *noise;
         self.gains = self.leaps.filter(0..self.record.len(), noise);
         self.scales = self.gains.scales();
     }
@@ -82,9 +98,10 @@ impl Bench {
     /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it.
     pub fn decide_ties(&mut self) {
         const EDGES: usize = 12;
-        let mut white = self.residual.clone();
+        let mut white = self.own.clone();
         self.gains.whiten(&mut white);
         let count = self.record.len();
+        self.tied = vec![0.0; count];
         for tie in self.declared.ties.clone() {
             let after = self.course.time_s.partition_point(|time| *time <= tie.at_s);
             let first = after.saturating_sub(1);
@@ -114,10 +131,11 @@ impl Bench {
                 .sum();
             if gain > 0.0 {
                 let mut long = answer(count);
-                self.residual[first..]
-                    .iter_mut()
-                    .zip(&long)
-                    .for_each(|(rest, by)| *rest -= by);
+                for (at, by) in (first..).zip(&long) {
+                    self.tied[at] += by;
+                    self.own[at] -= by;
+                    self.residual[at] -= by;
+                }
                 self.gains.whiten_from(first, &mut long);
                 white[first..]
                     .iter_mut()
@@ -125,6 +143,73 @@ impl Bench {
                     .for_each(|(white, by)| *white -= by);
             }
         }
+    }
+
+    /// Takes off residual angles what an unknown start makes of them: angle, speed and how that fades.
+    pub fn less_start(&self, rest: &mut [f64]) {
+        let first = self.record.time_s[0];
+        let times = self.record.time_s.iter();
+        let line: Vec<f64> = times.map(|time| time - first).collect();
+        let fades = self.plant.fading(&self.course);
+        let one = vec![1.0; rest.len()];
+        let solved = lsq::solve(&[&one, &line, &fades], rest);
+        rest.copy_from_slice(&solved.left);
+    }
+
+    /// Residual angles that rounding to ticks alone would leave, had the shaft gone as the filter has it beside a residual.
+    #[must_use]
+    pub fn rounded(&self, rest: &[f64], stamp_s: f64) -> Vec<f64> {
+        // Errors of the stamps as smoothed: R S^-1 y.
+        let mut scores = rest.to_vec();
+        self.gains.whiten(&mut scores);
+        self.gains.transposed(&mut scores);
+        let each = scores.iter().zip(&self.record.time_s);
+        each.zip(&self.course.speed)
+            .map(|((score, time_s), speed)| {
+                let error_s = speed * stamp_s * stamp_s * score;
+                let ticks = (time_s + error_s) / self.record.tick_s;
+                speed * self.record.tick_s * (ticks - ticks.round())
+            })
+            .collect()
+    }
+
+    /// The residual beside a changed twin, about the same course; none where there is no such twin. A change that bears on how the shaft
+    /// answers changes the filter too: these are the angles whose innovations by the present filter are those of the changed one.
+    #[must_use]
+    pub fn beside(&self, twin: &Twin) -> Option<Vec<f64>> {
+        let same_disc =
+            twin.errors == self.twin.errors && twin.local_defect == self.twin.local_defect;
+        let disc = if same_disc {
+            self.disc.clone()
+        } else {
+            declared::of_recorded(&sim::true_errors(twin).ok()?, self.record.edges)
+        };
+        let law = Law::of(twin);
+        let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
+        let plant = other.as_ref().unwrap_or(&self.plant);
+        let declared = Declared::new(&self.record, twin, &disc, &self.course, plant);
+        let mut rest: Vec<f64> = (0..self.record.len())
+            .map(|at| self.record.grid_rad(at) - declared.off[at] - declared.response[at])
+            .collect();
+        rest.iter_mut()
+            .zip(&self.tied)
+            .for_each(|(rest, by)| *rest -= by);
+        if let Some(plant) = &other {
+            let mut leaps = Leaps::of(plant, &self.course);
+            leaps.jolt(&declared::jolts(twin, &self.course, plant));
+            let gains = leaps.filter(0..rest.len(), &self.noise);
+            gains.whiten(&mut rest);
+            let scales = gains.scales().into_iter().zip(&self.scales);
+            for (white, (theirs, own)) in rest.iter_mut().zip(scales) {
+                *white = if theirs > 0.0 {
+                    *white * own / theirs
+                } else {
+                    0.0
+                };
+            }
+            self.gains.colour(&mut rest);
+        }
+        rest.iter().all(|rest| rest.is_finite()).then_some(rest)
     }
 
     /// A row of angles, white and weighed.
@@ -154,6 +239,11 @@ impl Bench {
     /// What an effect does to each edge, rad, for unit of each size.
     #[must_use]
     pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
+        if let Site::Declared(at) = effect.site {
+            let tangent = self.tangents.get(usize::from(at)).cloned();
+            let none = vec![0.0; self.record.len()];
+            return vec![tangent.filter(|some| !some.is_empty()).unwrap_or(none)];
+        }
         let asked = declared::Asked::of(&self.twin);
         effect.columns(&Scene {
             record: &self.record,

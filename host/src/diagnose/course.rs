@@ -13,6 +13,10 @@ pub struct Course {
     pub speed: Vec<f64>,
     /// When it turns round, s.
     pub reversals_s: Vec<f64>,
+    /// How late each stamp is, as far as that is known, s.
+    pub late_s: Vec<f64>,
+    /// Speed of the interval that ends at each edge as the edges before it foretell it, rad/s: what torques that go with the speed go by.
+    pub steady: Vec<f64>,
 }
 
 impl Course {
@@ -28,7 +32,10 @@ impl Course {
             angle,
             speed,
             reversals_s: Vec::new(),
+            late_s: vec![0.0; record.len()],
+            steady: Vec::new(),
         };
+        course.steady = course.steady_speeds(record);
         course.reversals_s = (1..course.len())
             .filter(|&at| record.way[at] != record.way[at - 1])
             .map(|at| course.still_s(at))
@@ -63,6 +70,41 @@ impl Course {
         let speed =
             (way * 6.0 * (s - s2) + b * (3.0 * s2 - 4.0 * s + 1.0) + c * (3.0 * s2 - 2.0 * s)) / h;
         (angle, speed)
+    }
+
+    /// Speed of the interval that ends at each edge as the edges before it foretell it: straight on from two stretches of half a turn. A
+    /// regressor must not hold the noise that it is to be told from, as the speed between the edges themselves does (L. Ljung, System
+    /// Identification, 2nd ed., section 13.4).
+    fn steady_speeds(&self, record: &Record) -> Vec<f64> {
+        /// Edges that a stretch needs.
+        const LEAST: usize = 4;
+        let whole = (record.edges as usize / 2).max(LEAST);
+        let mut run = 0;
+        let mut steady = self.speed.clone();
+        for at in 1..self.len() {
+            if record.way[at] != record.way[at - 1] {
+                run = at;
+            }
+            let last = at - 1;
+            let reach = (last.saturating_sub(run) / 2).min(whole);
+            if last < run || reach < LEAST {
+                continue;
+            }
+            let mean = |from: usize, until: usize| {
+                let time_s = self.time_s[until] - self.time_s[from];
+                let middle_s = 0.5 * (self.time_s[until] + self.time_s[from]);
+                let way = self.angle[until] - self.angle[from];
+                (way / time_s.max(f64::MIN_POSITIVE), middle_s)
+            };
+            let (before, before_s) = mean(last - 2 * reach, last - reach);
+            let (after, after_s) = mean(last - reach, last);
+            let now_s = 0.5 * (self.time_s[last] + self.time_s[at]);
+            let slope = (after - before) / (after_s - before_s).max(f64::MIN_POSITIVE);
+            let ahead = after + slope * (now_s - after_s);
+            // It does not turn round before it does.
+            steady[at] = if ahead * after > 0.0 { ahead } else { after };
+        }
+        steady
     }
 
     /// When it stands still within the interval that ends at an edge, s.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::course::Course;
-use super::effect::{Carrier, Effect, Growth, On, Scene, Site};
+use super::effect::{Carrier, Effect, On, Scene, Site};
 use super::plant::{Here, Law, Plant, sign};
 use super::record::Record;
 use super::speed_loop::{self, Tie};
@@ -150,10 +150,9 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
         }
         _ => {}
     }
-    debug_assert!(
-        all.iter()
-            .all(|(effect, _)| effect.growth == Growth::Constant)
-    );
+    // What is part of the disc is in its errors.
+    let others = twin.effect.iter().map(|one| (one.effect(), one.sizes()));
+    all.extend(others.filter(|(effect, _)| !effect.is_of_disc()));
     all
 }
 
@@ -269,6 +268,26 @@ impl Declared {
             ties,
         }
     }
+}
+
+/// How late each stamp is by the delays that a twin declares, s.
+#[must_use]
+pub fn late_s(twin: &Twin, record: &Record) -> Vec<f64> {
+    let mean_s = twin
+        .capture_latency
+        .and_then(|latency| latency.mean_s)
+        .unwrap_or(0.0);
+    let mut late = vec![mean_s; record.len()];
+    for (effect, sizes) in effects(twin) {
+        if let Site::Stamp(on) = effect.site {
+            for (at, late) in late.iter_mut().enumerate() {
+                if on.has(record.captured(at)) {
+                    *late += sizes[0];
+                }
+            }
+        }
+    }
+    late
 }
 
 /// What a declared latency of every capture makes of edges in the mean.

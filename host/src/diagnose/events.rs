@@ -68,6 +68,15 @@ pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
     all
 }
 
+/// Whether findings of a mechanism are counted, whatever else is left.
+#[must_use]
+pub const fn counted(mechanism: Mechanism) -> bool {
+    matches!(
+        mechanism,
+        Mechanism::LostEdges | Mechanism::ExtraEdges | Mechanism::IndexSlip
+    )
+}
+
 /// What happened in a recording and its twin does not declare.
 fn undeclared(one: &Recorded) -> Vec<CountEvent> {
     let declared = &one.twin.faults;

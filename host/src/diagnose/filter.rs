@@ -179,6 +179,27 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
+    pub fn colour(&self, white: &mut [f64]) {
+        let mut state = [0.0; N];
+        for (value, step) in white.iter_mut().zip(&self.gains) {
+            state = if step.fresh {
+                [0.0; N]
+            } else {
+                times(&step.way, &state)
+            };
+            let innovation = if step.scale > 0.0 {
+                *value / step.scale
+            } else {
+                0.0
+            };
+            *value = innovation + state[ANGLE];
+            for (state, gain) in state.iter_mut().zip(&step.gain) {
+                *state += gain * innovation;
+            }
+        }
+    }
+
     /// The transposed of [`Self::whiten`], in place.
     pub fn transposed(&self, white: &mut [f64]) {
         let mut state = [0.0; N];

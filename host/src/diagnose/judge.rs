@@ -7,6 +7,8 @@ use super::model::{Board, Fit};
 
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 4;
+/// Share of what a finding shows in one block from which on the others can't foretell it.
+const ONCE: f64 = 0.7;
 /// Share of each recording that is held out for the figures of the fit: its last part.
 pub const HELD_OUT: f64 = 0.3;
 
@@ -160,6 +162,23 @@ impl Parts {
                 self.left(block, &without) - self.left(block, &with)
             })
             .sum()
+    }
+
+    /// Whether a group shows in one part of the recordings alone, so that no other part foretells it.
+    #[must_use]
+    pub fn only_once(&self, fit: &Fit, group: usize) -> bool {
+        let columns = self.columns(|term| fit.model.terms[term].group == group);
+        let shown: Vec<f64> = self
+            .parts
+            .iter()
+            .map(|part| {
+                let each = columns.iter();
+                each.map(|&at| self.sizes[at].powi(2) * part.gram[(at, at)])
+                    .sum()
+            })
+            .collect();
+        let most = shown.iter().copied().fold(0.0, f64::max);
+        most > ONCE * shown.iter().sum::<f64>()
     }
 
     /// Squares left in the held-out part: with nuisances alone, with everything fitted before it, and with everything fitted on it.

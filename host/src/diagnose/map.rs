@@ -4,7 +4,7 @@ use super::answer::Map;
 use super::effect::{Carrier, Effect, Site};
 use super::scan::Candidate;
 
-const SITES: [&str; 5] = ["torque", "drive", "disc", "level", "stamp"];
+const SITES: [&str; 6] = ["torque", "drive", "disc", "level", "stamp", "declared"];
 const CARRIERS: [&str; 8] = [
     "edge class",
     "order",
@@ -24,6 +24,7 @@ const fn cell(effect: &Effect) -> (usize, usize) {
         Site::Disc(_) => 2,
         Site::Level(_) => 3,
         Site::Stamp(_) => 4,
+        Site::Declared(_) => 5,
     };
     let column = match effect.carrier {
         Carrier::Steady => 0,

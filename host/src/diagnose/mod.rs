@@ -5,9 +5,12 @@
     clippy::cast_sign_loss
 )]
 
+pub mod agreement;
+mod alike;
 pub mod answer;
 pub mod bench;
 pub mod cells;
+pub mod correct;
 pub mod course;
 pub mod declared;
 pub mod diagnosis;
@@ -15,12 +18,15 @@ pub mod edges;
 pub mod effect;
 pub mod events;
 pub mod filter;
+mod findings;
+pub mod identify;
 pub mod judge;
 pub mod lsq;
 pub mod map;
 pub mod model;
 pub mod name;
 pub mod noise;
+pub mod numbers;
 pub mod pattern;
 pub mod pipeline;
 pub mod plant;
@@ -32,3 +38,4 @@ mod speed_loop;
 pub mod stamps;
 #[cfg(test)]
 mod tests;
+pub mod write;

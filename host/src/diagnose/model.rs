@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::bench::{self, Bench};
+use super::correct::Correction;
 use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
@@ -21,6 +22,8 @@ pub struct Board {
     pub free: Free,
     /// The disc's pattern, where it is part of what is fitted.
     pub pattern: Option<Pattern>,
+    /// Numbers that the twins declare and that are fitted, in the order of [`Site::Declared`].
+    pub corrections: Vec<Correction>,
 }
 
 /// An effect in a model.
@@ -98,13 +101,12 @@ impl Model {
     /// Groups that are findings, in the order in which they were found.
     #[must_use]
     pub fn groups(&self) -> Vec<usize> {
-        let mut groups: Vec<usize> = self
-            .terms
-            .iter()
-            .filter(|term| !term.nuisance)
-            .map(|term| term.group)
-            .collect();
-        groups.dedup();
+        let mut groups: Vec<usize> = Vec::new();
+        for term in self.terms.iter().filter(|term| !term.nuisance) {
+            if !groups.contains(&term.group) {
+                groups.push(term.group);
+            }
+        }
         groups
     }
 
@@ -227,7 +229,11 @@ impl Board {
         let undriven = benches
             .iter()
             .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
-        let pattern = if known { None } else { Pattern::new(&benches) };
+        let pattern = if known {
+            None
+        } else {
+            Pattern::new(&benches, None)
+        };
         let mut board = Self {
             benches,
             noise,
@@ -237,6 +243,7 @@ impl Board {
                 stamp: true,
             },
             pattern: None,
+            corrections: Vec::new(),
         };
         let looped = board
             .benches
@@ -263,7 +270,7 @@ impl Board {
             };
             let rest = self.rest(model);
             // Its worth goes by the present noise.
-            if let Some(fresh) = Pattern::new(&self.benches) {
+            if let Some(fresh) = Pattern::new(&self.benches, Some(&pattern)) {
                 pattern = fresh;
             }
             let white = self.white(&rest);
@@ -343,6 +350,7 @@ impl Board {
             })
             .collect();
         (0..effect.sizes())
+            .into_par_iter()
             .map(|size| {
                 self.beside_pattern(
                     each.iter()
@@ -381,6 +389,44 @@ impl Board {
             each.for_each(|(rest, all)| *rest = all - *rest);
         }
         rest
+    }
+
+    /// What rounding to ticks alone would leave of each edge's angle, rad, for each recording, on the course that a model has.
+    #[must_use]
+    pub fn rounded(&self, model: &Model) -> Vec<Vec<f64>> {
+        let mut rest = self.rest(model);
+        if let Some(pattern) = &self.pattern {
+            let each = self.benches.iter().zip(&rest);
+            let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+            let errors = pattern.errors(&self.benches, &white.concat());
+            for (bench, rest) in self.benches.iter().zip(&mut rest) {
+                let each = rest.iter_mut().enumerate();
+                each.for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
+            }
+        }
+        let each = self.benches.iter().zip(&rest);
+        each.map(|(bench, rest)| bench.rounded(rest, self.noise.stamp_s))
+            .collect()
+    }
+
+    /// Sum of squares below which nothing is claimed: what the twins declare of the shaft's course is only worked out to so many digits.
+    #[must_use]
+    pub fn precision(&self) -> f64 {
+        /// Part of the declared course that may be wrong.
+        const DIGITS: f64 = 1e-6;
+        let each = self.benches.iter();
+        let white = each.map(|bench| {
+            let mut response = bench.declared.response.clone();
+            bench.less_start(&mut response);
+            bench.white(&response)
+        });
+        DIGITS * DIGITS * white.map(|white| lsq::dot(&white, &white)).sum::<f64>()
+    }
+
+    /// What rounding leaves, white, in a row.
+    #[must_use]
+    pub fn spurs(&self, model: &Model) -> Vec<f64> {
+        self.white(&self.rounded(model))
     }
 
     /// Steps of an effect's knobs that hardly change it: what two of them are apart by to be told apart.

@@ -11,7 +11,7 @@ use crate::diagnose::diagnosis::{Parameter, Place};
 use crate::mechanism::Mechanism;
 
 /// Deviations of a 95 % interval.
-const NINETY_FIVE: f64 = 1.96;
+pub const NINETY_FIVE: f64 = 1.96;
 
 /// The mechanism that a group of effects is; none of the catalogue's where none is.
 #[must_use]
@@ -352,6 +352,7 @@ pub fn text(effects: &[Effect]) -> String {
         Site::Disc(which) => format!("an angle of the edges, {}", on(which)),
         Site::Level(which) => format!("a shift of the comparator's level, {}", on(which)),
         Site::Stamp(which) => format!("a delay of the stamps, {}", on(which)),
+        Site::Declared(_) => "another value of what the twin declares".to_owned(),
     };
     let carrier = match first.carrier {
         Carrier::Steady => "throughout".to_owned(),

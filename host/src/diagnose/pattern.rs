@@ -1,11 +1,14 @@
 //! The disc's own pattern: an unknown error of each edge of the grid, small beside a known size, that every turn repeats.
 //!
 //! With N unknown errors e of variance s^2 beside a model, the least of |W (r - P e)|^2 + |e|^2 / s^2 over e is had by conjugate
-//! gradients, as each product is one run of the filter there and back. On a shaft that turns evenly the normal matrix is diagonal over
-//! orders, which makes a good preconditioner (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). The size s is the one of most evidence.
+//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Of few edges a
+//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner; of many, on a shaft that turns evenly, it is
+//! diagonal over orders. The size s is the one of most evidence.
 
 use std::sync::Arc;
 
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
@@ -15,9 +18,14 @@ use super::lsq::dot;
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
-/// Steps of conjugate gradients at the most, and the part of the first residual that is small enough.
+/// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
+/// Part of the first residual that is small enough.
 const SMALL: f64 = 1e-4;
+/// Edges a turn up to which the normal matrix itself is worked out.
+const DENSE: usize = 1024;
+/// Factor by which what an order is worth may change before that is done anew.
+const CHANGED: f64 = 10.0;
 
 /// A pattern of a size.
 #[derive(Clone)]
@@ -28,6 +36,10 @@ pub struct Pattern {
     pub size2: f64,
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
+    /// The normal matrix, of about the present noise, and what orders were worth then.
+    normal: Option<Arc<(DMatrix<f64>, Vec<f64>)>>,
+    /// The same with the pattern's size, decomposed.
+    factor: Option<Arc<Cholesky<f64, Dyn>>>,
     forward: Arc<dyn RealToComplex<f64>>,
     back: Arc<dyn ComplexToReal<f64>>,
 }
@@ -42,15 +54,17 @@ impl std::fmt::Debug for Pattern {
 }
 
 impl Pattern {
-    /// Of recordings of one disc, of unknown size.
+    /// Of recordings of one disc, of unknown size; `before` is the same in another noise.
     #[must_use]
-    pub fn new(benches: &[Bench]) -> Option<Self> {
+    pub fn new(benches: &[Bench], before: Option<&Self>) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
         let mut planner = RealFftPlanner::new();
         let mut pattern = Self {
             edges,
             size2: 0.0,
             worth: Vec::new(),
+            normal: None,
+            factor: None,
             forward: planner.plan_fft_forward(edges),
             back: planner.plan_fft_inverse(edges),
         };
@@ -85,7 +99,37 @@ impl Pattern {
                 }
             })
             .collect();
+        let kept = before.and_then(|before| before.normal.clone());
+        pattern.normal = match kept.filter(|kept| alike(&kept.1, &pattern.worth)) {
+            Some(kept) => Some(kept),
+            None if edges <= DENSE => {
+                let rows = (0..edges).into_par_iter().map(|edge| {
+                    let mut one = vec![0.0; edges];
+                    one[edge] = 1.0;
+                    pattern.fold(benches, &pattern.unfold(benches, &one))
+                });
+                let rows: Vec<Vec<f64>> = rows.collect();
+                let matrix = DMatrix::from_fn(edges, edges, |row, column| {
+                    0.5 * (rows[row][column] + rows[column][row])
+                });
+                Some(Arc::new((matrix, pattern.worth.clone())))
+            }
+            None => None,
+        };
         Some(pattern)
+    }
+
+    /// Decomposes the normal matrix for the present size.
+    fn decompose(&mut self) {
+        self.factor = self.normal.as_ref().and_then(|normal| {
+            let (matrix, worth) = &**normal;
+            let scale = self.worth.iter().sum::<f64>() / worth.iter().sum::<f64>();
+            let mut matrix = matrix * scale;
+            for at in 0..self.edges {
+                matrix[(at, at)] += self.size2.recip();
+            }
+            Cholesky::new(matrix).map(Arc::new)
+        });
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
@@ -117,8 +161,12 @@ impl Pattern {
         each.concat()
     }
 
-    /// Over orders: a row divided by what each is worth and by the size.
+    /// A row divided by the normal matrix: by itself, or over orders by what each is worth.
     fn divided(&self, row: &[f64]) -> Vec<f64> {
+        if let Some(factor) = &self.factor {
+            let row = DVector::from_column_slice(row);
+            return factor.solve(&row).as_slice().to_vec();
+        }
         let mut row = row.to_vec();
         let mut spectrum = self.forward.make_output_vec();
         if self.forward.process(&mut row, &mut spectrum).is_err() {
@@ -175,6 +223,10 @@ impl Pattern {
             }
         }
         self.size2 = best.0;
+        self.factor = None;
+        if self.size2 > 0.0 {
+            self.decompose();
+        }
         best.1
     }
 
@@ -253,6 +305,19 @@ impl Pattern {
         );
         white
     }
+}
+
+/// Whether orders are worth about the same, but for a common factor.
+fn alike(one: &[f64], other: &[f64]) -> bool {
+    let ratios = one
+        .iter()
+        .zip(other)
+        .skip(1)
+        .map(|(one, other)| one / other);
+    let (least, most) = ratios.fold((f64::INFINITY, 0.0_f64), |(least, most), ratio| {
+        (least.min(ratio), most.max(ratio))
+    });
+    most < CHANGED * least
 }
 
 /// A value between nodes, straight; the ends go on.

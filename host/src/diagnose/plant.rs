@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::filter::{self, ANGLE, DRIFT, HELD, Leap, SPEED, STATES, STIFF, SWING, SWINGS, Square};
+pub use crate::effect::Here;
 use crate::twin::{Drive, Noise as TwinNoise, Twin};
 
 /// A share of the inertia behind a spring.
@@ -24,7 +25,7 @@ pub struct Mode {
 }
 
 /// Friction and drive of a twin, over its inertia.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Law {
     /// Inertia, kg m^2.
     pub inertia: f64,
@@ -132,6 +133,17 @@ impl Law {
         (at * sign(speed), slope)
     }
 
+    /// Share of a time for which the drive is on.
+    fn share_on(&self, from_s: f64, until_s: f64) -> f64 {
+        if until_s <= self.off_s {
+            1.0
+        } else if from_s >= self.off_s {
+            0.0
+        } else {
+            (self.off_s - from_s) / (until_s - from_s)
+        }
+    }
+
     /// Damping at a time and a speed, 1/s.
     #[must_use]
     pub fn damping(&self, time_s: f64, speed: f64) -> f64 {
@@ -148,19 +160,6 @@ impl Law {
 #[must_use]
 pub fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
-}
-
-/// What a torque is evaluated at.
-#[derive(Clone, Copy, Debug)]
-pub struct Here {
-    /// Time, s.
-    pub time_s: f64,
-    /// A time near it on the same side of whatever jumps, s.
-    pub inside_s: f64,
-    /// Angle, rad.
-    pub angle: f64,
-    /// Speed, rad/s.
-    pub speed: f64,
 }
 
 /// A shaft along its course.
@@ -185,8 +184,9 @@ impl Plant {
     pub fn new(law: Law, course: &Course) -> Self {
         let damping = (0..course.len()).map(|at| {
             let before = at.saturating_sub(1);
-            let time = 0.5 * (course.time_s[at] + course.time_s[before]);
-            law.damping(time, 0.5 * (course.speed[at] + course.speed[before]))
+            let on = law.share_on(course.time_s[before], course.time_s[at]);
+            let speed = 0.5 * (course.speed[at] + course.speed[before]);
+            law.viscous + on * law.stiffness + law.friction(speed).1
         });
         let damping: Vec<f64> = damping.collect();
         let reaches = (0..course.len()).map(|at| {
@@ -297,14 +297,16 @@ impl Plant {
         );
         let length = stop - begun;
         let speed = course.speed[at].abs().max(course.speed[at - 1].abs());
-        let b = self.damping[at];
+        let on = |from_s, until_s| self.law.share_on(from_s, until_s);
+        let here_on = on(begun, stop) - on(from, course.time_s[at]);
+        let b = self.damping[at] + here_on * self.law.stiffness;
         let mut fastest = rate(speed).abs();
         if let Some(mode) = &self.law.mode {
             fastest += mode.square.sqrt() + mode.damping + (1.0 + mode.ratio) * b.abs();
         }
         let parts = (fastest * length / PHASE).ceil().clamp(1.0, PARTS_MOST);
         let step = length / parts;
-        let [whole, half] = if step == h {
+        let [whole, half] = if step == h && here_on == 0.0 {
             self.reaches[at]
         } else {
             [reach(b, step), reach(b, 0.5 * step)]
@@ -316,7 +318,8 @@ impl Plant {
                 time_s,
                 inside_s,
                 angle,
-                speed,
+                speed: course.steady[at],
+                way: sign(speed),
             })
         };
         let mut push = before.unwrap_or_else(|| here(begun));
@@ -684,6 +687,14 @@ impl Gains {
         match self {
             Self::Stiff(filter) => filter.whiten_from(first, angles),
             Self::Sprung(filter) => filter.whiten_from(first, angles),
+        }
+    }
+
+    /// See [`filter::Filter::colour`].
+    pub fn colour(&self, white: &mut [f64]) {
+        match self {
+            Self::Stiff(filter) => filter.colour(white),
+            Self::Sprung(filter) => filter.colour(white),
         }
     }
 

@@ -3,19 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::edges::Edges;
+pub use crate::effect::Change;
 use crate::twin::Twin;
 
 /// Part of a turn by which the first edge may be behind the angle that its twin starts at.
 const LEAD_TURNS: f64 = 0.02;
-
-/// What changes at an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Change {
-    /// 0 is A.
-    pub channel: u8,
-    /// Whether the level rises when the mark is passed forward.
-    pub rises: bool,
-}
 
 /// A recording.
 #[derive(Clone, Debug)]
@@ -50,10 +42,14 @@ impl Record {
             -(lead.floor() as i64) * grid
         } else {
             // The shaft starts between the first edge and the one before it; the edge's class says which of those nearby it is.
-            let starts = edges
-                .forward
-                .first()
-                .map_or(0.0, |forward| 0.5 * way(*forward));
+            let starts = match (edges.time_s.as_slice(), edges.forward.first()) {
+                ([first_s, second_s, ..], Some(forward)) => {
+                    // The first row, if it is an edge, is an interval earlier.
+                    let earlier = (first_s - edges.begins_s) / (second_s - first_s);
+                    (0.5 + earlier.clamp(0.0, 1.0)) * way(*forward)
+                }
+                _ => 0.0,
+            };
             let before = first as f64 - starts;
             ((start_turns * grid as f64 - before) / classes as f64).round() as i64 * classes
         };
@@ -108,6 +104,16 @@ impl Record {
     #[must_use]
     pub fn change(&self, at: usize) -> Change {
         change(self.class(at), self.classes)
+    }
+
+    /// What changes at an edge, as it was captured: in reverse a rise is a fall.
+    #[must_use]
+    pub fn captured(&self, at: usize) -> Change {
+        let change = self.change(at);
+        Change {
+            rises: change.rises == (self.way[at] > 0.0),
+            ..change
+        }
     }
 
     /// Channels.

@@ -3,19 +3,28 @@
 
 use rayon::prelude::*;
 
+use super::agreement;
 use super::cells::{self, Bank};
+use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Growth, On, Site};
+use super::identify;
+use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
+use super::plant::Law;
 use super::scan::{self, Candidate};
 use crate::mechanism::Mechanism;
 
 /// Findings at the most.
 const FINDINGS: usize = 7;
+/// Part of what a candidate explains that rounding to ticks alone may make.
+const SPUR: f64 = 0.25;
 /// Candidates that are fitted with everything else until one is worth it.
 const TRIED: usize = 4;
 /// Part of the best one's evidence that another one has to have to be fitted too.
 const NEARLY: f64 = 0.8;
+/// Evidence by which a new effect has to be better than a correction of what the twin declares.
+const ALIKE: f64 = 10.0;
 /// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
 pub const SURE: f64 = 12.0;
 
@@ -56,56 +65,152 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
     all
 }
 
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The model with its numbers.
+    pub fit: Fit,
+    /// Cells that were tried throughout.
+    pub bank: Bank,
+    /// What the twins declare and the recordings do not determine, in words.
+    pub not_identifiable: Vec<String>,
+}
+
 /// Searches until nothing is left that is worth its numbers.
 #[must_use]
-pub fn search(board: &mut Board) -> (Fit, Bank) {
-    let bank = Bank::new(board);
+pub fn search(board: &mut Board) -> Found {
+    let mut bank = Bank::new(board);
+    // Worked out where something is left that they may explain.
+    let mut slopes: Option<Vec<Slopes>> = None;
     let mut fit = board.fit(&nuisances(board));
     if board.free.drift {
         fit = free_course(board, &bank, fit);
     }
-    let coarse = rounded_alike(board, &fit);
     for group in 0..FINDINGS {
         let found = candidates(board, &bank, &fit);
         // The best one as fitted with everything else, of those that look nearly as good.
         let most = found
             .first()
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
+        let basis = fit.basis();
+        let precision = board.precision();
+        let mut spurs = board.spurs(&fit.model);
+        basis.clear(&mut spurs);
         let told = found
             .iter()
-            .filter(|candidate| !coarse || larger_than_rounding(board, candidate, &fit))
+            .filter(|candidate| candidate.gain > precision)
+            .filter(|candidate| !is_spur(board, candidate, &basis, &spurs))
             .take(TRIED)
             .filter(|candidate| {
                 let here = evidence(board, candidate.gain, candidate.numbers());
                 here >= 0.7 * SURE && here >= NEARLY * most
             });
         let told: Vec<&Candidate> = told.collect();
-        let basis = fit.basis();
         let tried = told.par_iter().map(|candidate| {
             let (effects, gain) = board.beside(&fit, &basis, &candidate.effects);
             (evidence(board, gain, candidate.numbers()), effects)
         });
         let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
-        let Some((_, effects)) = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
-            break;
+        let best = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let next = best.and_then(|(_, effects)| {
+            let numbers = cells::numbers(&effects);
+            let (group, rest, effects) = joined(&fit.model, group, effects, cells::channels(board));
+            let mut model = rest;
+            model.add(&effects, group);
+            let next = board.fit(&model);
+            let worth = evidence(board, fit.rss - next.rss, numbers);
+            (worth > SURE).then_some((worth, next))
+        });
+        // What the twin declares comes first, if it explains as much.
+        let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
+        let left = next.is_some() || !agreement::is_white(board, &fit);
+        let declared = left.then(|| slopes.get_or_insert_with(|| correct::all(board)));
+        let told = |gain: f64, columns: &[Vec<f64>]| {
+            gain > precision && basis.gain(columns, &spurs) < SPUR * gain
         };
-        let numbers = cells::numbers(&effects);
-        let (group, rest, effects) = joined(&fit.model, group, effects, cells::channels(board));
-        let mut model = rest;
-        model.add(&effects, group);
-        let next = board.fit(&model);
-        if evidence(board, fit.rss - next.rss, numbers) < SURE {
+        let corrected =
+            declared.and_then(|slopes| correction(board, slopes, &fit, group, least, &told));
+        if let Some((better, corrected)) = corrected {
+            let laws = |board: &Board| -> Vec<Law> {
+                let each = board.benches.iter();
+                each.map(|bench| bench.plant.law.clone()).collect()
+            };
+            let answers_alike = laws(board) == laws(&better);
+            *board = better;
+            fit = corrected;
+            board.fit_noise(&fit.model);
+            fit = board.fit(&fit.model);
+            if !answers_alike {
+                bank = Bank::new(board);
+                slopes = None;
+            }
+        } else if let Some((_, next)) = next {
+            board.fit_noise(&next.model);
+            fit = board.fit(&next.model);
+        } else {
             break;
         }
-        board.fit_noise(&next.model);
-        fit = board.fit(&next.model);
         // What another one has made superfluous.
         let model = dropped(board, &fit);
         if model.terms.len() < fit.model.terms.len() {
             fit = board.fit(&model);
         }
     }
-    (fit, bank)
+    // What does not show goes by the noise as it was found.
+    let plain = board.fit(&fit.model.nuisances());
+    let not_identifiable = match slopes {
+        Some(slopes) => identify::open(board, &slopes, &plain),
+        None => Vec::new(),
+    };
+    Found {
+        fit,
+        bank,
+        not_identifiable,
+    }
+}
+
+/// The declared number that explains most beside a fit, if it has so much evidence: the board beside twins with it, and the fit.
+fn correction(
+    board: &Board,
+    slopes: &[Slopes],
+    fit: &Fit,
+    free: usize,
+    least: f64,
+    told: &dyn Fn(f64, &[Vec<f64>]) -> bool,
+) -> Option<(Board, Fit)> {
+    let basis = fit.basis();
+    let mut cleared = fit.clone();
+    basis.clear(&mut cleared.left);
+    let mut best: Option<(f64, Board, Fit)> = None;
+    for candidate in correct::candidates(board, slopes, &cleared, &basis)
+        .into_iter()
+        .take(TRIED)
+    {
+        let numbers = candidate.slopes.declared.len();
+        let here = evidence(board, candidate.gain, numbers);
+        if here < 0.7 * SURE.max(least) {
+            break;
+        }
+        if !told(candidate.gain, &candidate.slopes.white(board)) {
+            continue;
+        }
+        let mut wider = board.clone();
+        let effects = wider.correct(candidate.slopes);
+        let mut model = fit.model.clone();
+        let group = board.group_of(&model, &candidate.slopes.knob, free);
+        model.add(&effects, group);
+        let (better, tried, gain) = wider.settle(&model, fit);
+        // Of numbers that only show together the one goes that leaves a twin which can be.
+        let possible = better
+            .benches
+            .iter()
+            .all(|bench| bench.twin.check().is_ok());
+        let here = evidence(board, gain, numbers) - if possible { 0.0 } else { ALIKE };
+        if here > least.max(SURE) && best.as_ref().is_none_or(|(most, ..)| here > *most) {
+            best = Some((here, better, tried));
+        }
+    }
+    best.map(|(_, board, fit)| (board, fit))
 }
 
 /// Steady effects of edge classes that a finding has in part already are one finding with it, channel by channel: its group, the model
@@ -186,66 +291,20 @@ fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
     fit
 }
 
-/// Whether stamps are as coarse as their ticks and rounding hangs together from edge to edge: it is no white noise then.
-fn rounded_alike(board: &Board, fit: &Fit) -> bool {
-    // Lag-one correlation, in its standard errors, and stamps over what rounding alone makes of them.
-    const DEVIATIONS: f64 = 4.0;
-    const ROUNDED: f64 = 1.1;
-    let tick_s = board
-        .benches
+/// Whether rounding to ticks alone, of the course as it is modelled, shows a good part of what a candidate explains.
+fn is_spur(board: &Board, candidate: &Candidate, basis: &Basis, spurs: &[f64]) -> bool {
+    let columns: Vec<Vec<f64>> = candidate
+        .effects
         .iter()
-        .map(|bench| bench.record.tick_s)
-        .fold(0.0, f64::max);
-    let count = board.edges() as f64;
-    let product: f64 = fit
-        .left
-        .iter()
-        .zip(&fit.left[1..])
-        .map(|(a, b)| a * b)
-        .sum();
-    let lag = product / fit.rss.max(f64::MIN_POSITIVE);
-    board.noise.stamp_s < ROUNDED * tick_s / 12_f64.sqrt() && lag.abs() * count.sqrt() > DEVIATIONS
-}
-
-/// Whether a candidate moves edges by more than rounding does.
-fn larger_than_rounding(board: &Board, candidate: &Candidate, fit: &Fit) -> bool {
-    let mut model = fit.model.clone();
-    model.add(&candidate.effects, usize::MAX - 1);
-    let tried = board.fit(&model);
-    let alone = Model {
-        terms: tried
-            .model
-            .terms
-            .iter()
-            .filter(|term| term.group == usize::MAX - 1)
-            .cloned()
-            .collect(),
-    };
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (bench, by) in board.benches.iter().zip(board.predicted(&alone)) {
-        let moved = by
-            .iter()
-            .zip(&bench.course.speed)
-            .filter(|(_, speed)| **speed != 0.0);
-        for (by, speed) in moved {
-            sum += (by / speed / bench.record.tick_s).powi(2);
-            count += 1.0;
-        }
-    }
-    sum > count / 12.0
+        .flat_map(|effect| board.columns(effect))
+        .collect();
+    basis.gain(&columns, spurs) > SPUR * candidate.gain
 }
 
 /// A model without groups that are no longer worth their numbers.
 fn dropped(board: &Board, fit: &Fit) -> Model {
     let mut model = fit.model.clone();
-    let mut groups: Vec<usize> = model
-        .terms
-        .iter()
-        .filter(|term| !term.nuisance)
-        .map(|term| term.group)
-        .collect();
-    groups.dedup();
-    for group in groups {
+    for group in model.groups() {
         if evidence(board, fit.loss(group), model.numbers(group)) < SURE {
             model.terms.retain(|term| term.group != group);
             return model;

@@ -1,4 +1,4 @@
-//! Stamps noisier than the twin declares: white jitter, or a one-sided latency, which is skewed.
+//! Stamps noisier than the twin declares: white jitter, or a one-sided latency, which is skewed. Or less noisy than it declares.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ const SURE: f64 = 25.0;
 /// Square of an innovation cubed, of normal noise.
 const CUBED: f64 = 15.0;
 
-/// Jitter or latency on top of what all twins declare; none where one says nothing of its noise.
+/// Jitter or latency on top of what all twins declare, or less of what they do; none where one says nothing of its noise.
 #[must_use]
 pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     let says =
@@ -53,7 +53,7 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     let (_, given) = fitted(declared2.sqrt(), false);
     let (best, free) = fitted(board.noise.stamp_s, true);
     let gain = given - free;
-    if gain < SURE || best.stamp_s * best.stamp_s < declared2 {
+    if gain < SURE {
         return None;
     }
     let added2 = best.stamp_s * best.stamp_s - declared2;
@@ -82,6 +82,62 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     } else {
         0.1
     };
+    let evidence = |runner_up| Evidence {
+        delta_bic: gain - (board.edges() as f64).ln(),
+        p_value: (-0.5 * gain).exp(),
+        held_out_rms_ratio: None,
+        runner_up,
+    };
+    if added2 < 0.0 {
+        // The larger part of what is declared is what there is less of.
+        let jitter2 = first.twin.timer.jitter_s.powi(2);
+        let of_latency = late * late > jitter2;
+        let (mechanism, path, name, declared, other2) = if of_latency {
+            (
+                Mechanism::CaptureLatency,
+                "capture_latency.mean_s",
+                "mean_s",
+                late,
+                jitter2,
+            )
+        } else {
+            (
+                Mechanism::TimestampJitter,
+                "timer.jitter_s",
+                "jitter_s",
+                jitter2.sqrt(),
+                late * late,
+            )
+        };
+        let value2 = (best.stamp_s.powi(2) - tick2 - other2).max(0.0);
+        let by2 = 2.0 * 1.96 * relative * best.stamp_s.powi(2);
+        let ends = [value2 - by2, value2 + by2].map(|end| end.max(0.0).sqrt());
+        let text = format!(
+            "{path}: {} declared, {} measured, {} to {}",
+            si(declared, "s"),
+            si(value2.sqrt(), "s"),
+            si(ends[0], "s"),
+            si(ends[1], "s")
+        );
+        let parameter = Parameter {
+            value: value2.sqrt(),
+            unit: "s".to_owned(),
+            ci95: Some(ends),
+        };
+        return Some(Finding {
+            mechanism,
+            text,
+            confidence: 1.0 - (-0.5 * gain).exp(),
+            parameters: BTreeMap::from([(name.to_owned(), parameter)]),
+            place: Place {
+                speed_exponent: Some(1.0),
+                ..Place::default()
+            },
+            evidence: evidence(None),
+            look_alikes: Vec::new(),
+            next_recording: None,
+        });
+    }
     // Late captures are behind: their cube has a sign.
     let (mut sum, mut square) = (0.0, 0.0);
     let mut from = 0;
@@ -137,15 +193,10 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
             speed_exponent: Some(1.0),
             ..Place::default()
         },
-        evidence: Evidence {
-            delta_bic: gain - (board.edges() as f64).ln(),
-            p_value: (-0.5 * gain).exp(),
-            held_out_rms_ratio: None,
-            runner_up: Some(RunnerUp {
-                mechanism: other,
-                delta_bic: apart,
-            }),
-        },
+        evidence: evidence(Some(RunnerUp {
+            mechanism: other,
+            delta_bic: apart,
+        })),
         look_alikes: if apart < 6.0 { vec![other] } else { Vec::new() },
         next_recording: None,
     })

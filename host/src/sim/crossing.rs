@@ -3,6 +3,7 @@
 use quadcal::edge::{Direction, Levels};
 
 use super::disc::Mark;
+use super::shift::Passing;
 use super::track::Motion;
 use super::{Simulation, Truth};
 
@@ -93,8 +94,15 @@ impl Simulation {
         let Some(tracks) = &mut self.tracks else {
             return;
         };
-        let direction = direction_of(self.shaft.motion());
-        if let Some(mark) = tracks.slip(&self.disc, angle, now, direction) {
+        let now = Passing {
+            time_s: now,
+            grid_rad: angle,
+            angle_rad: angle,
+            speed: self.shaft.speed(),
+            acceleration: 0.0,
+            direction: direction_of(self.shaft.motion()),
+        };
+        if let Some(mark) = tracks.slip(&self.disc, &now) {
             self.send_crossing(mark, Direction::Forward, 0.0, 0.0);
         }
     }
@@ -102,7 +110,15 @@ impl Simulation {
     /// Sends off the change of level of a mark that is passed `tau` s after the piece's start, `way` from there.
     fn send_crossing(&mut self, mark: Mark, direction: Direction, tau: f64, way: f64) {
         let time_s = self.segment_start_s + self.within_s.plus(tau);
-        let arrival_s = time_s + self.signals.delay_s(&mark, direction);
+        let passing = Passing {
+            time_s,
+            grid_rad: self.shaft.angle_after(way),
+            angle_rad: self.shaft.angle_after(way),
+            speed: self.piece.speed(tau),
+            acceleration: self.piece.acceleration(tau),
+            direction: Some(direction),
+        };
+        let arrival_s = time_s + self.signals.delay_s(&mark, &passing);
         let (captured_s, stamp) = self.capture.stamp(arrival_s);
         let taken = mark.edge.is_none() || self.capture.takes_edge(time_s);
         if let (Some(k), Some(speed_loop)) = (mark.edge, &mut self.speed_loop)

@@ -6,7 +6,9 @@ use quadcal::edge::{Direction, Levels};
 
 use super::Class;
 use super::random::{Purpose, Stream};
-use super::{defect, error_list};
+use super::shift::change_of;
+use super::{defect, effects, error_list};
+use crate::effect::Site;
 use crate::twin::{Bearing, Encoder, Errors, Per, Position, Twin, TwinError};
 
 /// One change of level on the disc.
@@ -14,6 +16,8 @@ use crate::twin::{Bearing, Encoder, Errors, Per, Position, Twin, TwinError};
 pub(super) struct Mark {
     /// True shaft angle, 0 to 2 pi.
     angle_rad: f64,
+    /// Its place on the grid, rad.
+    grid_rad: f64,
     /// Number of the edge; none for the index.
     pub(super) edge: Option<u32>,
     /// What changes, seen forward.
@@ -68,20 +72,21 @@ impl Disc {
                 });
             }
         }
-        let mark = |angle_rad: f64, edge, class| Mark {
+        let mark = |angle_rad: f64, grid: f64, edge, class| Mark {
             angle_rad: angle_rad.rem_euclid(TAU),
+            grid_rad: grid * step,
             edge,
             class,
             levels: 0,
         };
         let mut marks: Vec<Mark> = real
             .into_iter()
-            .map(|k| mark(angle(k), Some(k), class_of(&encoder, k)))
+            .map(|k| mark(angle(k), f64::from(k), Some(k), class_of(&encoder, k)))
             .collect();
         if encoder.has_index() {
             let (before, after) = (angle(0) - 0.5 * step, angle(0) + 0.5 * step);
-            marks.push(mark(before, None, Class::IndexRise));
-            marks.push(mark(after, None, Class::IndexFall));
+            marks.push(mark(before, -0.5, None, Class::IndexRise));
+            marks.push(mark(after, 0.5, None, Class::IndexFall));
         }
         marks.sort_by(|a, b| a.angle_rad.total_cmp(&b.angle_rad));
         // Every channel changes at least once a turn, so the second time round the levels are right.
@@ -152,6 +157,12 @@ impl Disc {
         angle
     }
 
+    /// A mark's place on the grid in a turn, rad, through all turns.
+    pub(super) fn grid_rad(turn: f64, mark: &Mark) -> f64 {
+        let round = ((mark.angle_rad - mark.grid_rad) / TAU).round();
+        (turn + round) * TAU + mark.grid_rad
+    }
+
     /// Levels between the mark before a place and the one at it.
     pub(super) fn levels_before(&self, place: i64) -> Levels {
         Levels(self.mark(place - 1).levels)
@@ -199,6 +210,16 @@ fn errors_of(twin: &Twin) -> Result<Vec<f64>, TwinError> {
         for (k, error) in (0..edges).zip(&mut errors) {
             let grid = f64::from(k) * (TAU / f64::from(edges));
             *error += defect::error_rad(twin, class_of(&twin.encoder, k), grid);
+        }
+    }
+    let mut of_disc = effects::at(twin, |site| matches!(site, Site::Disc(_)));
+    of_disc.retain(|(effect, _)| effect.is_of_disc());
+    if !of_disc.is_empty() {
+        for (k, error) in (0..edges).zip(&mut errors) {
+            let grid = f64::from(k) * (TAU / f64::from(edges));
+            if let Some(change) = change_of(class_of(&twin.encoder, k)) {
+                *error += effects::on_disc(&of_disc, change, grid);
+            }
         }
     }
     for (k, error) in (0..edges).zip(&mut errors) {

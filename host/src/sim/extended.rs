@@ -1,9 +1,11 @@
-//! Terms of the equation of motion beyond the plain one: torque tones, drifting profiles, drag and Stribeck friction, springs.
+//! Terms of the equation of motion beyond the plain one: torque tones, drifting profiles, drag and Stribeck friction, springs, and
+//! effects that a twin declares as such.
 //!
 //! With a the sum of all torques over the whole inertia, s the far side's share and q = w_n^2 d + 2 zeta w_n d' of the twist d:
 //! dw/dt = a / (1 - s) + s q and d'' = far push - (1 - s) q - dw/dt. Without a second mass s is 0.
 
 use super::drive::Knot;
+use super::effects::{self, Effects, Start};
 use super::plant::Plant;
 use super::profile::Profile;
 use super::shaft::ROUNDING;
@@ -94,13 +96,22 @@ pub(super) struct Extended {
     pub(super) friction: Friction,
     pub(super) spring: Option<DriveSpring>,
     pub(super) twist: Option<Twist>,
+    pub(super) effects: Effects,
     /// Whether the drive's spring pulls.
     pulls: bool,
+    /// The drive from the step's start on, if it follows a speed that effects change.
+    changed: Option<Knot>,
+    /// The step's start.
+    start: Start,
     /// Around the step's start: push, speed asked for, and the fastest rate of change, 1/s.
     push: Series,
     asked: Series,
+    /// What is asked for without effects.
+    given: Series,
     fastest: f64,
     falling: Series,
+    /// As that, of the speed asked for.
+    followed: Series,
     /// Sign of the motion that friction acts against; 0 where the shaft is held.
     motion: f64,
 }
@@ -113,7 +124,9 @@ impl Extended {
             stiffness: spring.stiffness_n_m_rad / twin.shaft.inertia_or_one(),
             stretch: State::default(),
         });
-        let any = !twin.torque_tone.is_empty()
+        let effects = Effects::new(twin);
+        let any = !effects.is_empty()
+            || !twin.torque_tone.is_empty()
             || twin.speed_drift.is_some()
             || friction.drag > 0.0
             || friction.stribeck > 0.0
@@ -125,11 +138,16 @@ impl Extended {
             friction,
             spring,
             twist: twin.torsional_resonance.as_ref().map(Twist::new),
+            effects,
             pulls: false,
+            changed: None,
+            start: Start::default(),
             push: [0.0; DEGREE],
             asked: [0.0; DEGREE],
+            given: [0.0; DEGREE],
             fastest: 0.0,
             falling: [0.0; DEGREE],
+            followed: [0.0; DEGREE],
             motion: 0.0,
         })
     }
@@ -142,10 +160,14 @@ impl Extended {
     }
 
     /// Works out what is given in time around a step's start.
-    pub(super) fn prepare(&mut self, knot: &Knot, now_s: f64, far_push: f64) {
+    pub(super) fn prepare(&mut self, knot: &Knot, start: Start, far_push: f64) {
+        let now_s = start.time_s;
+        self.start = start;
         (self.push, self.asked) = self.profile.around(knot, now_s);
+        self.given = self.asked;
+        self.changed = (knot.driven && self.effects.drives()).then_some(*knot);
         self.pulls = knot.driven;
-        self.fastest = self.profile.fastest(knot);
+        self.fastest = self.profile.fastest(knot).max(self.effects.fastest(now_s));
         for tone in &self.tones {
             tone.add_to(&mut self.push, now_s);
             self.fastest = self.fastest.max(tone.turning);
@@ -164,6 +186,19 @@ impl Extended {
     /// Term `k` of the acceleration, given that of the plain torques and terms 0 to `k` of the speed; works out the states' next.
     pub(super) fn term(&mut self, k: usize, plain: f64, omega: &Series) -> f64 {
         let mut all = plain + self.push[k];
+        if let Some(knot) = self.changed {
+            let share = self.effects.share(k, &self.start, omega, self.motion);
+            let (asked, rate) = effects::changed(&self.given, &share, k);
+            self.asked[k] = asked;
+            // In place of the push that follows the speed as given, that of the changed one.
+            all += self
+                .profile
+                .push(k, &knot, &self.asked, rate, &mut self.followed)
+                - self.push[k];
+        }
+        if !self.effects.is_empty() {
+            all += self.effects.term(k, &self.start, omega, self.motion);
+        }
         if self.motion != 0.0 {
             all -= self.motion * self.friction.term(k, omega, &mut self.falling);
         }
@@ -194,24 +229,34 @@ impl Extended {
             let torque = if k == 0 { plain } else { 0.0 };
             *pull = self.term(k, torque, &[0.0; DEGREE]);
         }
-        let hold = self.gain() * (coulomb + self.friction.stribeck);
+        let gain = self.gain();
+        let mut holds = [0.0; DEGREE];
+        if !self.effects.is_empty() {
+            for (k, hold) in holds[..DEGREE - 1].iter_mut().enumerate() {
+                *hold = gain * self.effects.hold(k, &self.start);
+            }
+        }
+        holds[0] += gain * (coulomb + self.friction.stribeck);
+        let hold = holds[0];
+        let holding = |tau: f64| holds.iter().rev().fold(0.0, |sum, c| sum * tau + c);
         let value = |tau: f64| pull.iter().rev().fold(0.0, |sum, c| sum * tau + c);
-        let rate = |tau: f64| {
+        let rate = |of: &Series, tau: f64| {
             (1..DEGREE)
                 .rev()
-                .fold(0.0, |sum, k| sum * tau + pull[k] * k as f64)
+                .fold(0.0, |sum, k| sum * tau + of[k] * k as f64)
         };
-        let rounding = ROUNDING * (hold + self.gain() * (plain.abs() + self.push[0].abs()));
+        let rounding = ROUNDING * (hold.abs() + gain * (plain.abs() + self.push[0].abs()));
         let mut until = length;
         for side in [1.0, -1.0] {
-            let spare = |tau: f64| hold - side * value(tau);
-            let grows = side * rate(0.0) > 0.0;
+            let spare = |tau: f64| holding(tau) - side * value(tau);
+            let growth = |tau: f64| side * rate(&pull, tau) - rate(&holds, tau);
+            let grows = growth(0.0) > 0.0;
             if spare(0.0) < 0.0 || (spare(0.0) <= rounding && grows) {
                 return Err(side);
             }
             // The pull may also peak within the piece.
-            let peak = if spare(until) >= 0.0 && grows && side * rate(until) < 0.0 {
-                bisect(0.0, until, side, rate)
+            let peak = if spare(until) >= 0.0 && grows && growth(until) < 0.0 {
+                bisect(0.0, until, 1.0, growth)
             } else {
                 until
             };

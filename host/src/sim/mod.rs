@@ -18,6 +18,7 @@ mod crossing;
 mod defect;
 mod disc;
 mod drive;
+mod effects;
 mod error_list;
 mod event;
 mod extended;
@@ -91,6 +92,8 @@ pub struct Simulation {
     travelled: LongSum,
     travel_end: f64,
     end_s: f64,
+    /// When effects jump or kink, s, by time.
+    instants: Vec<f64>,
     held: Option<Crossing>,
     last_angle: f64,
     done: bool,
@@ -138,8 +141,7 @@ impl Simulation {
             }
             Duration::Seconds(seconds) => (f64::INFINITY, seconds),
         };
-        let tracks = Shifts::new(twin)
-            .map(|shifts| Tracks::new(&disc, shifts, angle, crossing::direction_of(start_speed)));
+        let tracks = Shifts::new(twin).map(|shifts| Tracks::new(&disc, shifts, angle, start_speed));
         let place = disc.place_above(angle);
         let levels = match &tracks {
             Some(tracks) => tracks.levels(&disc),
@@ -175,6 +177,7 @@ impl Simulation {
             travelled: LongSum::default(),
             travel_end,
             end_s,
+            instants: effects::instants(twin),
             held: None,
             last_angle: angle,
             done: false,

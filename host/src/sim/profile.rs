@@ -70,11 +70,27 @@ impl Profile {
         let mut falling = [0.0; DEGREE];
         for k in 0..DEGREE {
             let next = if k + 1 < DEGREE { asked[k + 1] } else { 0.0 };
-            let against = self.friction.term(k, &asked, &mut falling);
-            push[k] = next * (k as f64 + 1.0) + knot.damping * asked[k] + knot.towards * against;
+            push[k] = self.push(k, knot, &asked, next * (k as f64 + 1.0), &mut falling);
         }
-        push[0] += knot.towards * self.coulomb;
         (push, asked)
+    }
+
+    /// Term `k` of the push that follows a speed, rad/s^2, given terms 0 to `k` of that and term `k` of its rate; `falling` keeps terms of
+    /// the friction.
+    pub(super) fn push(
+        &self,
+        k: usize,
+        knot: &Knot,
+        asked: &Series,
+        rate: f64,
+        falling: &mut Series,
+    ) -> f64 {
+        if self.through_spring {
+            return self.stiffness * asked[k];
+        }
+        let against = self.friction.term(k, asked, falling);
+        let coulomb = if k == 0 { self.coulomb } else { 0.0 };
+        rate + knot.damping * asked[k] + knot.towards * against + knot.towards * coulomb
     }
 
     /// 1 + drift around a time.

@@ -30,7 +30,8 @@ impl Simulation {
         }
         let knot = self.knots[self.knot];
         let far_push = self.far_noise.as_ref().map_or(0.0, |far| far.1);
-        let (level, slope) = if self.shaft.prepare(&knot, now, far_push) {
+        let inside_s = self.segment_start_s + 0.5 * segment_s;
+        let (level, slope) = if self.shaft.prepare(&knot, now, inside_s, far_push) {
             (0.0, 0.0)
         } else {
             (knot.level + knot.slope * (now - knot.from_s), knot.slope)
@@ -93,6 +94,8 @@ impl Simulation {
             }
             end = end.min(noise.next_s());
         }
+        let next = self.instants.partition_point(|time| *time <= now);
+        end = end.min(self.instants.get(next).copied().unwrap_or(f64::INFINITY));
         self.segment_start_s = now;
         self.within_s = LongSum::default();
         while self.next_slip_s() <= now {

@@ -1,6 +1,7 @@
 //! The turning shaft: state, Coulomb friction and standstill, one piece of motion after another.
 
 use super::drive::Knot;
+use super::effects::Start;
 use super::taylor::{DEGREE, Integrator, Piece, Push, bisect};
 
 /// A sum that keeps what rounding drops, so that millions of steps do not drift.
@@ -76,15 +77,31 @@ impl Shaft {
         self.motion
     }
 
+    /// Speed now, rad/s.
+    pub(super) fn speed(&self) -> f64 {
+        self.speed.plus(0.0)
+    }
+
     /// How far it is to an angle, rad.
     pub(super) fn way_to(&self, angle_rad: f64) -> f64 {
         (angle_rad - self.angle.high) - self.angle.low
     }
 
     /// Works out pushes that are given in time, for the next piece; false where the profile is a straight line and has no part in that.
-    pub(super) fn prepare(&mut self, knot: &Knot, now_s: f64, far_push: f64) -> bool {
+    pub(super) fn prepare(
+        &mut self,
+        knot: &Knot,
+        now_s: f64,
+        inside_s: f64,
+        far_push: f64,
+    ) -> bool {
+        let start = Start {
+            time_s: now_s,
+            inside_s,
+            angle_rad: self.angle.plus(0.0),
+        };
         match self.integrator.extended() {
-            Some(extended) => extended.prepare(knot, now_s, far_push),
+            Some(extended) => extended.prepare(knot, start, far_push),
             None => return false,
         }
         true

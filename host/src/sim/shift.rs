@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 use quadcal::edge::{Direction, Levels};
 
 use super::Class;
+use super::effects::{self, Sized};
+use crate::effect::number::{Number, Series};
+use crate::effect::{Carrier, Change, Here, On, Site};
 use crate::twin::{Channel, ThresholdDrift, ThresholdRipple, Twin};
 
 /// A number and its rate of change, 1/s.
@@ -26,6 +29,25 @@ pub(super) struct Shifts {
     slips: Vec<(f64, i32)>,
     next_slip: usize,
     index_rad: f64,
+    /// Effects of disc and level that no disc of its own has.
+    effects: Vec<Sized>,
+}
+
+/// The shaft as it passes a mark.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passing {
+    /// Time, s.
+    pub(super) time_s: f64,
+    /// The mark's place on the grid, through all turns, rad.
+    pub(super) grid_rad: f64,
+    /// Angle of the shaft, rad.
+    pub(super) angle_rad: f64,
+    /// Speed, rad/s.
+    pub(super) speed: f64,
+    /// Acceleration, rad/s^2.
+    pub(super) acceleration: f64,
+    /// Direction of motion; a standing shaft has none.
+    pub(super) direction: Option<Direction>,
 }
 
 impl Shifts {
@@ -47,11 +69,16 @@ impl Shifts {
             slips,
             next_slip: 0,
             index_rad: 0.0,
+            effects: effects::at(twin, |site| matches!(site, Site::Disc(_) | Site::Level(_)))
+                .into_iter()
+                .filter(|(effect, _)| !effect.is_of_disc())
+                .collect(),
         };
         let any = !shifts.ripples.is_empty()
             || !shifts.drifts.is_empty()
             || !shifts.plays.is_empty()
             || !shifts.slips.is_empty()
+            || !shifts.effects.is_empty()
             || twin.bearing.iter().any(|b| b.runout_rad.is_some());
         any.then_some(shifts)
     }
@@ -70,8 +97,11 @@ impl Shifts {
         self.next_slip += 1;
     }
 
-    /// The shift of a class at a time in the direction of motion, rad; a standing shaft has no direction.
-    pub(super) fn of(&self, class: Class, time_s: f64, direction: Option<Direction>) -> Moving {
+    /// The shift of a class as it is passed, rad.
+    pub(super) fn of(&self, class: Class, passing: &Passing) -> Moving {
+        let Passing {
+            time_s, direction, ..
+        } = *passing;
         let channel = channel_of(class);
         let on = |asked: Option<Channel>| asked.is_none() || asked == channel;
         let ahead = direction.map_or(0.0, |direction| f64::from(direction.sign()));
@@ -80,6 +110,7 @@ impl Shifts {
             value: plays.map(|play| ahead * play.0).sum(),
             rate: 0.0,
         };
+        self.add_effects(&mut shift, class, passing);
         if channel.is_none() {
             shift.value += self.index_rad;
             return shift;
@@ -101,6 +132,44 @@ impl Shifts {
         }
         shift
     }
+
+    fn add_effects(&self, shift: &mut Moving, class: Class, passing: &Passing) {
+        if self.effects.is_empty() {
+            return;
+        }
+        for (effect, sizes) in &self.effects {
+            // An index is moved by what moves all marks of the disc alike.
+            let ahead = match (change_of(class), effect.site) {
+                (Some(change), _) => effect.ahead(change),
+                (None, Site::Disc(On::ALL)) if effect.carrier == Carrier::Direction => -1.0,
+                (None, Site::Disc(On::ALL)) => 1.0,
+                _ => 0.0,
+            };
+            let angle = match effect.site {
+                Site::Disc(_) => Series::new(&[passing.grid_rad, 0.0]),
+                _ => Series::new(&[passing.angle_rad, passing.speed]),
+            };
+            let here = Here {
+                time_s: Series::new(&[passing.time_s, 1.0]),
+                inside_s: passing.time_s,
+                angle,
+                speed: Series::new(&[passing.speed, passing.acceleration]),
+                way: passing
+                    .direction
+                    .map_or(0.0, |direction| f64::from(direction.sign())),
+            };
+            let value = effect.sized(sizes, here);
+            shift.value -= ahead * value.value();
+            shift.rate -= ahead * value.terms[1];
+        }
+    }
+}
+
+/// What changes at an edge of a class; none for the index.
+pub(super) fn change_of(class: Class) -> Option<Change> {
+    let channel = channel_of(class)? as u8;
+    let (_, rises) = class.bit_and_rise();
+    Some(Change { channel, rises })
 }
 
 /// The channel of a class; none for the index.

@@ -7,6 +7,10 @@ use quadcal::edge::{Direction, Levels};
 use super::Truth;
 use super::crossing::{Crossing, Passed};
 use super::disc::Mark;
+use super::effects::{Sized, at};
+use super::shift::Passing;
+use crate::effect::number::{Number, Series};
+use crate::effect::{self, Here, Site};
 use crate::twin::Twin;
 
 /// A change of one channel on its way.
@@ -34,6 +38,10 @@ pub(super) struct Signals {
     levels: Levels,
     /// What happens later arrives later than this, s.
     horizon_s: f64,
+    /// Effects on the time of stamps.
+    effects: Vec<Sized>,
+    /// How far stamps may be ahead of their changes, s.
+    lead_s: f64,
 }
 
 impl Signals {
@@ -48,11 +56,16 @@ impl Signals {
             coming: VecDeque::new(),
             levels,
             horizon_s: 0.0,
+            effects: at(twin, |site| matches!(site, Site::Stamp(_))),
+            lead_s: 0.0,
         }
     }
 
-    /// Delay of the change that a mark makes when it is passed in a direction, s.
-    pub(super) fn delay_s(&self, mark: &Mark, direction: Direction) -> f64 {
+    /// Delay of the change that a mark makes when it is passed, s.
+    pub(super) fn delay_s(&mut self, mark: &Mark, passing: &Passing) -> f64 {
+        let Some(direction) = passing.direction else {
+            return 0.0;
+        };
         let (bit, high) = change_at(mark, direction);
         let channel = match bit {
             Levels::A => 0,
@@ -60,7 +73,29 @@ impl Signals {
             _ if self.third => 2,
             _ => return 0.0,
         };
-        self.delays_s[channel][usize::from(high)]
+        let mut delay_s = self.delays_s[channel][usize::from(high)];
+        if self.effects.is_empty() {
+            return delay_s;
+        }
+        let captured = effect::Change {
+            channel: channel as u8,
+            rises: high,
+        };
+        let here = Here {
+            time_s: Series::new(&[passing.time_s]),
+            inside_s: passing.time_s,
+            angle: Series::new(&[passing.angle_rad]),
+            speed: Series::new(&[passing.speed]),
+            way: f64::from(direction.sign()),
+        };
+        for (effect, sizes) in &self.effects {
+            if matches!(effect.site, Site::Stamp(on) if on.has(captured)) {
+                delay_s += effect.sized(sizes, here).value();
+            }
+        }
+        // What grows so is seen coming: twice what was, for what is next.
+        self.lead_s = self.lead_s.max(-2.0 * delay_s);
+        delay_s
     }
 
     /// Sends the change that a mark makes. Changes are sent in order of time.
@@ -91,7 +126,7 @@ impl Signals {
 
     /// The next captured change, if nothing can come before it any more.
     pub(super) fn due(&mut self) -> Option<Crossing> {
-        self.arrived_by(self.horizon_s)
+        self.arrived_by(self.horizon_s - self.lead_s)
     }
 
     /// The next captured change when no more are sent.

@@ -19,7 +19,9 @@ pub(super) fn settled(
     ripples: &[RippleTerm],
     extended: &mut Extended,
 ) -> f64 {
-    let speed = plant.profile_speed(twin);
+    let angle = twin.shaft.initial_angle_rad;
+    let mut speed = plant.profile_speed(twin);
+    speed *= 1.0 + extended.effects.share_at_start(speed, angle);
     if let Some(twist) = &mut extended.twist {
         // The far side is accelerated through the spring alone.
         twist.angle = State::at(-first.rate / (twist.square * (1.0 - twist.share)));
@@ -39,7 +41,6 @@ pub(super) fn settled(
         let pull = plant.viscous * speed + sign(speed) * against;
         spring.stretch = State::at(pull / spring.stiffness);
     }
-    let angle = twin.shaft.initial_angle_rad;
     let at_orders = ripples.iter().map(|ripple| {
         let phase = ripple.order * angle + ripple.phase_rad;
         (ripple.amplitude, ripple.order * speed, phase)
@@ -48,6 +49,7 @@ pub(super) fn settled(
         .tones
         .iter()
         .map(|tone| (tone.amplitude, tone.turning, tone.phase_rad))
+        .chain(extended.effects.waves(speed, angle))
         .collect();
     let mut swing = 0.0;
     for (amplitude, turning, phase) in at_orders.chain(tones) {

@@ -228,11 +228,22 @@ impl Integrator {
             };
             // From rest the first terms may vanish and later ones not, so never stop before the fifth.
             if small >= 3 && k >= 5 {
-                return piece;
+                return self.within_reach(piece);
             }
         }
         let accurate = accurate_length(&piece.theta, longest_s * self.finer) / self.finer;
         piece.length_s = accurate.min(longest_s);
+        self.within_reach(piece)
+    }
+
+    /// A piece, shortened to what its series can show.
+    fn within_reach(&self, mut piece: Piece) -> Piece {
+        if let Some(extended) = &self.extended {
+            let reach = extended.effects.reach_rad(piece.omega[0]);
+            while piece.travel(piece.length_s).abs() > reach && piece.length_s > SHORTEST_S {
+                piece.length_s *= 0.5;
+            }
+        }
         piece
     }
 }

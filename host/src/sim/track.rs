@@ -7,9 +7,10 @@ use std::f64::consts::TAU;
 use quadcal::edge::{Direction, Levels};
 
 use super::Class;
+use super::crossing::direction_of;
 use super::disc::{Disc, Mark};
 use super::shaft::Shaft;
-use super::shift::Shifts;
+use super::shift::{Passing, Shifts};
 use super::taylor::Piece;
 
 /// Newton's last step, rad; its error goes with the square of it.
@@ -37,6 +38,12 @@ impl Track {
     fn angle_rad(&self, place: i64, disc: &Disc) -> f64 {
         let (turn, mark) = self.split(place);
         disc.mark_angle_rad(turn, mark)
+    }
+
+    /// Place on the grid of a place, rad, through all turns.
+    fn grid_rad(&self, place: i64) -> f64 {
+        let (turn, mark) = self.split(place);
+        Disc::grid_rad(turn, mark)
     }
 
     fn place_to(&self, direction: Direction) -> i64 {
@@ -68,13 +75,8 @@ pub(super) struct Tracks {
 }
 
 impl Tracks {
-    /// Tracks of a disc with the shaft at an angle, about to turn in a direction.
-    pub(super) fn new(
-        disc: &Disc,
-        shifts: Shifts,
-        angle_rad: f64,
-        direction: Option<Direction>,
-    ) -> Self {
+    /// Tracks of a disc with the shaft at an angle and a speed.
+    pub(super) fn new(disc: &Disc, shifts: Shifts, angle_rad: f64, speed: f64) -> Self {
         let mut tracks: Vec<Track> = Vec::new();
         for mark in disc.marks() {
             match tracks.iter_mut().find(|track| track.class == mark.class) {
@@ -92,22 +94,31 @@ impl Tracks {
             shifts,
             last_s: 0.0,
         };
-        all.place(disc, angle_rad, 0.0, direction, |_| true);
+        let start = Passing {
+            time_s: 0.0,
+            grid_rad: angle_rad,
+            angle_rad,
+            speed,
+            acceleration: 0.0,
+            direction: direction_of(speed),
+        };
+        all.place(disc, &start, |_| true);
         all
     }
 
     /// Finds the places of some classes anew.
-    fn place(
-        &mut self,
-        disc: &Disc,
-        angle_rad: f64,
-        time_s: f64,
-        direction: Option<Direction>,
-        which: impl Fn(Class) -> bool,
-    ) {
+    fn place(&mut self, disc: &Disc, now: &Passing, which: impl Fn(Class) -> bool) {
+        let angle_rad = now.angle_rad;
         for track in self.tracks.iter_mut().filter(|track| which(track.class)) {
-            let shift = self.shifts.of(track.class, time_s, direction).value;
-            let beyond = |track: &Track| track.angle_rad(track.place, disc) + shift > angle_rad;
+            let of = |grid_rad: f64| {
+                let passing = Passing { grid_rad, ..*now };
+                self.shifts.of(track.class, &passing).value
+            };
+            let shift = of(angle_rad);
+            let beyond = |track: &Track| {
+                let shift = of(track.grid_rad(track.place));
+                track.angle_rad(track.place, disc) + shift > angle_rad
+            };
             // Two turns back is behind any shift and run-out.
             let turn = ((angle_rad - shift) / TAU).floor() as i64 - 2;
             track.place = turn * track.marks.len() as i64;
@@ -141,17 +152,11 @@ impl Tracks {
     }
 
     /// Lets the index slip; the mark that then changes its level, if one does.
-    pub(super) fn slip(
-        &mut self,
-        disc: &Disc,
-        angle_rad: f64,
-        time_s: f64,
-        direction: Option<Direction>,
-    ) -> Option<Mark> {
+    pub(super) fn slip(&mut self, disc: &Disc, now: &Passing) -> Option<Mark> {
         let before = self.levels(disc);
         self.shifts.slip();
         let index = |class| matches!(class, Class::IndexRise | Class::IndexFall);
-        self.place(disc, angle_rad, time_s, direction, index);
+        self.place(disc, now, index);
         let after = self.levels(disc);
         let class = match (before == after, after.0 & Levels::Z != 0) {
             (true, _) => return None,
@@ -211,10 +216,17 @@ impl Tracks {
         let way = motion.shaft.way_to(track.angle_rad(place, motion.disc));
         let ahead = f64::from(direction.sign());
         // How far beyond the mark, in the direction of motion, and at which speed.
+        let grid_rad = track.grid_rad(place);
         let beyond = |tau: f64| {
-            let shift = self
-                .shifts
-                .of(track.class, motion.from_s + tau, Some(direction));
+            let passing = Passing {
+                time_s: motion.from_s + tau,
+                grid_rad,
+                angle_rad: motion.shaft.angle_after(piece.travel(tau)),
+                speed: piece.speed(tau),
+                acceleration: piece.acceleration(tau),
+                direction: Some(direction),
+            };
+            let shift = self.shifts.of(track.class, &passing);
             (
                 ahead * (piece.travel(tau) - way - shift.value),
                 ahead * (piece.speed(tau) - shift.rate),

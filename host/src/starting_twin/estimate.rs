@@ -90,6 +90,7 @@ pub struct Starting {
 #[must_use]
 pub fn bare(found: &Found, clock_hz: u64) -> Twin {
     Twin {
+        effect: Vec::new(),
         seed: 1,
         duration: Duration::Turns(TURNS_LEAST),
         encoder: found.encoder.clone(),
@@ -395,7 +396,7 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
     let mut part = board.clone();
     beside(&mut part, &parts, twin);
     part.pattern = board.pattern.as_ref().and_then(|whole| {
-        let mut pattern = Pattern::new(&part.benches)?;
+        let mut pattern = Pattern::new(&part.benches, None)?;
         pattern.size2 = whole.size2;
         Some(pattern)
     });

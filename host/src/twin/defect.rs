@@ -14,6 +14,18 @@ pub enum Channel {
     C,
 }
 
+impl Channel {
+    /// The channel of a number, 0 being A.
+    #[must_use]
+    pub const fn numbered(number: u8) -> Self {
+        match number {
+            0 => Self::A,
+            1 => Self::B,
+            _ => Self::C,
+        }
+    }
+}
+
 /// A kind of edge, as it looks going forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -11,6 +11,7 @@ mod delay;
 mod drift;
 mod drive;
 mod edit;
+mod effect;
 mod elastic;
 mod encoder;
 mod error;
@@ -37,6 +38,7 @@ pub use delay::{ChannelSkew, EdgeDelay, RiseFall};
 pub use drift::SpeedDrift;
 pub use drive::{Drive, Noise, Ripple, Shaft, Step};
 pub use edit::edited;
+pub use effect::{DeclaredEffect, EffectSite, Follows};
 pub use elastic::{StickSlip, TorsionalResonance};
 pub use encoder::{Encoder, Errors, Gap, Harmonic, Per, Position};
 pub use error::{BadValue, CurveFault, ErrorListFault, Place, TwinError};
@@ -126,6 +128,9 @@ pub struct Twin {
     /// Captures that come late.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub capture_latency: Option<CaptureLatency>,
+    /// Effects that no other section has a name for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<DeclaredEffect>,
     /// The timer that stamps the edges.
     pub timer: Timer,
     /// Faults of the capture, for tests.

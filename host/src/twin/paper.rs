@@ -62,6 +62,7 @@ impl Twin {
             hysteresis: None,
             backlash: None,
             capture_latency: None,
+            effect: Vec::new(),
             timer: Timer {
                 clock_hz: 84_000_000,
                 bits: 64,

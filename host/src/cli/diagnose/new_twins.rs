@@ -14,7 +14,6 @@ use crate::diagnose::diagnosis::Diagnosis;
 use crate::twin::{ErrorListFault, Errors, Twin, TwinError, edited};
 
 /// A diagnosis with the twins that it makes.
-#[allow(dead_code)]
 pub(super) struct Diagnosed {
     pub(super) diagnosis: Diagnosis,
     /// The twins with the findings in them, one for each recording.

@@ -134,6 +134,8 @@ pub struct Edges {
     pub classes: u32,
     /// A tick of the clock, s.
     pub tick_s: f64,
+    /// Time of the first row, s: an edge of which the levels before are not known, or how they stood when the recording began.
+    pub begins_s: f64,
     /// Whether places modulo N are edges of the disc, known by an index or by gaps.
     pub anchored: bool,
     /// Whether a wheel's teeth are low.
@@ -173,6 +175,9 @@ pub fn place(sensor: &Sensor, clock_hz: u64, rows: &[Row]) -> Result<Edges, Plac
         grid_edges,
         classes,
         tick_s: 1.0 / clock_hz as f64,
+        begins_s: rows
+            .first()
+            .map_or(0.0, |row| row.ticks as f64 / clock_hz as f64),
         ..Edges::default()
     };
     match sensor {

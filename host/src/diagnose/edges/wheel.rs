@@ -255,6 +255,12 @@ fn assemble(
                         edges.push(at, on_grid(lead.grid.place(tooth), false), true, false);
                     }
                 }
+                // The recording may begin with an edge of the other kind.
+                let before = others.filter(|others| n == 0 && others.ahead > 0);
+                if let Some((others, &at)) = before.and_then(|o| Some((o, o.ticks.first()?))) {
+                    let tooth = lead.grid.place(rank - i64::from(others.leading));
+                    edges.push(at, on_grid(tooth, false), true, fresh);
+                }
                 edges.push(ticks, on_grid(lead.grid.place(rank), true), true, fresh);
                 last = Some((n, rank));
             }
@@ -267,6 +273,14 @@ fn assemble(
             }
             Seen::Astray => {}
         }
+    }
+    // And end with one.
+    if let (Some((n, rank)), Some(others)) = (last, others)
+        && n + 1 == lead.ticks.len()
+        && let Some(&at) = others.ticks.get(n + others.ahead)
+    {
+        let tooth = lead.grid.place(rank + i64::from(!others.leading));
+        edges.push(at, on_grid(tooth, false), true, false);
     }
 }
 

@@ -47,6 +47,7 @@ pub fn site(site: &Site) -> String {
             ..
         }) => format!("comparator level of channel {}", channel_name(*channel)),
         Site::Stamp(on) => format!("delay of {}", edges(*on)),
+        Site::Declared(_) => "a number that the twin declares".to_owned(),
     }
 }
 
@@ -182,7 +183,7 @@ pub fn amplitude(sized: &Sized) -> f64 {
 pub fn unit(effect: &Effect) -> String {
     let site = match effect.site {
         Site::Torque => "N m",
-        Site::Drive => "1",
+        Site::Drive | Site::Declared(_) => "1",
         Site::Disc(_) | Site::Level(_) => "rad",
         Site::Stamp(_) => "s",
     };

@@ -294,6 +294,9 @@ pub(crate) fn full() -> Answer {
             Vec::new(),
             Vec::new(),
         ],
+        corrected: Vec::new(),
+        declared: vec![Default::default(); 6],
+        not_identifiable: Vec::new(),
         shares: vec![
             Some(0.874),
             Some(0.0312),
@@ -302,6 +305,7 @@ pub(crate) fn full() -> Answer {
             None,
             None,
         ],
+        pattern: None,
         curves: vec![curve("slow.csv", 20.0), curve("fast.csv", 13.3)],
     }
 }

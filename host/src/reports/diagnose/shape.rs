@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use crate::diagnose::answer::Sized;
 use crate::diagnose::diagnosis::RecordingFacts;
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
-use crate::diagnose::plant::Here;
+use crate::diagnose::plant::{Here, sign};
 use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Colour, Plot};
 use crate::reports::diagnose::words::sentence;
@@ -123,6 +123,7 @@ fn here(over: Over, x: f64) -> Here {
         inside_s: time,
         angle,
         speed,
+        way: sign(speed),
     }
 }
 
@@ -180,6 +181,7 @@ fn axis_unit(site: &Site) -> &'static str {
     match site {
         Site::Torque => "N m",
         Site::Drive => "%",
+        Site::Declared(_) => "1",
         Site::Disc(_) | Site::Level(_) => "rad",
         Site::Stamp(_) => "s",
     }

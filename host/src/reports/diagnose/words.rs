@@ -2,9 +2,7 @@
 
 mod numbers;
 
-use crate::diagnose::diagnosis::{
-    Diagnosis, Evidence, Finding, NextRecording, Parameter, Verdict,
-};
+use crate::diagnose::diagnosis::{Diagnosis, Evidence, Finding, NextRecording, Parameter, Verdict};
 use crate::mechanism::Mechanism;
 use crate::report::si_digits;
 pub use numbers::{parameter_name, probability, value, with_interval};

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Checker;
-use crate::twin::{Drive, Duration, Noise, Twin};
+use crate::twin::{Drive, Duration, EffectSite, Noise, Twin};
 
 /// Steps of noise that a run may take whatever its edges: about ten seconds of work.
 const STEPS_MAX: f64 = 1e7;
@@ -37,6 +37,7 @@ impl Twin {
             ("torque_tone", self.torque_tone.len(), TERMS_MAX),
             ("threshold_ripple", self.threshold_ripple.len(), TERMS_MAX),
             ("threshold_drift", self.threshold_drift.len(), TERMS_MAX),
+            ("effect", self.effect.len(), TERMS_MAX),
             ("load_step", self.load_step.len(), INSTANTS_MAX),
             ("index_slip", self.index_slip.len(), INSTANTS_MAX),
             ("local_defect", self.local_defect.len(), DEFECTS_MAX),
@@ -58,11 +59,15 @@ impl Twin {
 
     /// Steps a second that a run may take, `most` in all where edges are few.
     fn step_hz(&self, most: f64) -> f64 {
-        let seconds = match self.duration {
+        (STEPS_AN_EDGE * self.edge_hz()).max(most / self.seconds())
+    }
+
+    /// About how long a run takes, s.
+    fn seconds(&self) -> f64 {
+        match self.duration {
             Duration::Seconds(seconds) => seconds,
             Duration::Turns(turns) => turns * TAU / self.drive.nominal_rad_s().abs(),
-        };
-        (STEPS_AN_EDGE * self.edge_hz()).max(most / seconds)
+        }
     }
 
     fn check_noise_steps(&self, c: &mut Checker<'_>) {
@@ -164,6 +169,29 @@ impl Twin {
                 tone.f_hz,
                 TAU * tone.f_hz,
             );
+        }
+        for (i, one) in self.effect.iter().enumerate() {
+            if !matches!(one.site, EffectSite::Torque | EffectSite::Drive) {
+                continue;
+            }
+            let seconds = self.seconds();
+            for (key, value, rad_s) in [
+                ("order", one.order, one.order.map(|order| order * speed)),
+                ("f_hz", one.f_hz, {
+                    let rate = one.rate_hz_s.unwrap_or(0.0).abs();
+                    one.f_hz.map(|f_hz| TAU * (f_hz + rate * seconds))
+                }),
+                ("width_rad", one.width_rad, {
+                    one.width_rad.map(|width| speed / width)
+                }),
+                ("modulation_hz", one.modulation_hz, {
+                    one.modulation_hz.map(|f_hz| TAU * f_hz)
+                }),
+            ] {
+                if let (Some(value), Some(rad_s)) = (value, rad_s) {
+                    fast(&format!("effect[{i}].{key}"), value, rad_s);
+                }
+            }
         }
         if let Some(resonance) = &self.torsional_resonance {
             let damped = TAU * resonance.f_hz * (1.0 + 2.0 * resonance.damping_ratio);

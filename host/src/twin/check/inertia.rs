@@ -91,6 +91,7 @@ impl Twin {
             .iter()
             .map(|l| Some(l.torque_n_m))
             .enumerate();
+        let effects = self.effect.iter().map(|e| e.torque_n_m).enumerate();
         let named = |name: &'static str| {
             move |(i, torque): (usize, Option<f64>)| {
                 Some((format!("{name}[{i}].torque_n_m"), torque?))
@@ -100,6 +101,7 @@ impl Twin {
         let all = all.chain(gears.filter_map(named("gear_mesh")));
         let all = all.chain(bearings.filter_map(named("bearing")));
         let all = all.chain(tones.filter_map(named("torque_tone")));
-        all.chain(loads.filter_map(named("load_step")))
+        let all = all.chain(loads.filter_map(named("load_step")));
+        all.chain(effects.filter_map(named("effect")))
     }
 }

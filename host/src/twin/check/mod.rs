@@ -2,6 +2,7 @@
 
 mod cost;
 mod delay;
+mod effect;
 mod elastic;
 mod encoder;
 mod inertia;
@@ -152,6 +153,7 @@ impl Twin {
         self.check_play(&mut c);
         self.check_slips(&mut c);
         self.check_latency(&mut c);
+        self.check_effects(&mut c);
         self.check_capture(&mut c);
         self.check_cost(&mut c);
         c.bad

@@ -1,0 +1,180 @@
+//! How well twins and recordings agree: innovations before and after, whether they are noise, and on turns held out.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::answer::Curve;
+use super::bench::Bench;
+use super::judge::{self, Parts};
+use super::model::{Board, Fit};
+use super::rig::Recorded;
+use crate::diagnose::diagnosis::{Fit as Agreement, HeldOut, RecordingFacts};
+
+/// Lags that whiteness is tested over.
+const LAGS: usize = 24;
+/// Points of a curve.
+const POINTS: usize = 300;
+/// Probability of whiteness below which something is left.
+pub const NOT_WHITE: f64 = 1e-6;
+
+/// Errors of the edges of a disc that the twins do not give, rad, from what a model leaves.
+pub fn learned(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let pattern = board.pattern.as_ref()?;
+    let each = board.benches.iter().zip(rests);
+    let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+    Some(pattern.errors(&board.benches, &white.concat()))
+}
+
+/// Residual angles as given and with the model, rad.
+pub fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
+    let mut rests = board.rest(&fit.model);
+    if let Some(errors) = learned(board, &rests) {
+        for (bench, rest) in board.benches.iter().zip(&mut rests) {
+            rest.iter_mut()
+                .enumerate()
+                .for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
+        }
+    }
+    for (bench, rest) in board.benches.iter().zip(&mut rests) {
+        bench.less_start(rest);
+    }
+    rests
+}
+
+/// How well twins and recordings agree before and after.
+pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
+    let before = as_given(given, board);
+    let plain = before.fit(&fit.model.nuisances());
+    let edges = board.edges() as f64;
+    // White innovations count in deviations of the noise; a deviation is so many rad.
+    let scales = board.benches.iter().flat_map(|bench| &bench.scales);
+    let deviation = rms(scales.copied().filter(|scale| *scale > 0.0)).map(f64::recip);
+    let scale = deviation.unwrap_or(0.0);
+    let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
+    let [none, early, late] = Parts::held_out(board, fit).judged(fit);
+    let found = !fit.model.groups().is_empty();
+    let held = judge::HELD_OUT * edges;
+    let reducible = (found && none > late).then(|| {
+        // As a root of squares above what the best leaves.
+        1.0 - ((early - late).max(0.0) / (none - late)).sqrt().min(1.0)
+    });
+    Agreement {
+        rms_before_rad: to_rad(plain.rss, edges),
+        rms_after_rad: to_rad(fit.rss.min(plain.rss), edges),
+        floor_rad: deviation,
+        whiteness_p_before: Some(whiteness(&before, &rests(&before, &plain))),
+        whiteness_p: Some(whiteness(board, &rests(board, fit))),
+        held_out: HeldOut {
+            rms_before_rad: to_rad(none, held),
+            rms_after_rad: to_rad(if found { early.min(none) } else { none }, held),
+            floor_rad: to_rad(held, held),
+            reducible_removed: reducible,
+        },
+    }
+}
+
+/// Twins as given, in the noise that was found: so that only the model differs.
+fn as_given(given: &Board, board: &Board) -> Board {
+    let mut before = given.clone();
+    before.pattern = None;
+    before.set_noise(board.noise);
+    before
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| {
+        (sum + value * value, count + 1.0)
+    });
+    (count > 0.0).then(|| (sum / count).sqrt())
+}
+
+/// Whether what a fit leaves may be noise.
+#[must_use]
+pub fn is_white(board: &Board, fit: &Fit) -> bool {
+    whiteness(board, &rests(board, fit)) >= NOT_WHITE
+}
+
+/// Probability that noise alone leaves innovations that hang together so (G. M. Ljung, G. E. P. Box, Biometrika 65, 1978).
+pub fn whiteness(board: &Board, rests: &[Vec<f64>]) -> f64 {
+    let (sum, lags) = correlation(board, rests);
+    ChiSquared::new(lags).map_or(1.0, |chi| chi.sf(sum))
+}
+
+/// Sum of squares that the innovations before an edge foretell of its own, and over how many lags.
+pub fn correlation(board: &Board, rests: &[Vec<f64>]) -> (f64, f64) {
+    let (mut sum, mut lags) = (0.0, 0.0);
+    for (bench, rest) in board.benches.iter().zip(rests) {
+        let mut white = bench.white(rest);
+        white
+            .iter_mut()
+            .for_each(|white| *white = white.clamp(-4.0, 4.0));
+        let count = white.len() as f64;
+        let square: f64 = white.iter().map(|white| white * white).sum();
+        for lag in 1..=LAGS.min(white.len() / 4) {
+            let product: f64 = white.iter().zip(&white[lag..]).map(|(a, b)| a * b).sum();
+            sum += count * (count + 2.0) * (product / square).powi(2) / (count - lag as f64);
+            lags += 1.0;
+        }
+    }
+    (sum, lags)
+}
+
+/// What was read of a recording.
+#[must_use]
+pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
+    let r_min = 60.0 / std::f64::consts::TAU;
+    let (least, most) = bench
+        .course
+        .speed
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+            (a.min(*v), b.max(*v))
+        });
+    RecordingFacts {
+        file: one.file.clone(),
+        twin: one.twin.name.clone(),
+        edges: bench.record.len() as u64,
+        turns: bench.record.turns(),
+        seconds: bench.record.seconds(),
+        speed_r_min: [least * r_min, most * r_min],
+        anchored: bench.record.anchored,
+        start_rad: one.start_rad(),
+        stamp_rms_s: Some(board.noise.stamp_s),
+        disturbed_s: one.edges.events.iter().map(|event| event.time_s).collect(),
+    }
+}
+
+/// RMS of the innovations in windows along each recording, before and after.
+pub fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<Curve> {
+    let before = as_given(given, board);
+    let plain = before.fit(&fit.model.nuisances());
+    let (one, other) = (rests(&before, &plain), rests(board, fit));
+    let pairs = rig.iter().zip(&board.benches).enumerate();
+    pairs
+        .map(|(at, (recorded, bench))| {
+            let window = bench.record.len().div_ceil(POINTS).max(1);
+            let along = |rest: &[f64]| -> Vec<f64> {
+                let white = bench.white(rest);
+                let scaled = white.iter().zip(&bench.scales);
+                let rad: Vec<f64> = scaled
+                    .map(|(white, scale)| if *scale > 0.0 { white / scale } else { 0.0 })
+                    .collect();
+                let windows = rad.chunks(window);
+                windows
+                    .filter_map(|some| rms(some.iter().copied()))
+                    .collect()
+            };
+            Curve {
+                file: recorded.file.clone(),
+                time_s: bench
+                    .record
+                    .time_s
+                    .iter()
+                    .copied()
+                    .step_by(window)
+                    .collect(),
+                before_rad: along(&one[at]),
+                after_rad: along(&other[at]),
+            }
+        })
+        .collect()
+}

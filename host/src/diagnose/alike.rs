@@ -1,0 +1,109 @@
+//! Look-alikes: what else a finding may be, fitted in its place beside everything else.
+
+use super::cells::Bank;
+use super::effect::{Effect, Growth};
+use super::model::{Board, Fit};
+use super::{name, search};
+use crate::mechanism::Mechanism;
+
+/// Difference of evidence within which two explanations are alike.
+const ALIKE: f64 = 10.0;
+/// Part of a finding's evidence that another cell has to have to be fitted in its place, how many are, and by how much a better one is.
+const NEAR: f64 = 0.5;
+const RIVALS: usize = 4;
+const BETTER: f64 = 2.0;
+
+/// What a finding may be as well.
+#[derive(Clone, Debug, Default)]
+pub struct Alike {
+    /// Its group.
+    pub group: usize,
+    /// Others with how much less evidence they have, least first.
+    pub others: Vec<(Mechanism, f64)>,
+}
+
+/// Puts a better explanation in the place of a finding where there is one, and lists those that are as good.
+pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
+    let mut all = Vec::new();
+    for group in fit.model.groups() {
+        let own = fit.model.effects(group);
+        let mechanism = board.mechanism(&own);
+        let corrects = own.iter().any(|effect| board.correction(effect).is_some());
+        // What the twin declares comes first.
+        let better = if corrects { ALIKE } else { BETTER };
+        let rest = fit.without(group);
+        let basis = rest.basis();
+        let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
+        // The best of each other name that comes near, fitted with everything else.
+        let mut rivals: Vec<(Mechanism, f64, Vec<Effect>)> = Vec::new();
+        for candidate in search::candidates(board, bank, &rest) {
+            let here = search::evidence(board, candidate.gain, candidate.numbers());
+            let named = name::mechanism(&candidate.effects);
+            let near = here > NEAR * worth - ALIKE;
+            if !near || rivals.len() == RIVALS {
+                break;
+            }
+            if corrects && board.same_columns(fit, group, &candidate.effects) {
+                continue;
+            }
+            if rivals.iter().all(|(other, ..)| *other != named) {
+                let (effects, gain) = board.beside(&rest, &basis, &candidate.effects);
+                let fitted = search::evidence(board, gain, candidate.numbers());
+                rivals.push((named, fitted, effects));
+            }
+        }
+        for effects in grown(board, &own) {
+            let (effects, gain) = board.beside(&rest, &basis, &effects);
+            let numbers = fit.model.numbers(group) + effects.len();
+            let fitted = search::evidence(board, gain, numbers);
+            if fitted > worth + search::SURE {
+                rivals.push((Mechanism::Unknown, fitted, effects));
+            }
+        }
+        rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut worth = worth;
+        let mut named = mechanism;
+        if rivals
+            .first()
+            .is_some_and(|(_, best, _)| *best > worth + better)
+        {
+            let (other, best, effects) = rivals.swap_remove(0);
+            if other != mechanism {
+                rivals.push((mechanism, worth, own));
+            }
+            (named, worth) = (other, best);
+            let mut model = rest.model;
+            model.add(&effects, group);
+            *fit = board.fit(&model);
+        }
+        let alike = rivals
+            .iter()
+            .filter(|(other, here, _)| *other != named && worth - here < ALIKE);
+        let mut others: Vec<(Mechanism, f64)> = alike
+            .map(|(other, here, _)| (*other, worth - here))
+            .collect();
+        others.retain(|(other, _)| *other != Mechanism::Unknown);
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all.push(Alike { group, others });
+    }
+    board.fit_noise(&fit.model);
+    *fit = board.fit(&fit.model);
+    all
+}
+
+/// The same effect with sizes that go with time or speed, to be fitted in its place.
+fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [effect] = own else { return Vec::new() };
+    if effect.sizes() < 2 || effect.growth != Growth::Constant {
+        return Vec::new();
+    }
+    let rate = 1.0 / board.seconds();
+    [
+        Growth::Even(rate),
+        Growth::Even(-0.5 * rate),
+        Growth::Speed(1.0),
+        Growth::Speed(-1.0),
+    ]
+    .map(|growth| vec![Effect { growth, ..*effect }])
+    .into()
+}

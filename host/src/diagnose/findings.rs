@@ -1,0 +1,384 @@
+//! From a fit to what is said: findings with their words, confidence and verdict.
+
+use super::agreement::{self, NOT_WHITE};
+use super::alike::Alike;
+use super::answer::{Answer, Map, Sized};
+use super::bench::Bench;
+use super::effect::{Carrier, Site};
+use super::judge::Parts;
+use super::model::{Board, Fit};
+use super::rig::Recorded;
+use super::{correct, events, name, search, stamps};
+use crate::diagnose::diagnosis::{
+    Diagnosis, Evidence, Finding, NextRecording, Place, RunnerUp, Verdict,
+};
+use crate::mechanism::Mechanism;
+
+/// Part of what a finding explains that it has to foretell.
+const FORETELLS: f64 = 0.6;
+/// How many times as much correlation as rounding to ticks alone makes is more than that.
+const ROUNDED: f64 = 2.0;
+
+/// The answer of a fit; its map is still empty.
+#[must_use]
+pub fn answer(
+    rig: &[Recorded],
+    given: &Board,
+    board: &Board,
+    fit: &Fit,
+    alike: &[Alike],
+) -> Answer {
+    let parts = Parts::blocks(board, fit);
+    let [none, early, _] = Parts::held_out(board, fit).judged(fit);
+    // Where all findings together make held-out turns worse, none of them has a name.
+    let worse = early > none;
+    let total: f64 = fit
+        .model
+        .groups()
+        .iter()
+        .map(|group| fit.loss(*group))
+        .sum::<f64>()
+        .max(f64::MIN_POSITIVE);
+    let mut findings: Vec<(Finding, Vec<Sized>, Option<f64>)> = Vec::new();
+    let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
+    let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
+    let known_inertia = board.benches.iter().all(inertia);
+    for group in fit.model.groups() {
+        let effects = fit.model.effects(group);
+        let loss = fit.loss(group);
+        let worth = search::evidence(board, loss, fit.model.numbers(group));
+        let foretold = parts.foretold(fit, group);
+        // What comes once, or once along the course, can't be foretold from elsewhere.
+        let once = effects.iter().any(|effect| {
+            matches!(
+                effect.carrier,
+                Carrier::Window(..)
+                    | Carrier::Settling(..)
+                    | Carrier::Time
+                    | Carrier::Direction
+                    | Carrier::Power(_)
+                    | Carrier::Stribeck(_)
+            )
+        });
+        let corrected = correct::measured(board, fit, group);
+        let once = if corrected.is_empty() {
+            once
+        } else {
+            parts.only_once(fit, group)
+        };
+        let mut mechanism = board.mechanism(&effects);
+        let sideband = name::sideband_of(board, &effects);
+        if worse || sideband.is_some() || !once && foretold < FORETELLS * loss {
+            mechanism = Mechanism::Unknown;
+        }
+        let others: &[(Mechanism, f64)] = alike
+            .iter()
+            .find(|one| one.group == group)
+            .map_or(&[], |one| &one.others);
+        let mut numbers = if corrected.is_empty() {
+            fit.numbers(group)
+        } else {
+            corrected.iter().map(|one| one.number.clone()).collect()
+        };
+        for number in &mut numbers {
+            number.error = number.error.map(|error| error * spread);
+        }
+        let card = mechanism.card();
+        let mut look_alikes: Vec<Mechanism> = others.iter().map(|(other, _)| *other).collect();
+        for same in card.same_mark.iter().chain(card.told_by_rig) {
+            if !look_alikes.contains(same) {
+                look_alikes.push(*same);
+            }
+        }
+        if corrected.is_empty() && mechanism == Mechanism::Unknown {
+            look_alikes.clear();
+        }
+        let against: f64 = others
+            .iter()
+            .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
+            .sum();
+        let confidence = (1.0 - (-0.5 * worth).exp()).max(0.0) / (1.0 + against);
+        let next = (!look_alikes.is_empty()).then(|| NextRecording {
+            text: card.separated_by.to_owned(),
+            expected_delta_bic: None,
+            expected: Vec::new(),
+        });
+        let mut place = name::place(board, &effects);
+        if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
+            place.speed_exponent = Some(f64::from(exponent));
+        }
+        let ratio = (1.0 - foretold / (fit.rss + loss)).max(0.0).sqrt();
+        let finding = Finding {
+            mechanism,
+            text: match sideband {
+                Some(whole) => format!(
+                    "{}: beside order {whole}, of a size or phase that changes along the recording",
+                    name::text(&effects)
+                ),
+                None if !corrected.is_empty() => correct::text(&corrected, spread),
+                None => name::text(&effects),
+            },
+            confidence,
+            parameters: if !corrected.is_empty() {
+                correct::parameters(&corrected, spread)
+            } else if mechanism == Mechanism::Unknown {
+                std::collections::BTreeMap::new()
+            } else {
+                name::parameters(mechanism, &numbers, known_inertia)
+            },
+            place,
+            evidence: Evidence {
+                delta_bic: worth,
+                p_value: (-0.5 * worth).exp().min(1.0),
+                held_out_rms_ratio: (!once).then_some(ratio),
+                runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
+                    mechanism: *mechanism,
+                    delta_bic: *apart,
+                }),
+            },
+            look_alikes,
+            next_recording: next,
+        };
+        let sized = fit.model.terms.iter().filter(|term| term.group == group);
+        let sized = sized
+            .map(|term| Sized {
+                effect: term.effect,
+                sizes: term.sizes.clone(),
+            })
+            .collect();
+        findings.push((finding, sized, Some(loss / total)));
+    }
+    let stamps = stamps::find(board, fit);
+    // A latency is skewed, and has long tails of its own.
+    let late = stamps
+        .as_ref()
+        .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
+    if !late && heavy_tails(fit) {
+        let text =
+            "innovations come in bursts or with heavy tails: noise that is not the same throughout";
+        findings.push((
+            Finding {
+                text: text.to_owned(),
+                ..unknown()
+            },
+            Vec::new(),
+            None,
+        ));
+    } else if let Some(stamps) = stamps {
+        findings.push((stamps, Vec::new(), None));
+    }
+    findings.extend(
+        events::findings(rig)
+            .into_iter()
+            .map(|finding| (finding, Vec::new(), None)),
+    );
+    let of_stamps = |finding: &Finding| {
+        matches!(
+            finding.mechanism,
+            Mechanism::TimestampJitter | Mechanism::CaptureLatency
+        )
+    };
+    let noisy = findings.iter().any(|(finding, ..)| of_stamps(finding));
+    let fitted = agreement::agreement(given, board, fit);
+    // Rounding to ticks hangs together where the course is quiet.
+    let spurs = agreement::correlation(board, &board.rounded(&fit.model)).0;
+    let left = agreement::correlation(board, &agreement::rests(board, fit)).0;
+    let left_over =
+        fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy && left > ROUNDED * spurs;
+    if left_over && !findings.iter().any(nameless) {
+        let mut unknown = unknown();
+        unknown.evidence.delta_bic = left;
+        findings.push((unknown, Vec::new(), None));
+    }
+    merge_unknown(&mut findings);
+    // Beside something that no cell explains, a name is no surer than it is the larger: it may be a part of that.
+    let without: f64 = findings
+        .iter()
+        .filter(|one| nameless(one))
+        .map(|(finding, ..)| finding.evidence.delta_bic)
+        .fold(0.0, f64::max);
+    let with_name = findings
+        .iter_mut()
+        .filter(|one| !nameless(one) && !events::counted(one.0.mechanism));
+    for (finding, ..) in with_name {
+        let part = without / (without + finding.evidence.delta_bic.max(0.0)).max(f64::MIN_POSITIVE);
+        finding.confidence = finding.confidence.min(1.0 - part);
+    }
+    findings.sort_by(|a, b| b.0.evidence.delta_bic.total_cmp(&a.0.evidence.delta_bic));
+    let verdict = verdict(&findings);
+    let last = verdict != Verdict::Unknown;
+    findings.sort_by_key(|one| nameless(one) == last);
+    let (mut said, mut cells, mut shares) = (Vec::new(), Vec::new(), Vec::new());
+    for (finding, sized, share) in findings {
+        said.push(finding);
+        cells.push(sized);
+        shares.push(share);
+    }
+    let next = said
+        .iter()
+        .find_map(|finding| finding.next_recording.clone());
+    let declared: Vec<_> = cells
+        .iter()
+        .map(|cells| correct::declared(board, cells))
+        .collect();
+    let corrects: Vec<bool> = declared.iter().map(|some| !some.is_empty()).collect();
+    let summary = summary(verdict, &said, &corrects);
+    Answer {
+        diagnosis: Diagnosis {
+            version: 2,
+            verdict,
+            summary,
+            recordings: rig
+                .iter()
+                .zip(&board.benches)
+                .map(|(one, bench)| agreement::facts(one, bench, board))
+                .collect(),
+            fit: fitted,
+            findings: said,
+            next_recording: next,
+        },
+        map: Map::default(),
+        declared,
+        cells,
+        shares,
+        pattern: agreement::learned(board, &board.rest(&fit.model)),
+        not_identifiable: Vec::new(),
+        corrected: board.corrected(&fit.model),
+        curves: agreement::curves(rig, given, board, fit),
+    }
+}
+
+/// Whether innovations are far out more often than normal noise lets them be, and not at one place alone.
+fn heavy_tails(fit: &Fit) -> bool {
+    // Deviations that are far, the share of normal noise beyond them, and how many times as many are too many.
+    const FAR: f64 = 3.5;
+    const SHARE: f64 = 4.65e-4;
+    const TIMES: f64 = 4.0;
+    const LEAST: f64 = 12.0;
+    const BLOCKS: usize = 20;
+    let count = fit.left.len();
+    let mut far = [0.0; BLOCKS];
+    for (at, white) in fit.left.iter().enumerate() {
+        if white.abs() > FAR {
+            far[at * BLOCKS / count] += 1.0;
+        }
+    }
+    let all: f64 = far.iter().sum();
+    let most = far.iter().copied().fold(0.0, f64::max);
+    all > TIMES * SHARE * count as f64 + LEAST && most < 0.5 * all
+}
+
+/// Something that is none of the cells.
+fn unknown() -> Finding {
+    Finding {
+        mechanism: Mechanism::Unknown,
+        text: "more than noise is left, and no cell of the map explains it".to_owned(),
+        confidence: 0.9,
+        parameters: std::collections::BTreeMap::new(),
+        place: Place::default(),
+        evidence: Evidence {
+            delta_bic: 0.0,
+            p_value: NOT_WHITE,
+            held_out_rms_ratio: None,
+            runner_up: None,
+        },
+        look_alikes: Vec::new(),
+        next_recording: None,
+    }
+}
+
+/// Whether a finding has no name and is no number of drive or shaft either, which no mechanism of the catalogue is of.
+fn nameless((finding, cells, _): &(Finding, Vec<Sized>, Option<f64>)) -> bool {
+    let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
+    finding.mechanism == Mechanism::Unknown && !cells.iter().any(declared)
+}
+
+/// All that has no name is one finding.
+fn merge_unknown(findings: &mut Vec<(Finding, Vec<Sized>, Option<f64>)>) {
+    let (nameless, named): (Vec<_>, Vec<_>) = findings.drain(..).partition(nameless);
+    *findings = named;
+    let mut nameless = nameless.into_iter();
+    let Some(mut first) = nameless.next() else {
+        return;
+    };
+    for (finding, cells, share) in nameless {
+        first.1.extend(cells);
+        first.2 = match (first.2, share) {
+            (Some(one), Some(other)) => Some(one + other),
+            (one, other) => one.or(other),
+        };
+        if finding.evidence.delta_bic > first.0.evidence.delta_bic {
+            first.0.evidence = finding.evidence;
+            first.0.text = finding.text;
+            first.0.place = finding.place;
+        }
+    }
+    findings.push(first);
+}
+
+fn verdict(findings: &[(Finding, Vec<Sized>, Option<f64>)]) -> Verdict {
+    let unknown = findings.iter().filter(|one| nameless(one)).count();
+    if findings.is_empty() {
+        Verdict::Complete
+    } else if unknown == findings.len() {
+        Verdict::Unknown
+    } else if findings.iter().any(|(finding, ..)| open(finding)) {
+        Verdict::Ambiguous
+    } else if unknown > 0 {
+        // What has no name may be the larger part.
+        let strongest = findings
+            .iter()
+            .max_by(|a, b| a.0.evidence.delta_bic.total_cmp(&b.0.evidence.delta_bic));
+        match strongest {
+            Some(strongest) if nameless(strongest) => Verdict::Unknown,
+            _ => Verdict::Partly,
+        }
+    } else {
+        Verdict::Explained
+    }
+}
+
+/// Whether a recording would tell more.
+fn open(finding: &Finding) -> bool {
+    let told_by_rig = finding.mechanism.card().told_by_rig;
+    finding
+        .look_alikes
+        .iter()
+        .any(|one| !told_by_rig.contains(one))
+}
+
+/// The verdict in words; `corrects` says which findings are other values of what the twin declares.
+fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String {
+    let list = |start: &str, corrected: bool| {
+        let each = findings.iter().zip(corrects);
+        let names: Vec<&str> = each
+            .filter(|(_, corrects)| **corrects == corrected)
+            .map(|(finding, _)| match (corrected, finding.mechanism) {
+                (true, Mechanism::Unknown) => finding.text.as_str(),
+                _ => finding.mechanism.title(),
+            })
+            .collect();
+        (!names.is_empty()).then(|| format!("{start}: {}.", names.join("; ")))
+    };
+    let said = [
+        list("The twin has other numbers than the rig", true),
+        list("The twin lacks", false),
+    ];
+    let said = said.into_iter().flatten().collect::<Vec<_>>().join(" ");
+    match verdict {
+        Verdict::Complete => "The twin explains the recordings; what is left is noise.".to_owned(),
+        Verdict::Explained => said,
+        Verdict::Partly => format!("{said} More than noise is left."),
+        Verdict::Ambiguous => {
+            let first = findings.iter().find(|finding| open(finding));
+            let others = first.map_or_else(Vec::new, |first| {
+                first.look_alikes.iter().map(|one| one.title()).collect()
+            });
+            format!(
+                "{said} These recordings allow as well: {}.",
+                others.join("; ")
+            )
+        }
+        Verdict::Unknown => "Something is there that is none of the known mechanisms.".to_owned(),
+    }
+}

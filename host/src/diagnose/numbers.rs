@@ -1,0 +1,445 @@
+//! The numbers that a twin declares: where they are, the mechanism that each is of, and twins with other values of them.
+
+use std::f64::consts::{PI, TAU};
+use std::fmt;
+
+use toml::Value;
+
+use crate::mechanism::Mechanism;
+use crate::twin::{Drive, Twin};
+
+/// Part of a path into a twin.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// A key of a section.
+    Key(String),
+    /// A place in a list.
+    At(usize),
+}
+
+/// Where a number of a twin is.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Path(Vec<Step>);
+
+/// Sections and keys that declare a mechanism, the more special ones first.
+const MECHANISMS: [(&str, Mechanism); 23] = [
+    ("errors.width_", Mechanism::WidthError),
+    ("errors.quadrature_rad", Mechanism::QuadratureError),
+    ("errors.shift_", Mechanism::QuadratureError),
+    ("errors.eccentricity", Mechanism::Eccentricity),
+    ("errors.tilt", Mechanism::DiscTilt),
+    ("errors", Mechanism::LineError),
+    ("local_defect", Mechanism::LocalDefect),
+    ("drive.speed_loop", Mechanism::ClosedLoop),
+    ("ripple", Mechanism::TorqueRipple),
+    ("gear_mesh", Mechanism::GearMesh),
+    ("bearing", Mechanism::Bearing),
+    ("torque_tone", Mechanism::TorqueTone),
+    ("load_step", Mechanism::LoadStep),
+    ("speed_drift", Mechanism::SpeedDrift),
+    ("stick_slip", Mechanism::StickSlip),
+    ("torsional_resonance", Mechanism::TorsionalResonance),
+    ("edge_delay", Mechanism::EdgeDelay),
+    ("channel_skew", Mechanism::ChannelSkew),
+    ("threshold_ripple", Mechanism::ThresholdRipple),
+    ("threshold_drift", Mechanism::ThresholdDrift),
+    ("hysteresis", Mechanism::Hysteresis),
+    ("backlash", Mechanism::Backlash),
+    ("capture_latency", Mechanism::CaptureLatency),
+];
+/// Keys of the shaft that are friction; its inertia, and how stiffly the drive holds it, are no mechanism.
+const FRICTION: [&str; 5] = ["viscous", "coulomb", "drag", "stribeck_n", "stribeck_rad"];
+/// Sections and keys that are no numbers of physics, or whose numbers show in the noise alone: how long is recorded, what counts, where
+/// it starts, sizes of noise.
+const LEFT_OUT: [&str; 16] = [
+    "duration",
+    "encoder",
+    "timer",
+    "faults",
+    "index_slip",
+    "errors.list_rad",
+    "shaft.initial_angle_rad",
+    "noise.white",
+    "noise.speed_wander.rms_fraction",
+    "noise.speed_wander.hold_s",
+    "torsional_resonance.load_",
+    "capture_latency",
+    "drive.constant",
+    "drive.run_down.r_min",
+    "drive.speed_loop.r_min",
+    "drive.speed_loop.timeout_s",
+];
+/// Sizes of what swings.
+const AMPLITUDES: [&str; 5] = [
+    "torque_n_m",
+    "speed_fraction",
+    "runout_rad",
+    "angle_rad",
+    "amplitude_rad",
+];
+/// Keys that say that a section swings.
+const SWINGS: [&str; 3] = ["order", "f_hz", "phase_rad"];
+/// The phase of what swings.
+const PHASE: &str = "phase_rad";
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (at, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Key(key) if at == 0 => write!(f, "{key}")?,
+                Step::Key(key) => write!(f, ".{key}")?,
+                Step::At(place) => write!(f, "[{place}]")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Path {
+    fn with(&self, step: Step) -> Self {
+        let mut path = self.clone();
+        path.0.push(step);
+        path
+    }
+
+    fn key(&self, key: &str) -> Self {
+        self.with(Step::Key(key.to_owned()))
+    }
+
+    /// The path of keys, without places in lists.
+    fn dotted(&self) -> String {
+        let keys = self.0.iter().filter_map(|step| match step {
+            Step::Key(key) => Some(key.as_str()),
+            Step::At(_) => None,
+        });
+        keys.collect::<Vec<_>>().join(".")
+    }
+
+    /// The section that it is in.
+    fn section(&self) -> Self {
+        Self(self.0[..self.0.len().saturating_sub(1)].to_vec())
+    }
+
+    /// Its last key.
+    fn last(&self) -> &str {
+        match self.0.last() {
+            Some(Step::Key(key)) => key,
+            _ => "",
+        }
+    }
+
+    fn get<'a>(&self, tree: &'a Value) -> Option<&'a Value> {
+        self.0.iter().try_fold(tree, |value, step| match step {
+            Step::Key(key) => value.get(key),
+            Step::At(at) => value.get(at),
+        })
+    }
+
+    /// The number there.
+    #[must_use]
+    pub fn number(&self, tree: &Value) -> Option<f64> {
+        self.get(tree).and_then(Value::as_float)
+    }
+
+    fn set(&self, tree: &mut Value, number: f64) {
+        let place = self.section();
+        let section = place.0.iter().try_fold(tree, |value, step| match step {
+            Step::Key(key) => value.get_mut(key),
+            Step::At(at) => value.get_mut(at),
+        });
+        match (section, self.0.last()) {
+            (Some(Value::Table(table)), Some(Step::Key(key))) => {
+                table.insert(key.clone(), Value::Float(number));
+            }
+            (Some(Value::Array(list)), Some(Step::At(at))) => {
+                if let Some(value) = list.get_mut(*at) {
+                    *value = Value::Float(number);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The mechanism that it is of; none where it is of the drive or the shaft itself.
+    #[must_use]
+    pub fn mechanism(&self) -> Mechanism {
+        let dotted = self.dotted();
+        if FRICTION
+            .iter()
+            .any(|key| dotted.starts_with(&format!("shaft.{key}")))
+        {
+            return Mechanism::Friction;
+        }
+        MECHANISMS
+            .iter()
+            .find(|(start, _)| dotted.starts_with(start))
+            .map_or(Mechanism::Unknown, |(_, mechanism)| *mechanism)
+    }
+
+    /// What is one finding: numbers of one mechanism in one entry of a list, or in one section.
+    #[must_use]
+    pub fn entry(&self) -> String {
+        let mechanism = self.mechanism();
+        match self.0.get(1) {
+            Some(Step::At(at)) => format!("{mechanism}[{at}]"),
+            _ if mechanism == Mechanism::Unknown => self.to_string(),
+            _ => mechanism.to_string(),
+        }
+    }
+
+    /// Its name within its mechanism's section: "torque_n_m", "a.rise_s".
+    #[must_use]
+    pub fn name(&self) -> String {
+        let keys: Vec<&str> = self
+            .0
+            .iter()
+            .filter_map(|step| match step {
+                Step::Key(key) => Some(key.as_str()),
+                Step::At(_) => None,
+            })
+            .collect();
+        let from = match keys.as_slice() {
+            ["edge_delay", ..] => 1,
+            _ => keys.len().saturating_sub(1),
+        };
+        keys[from..].join(".")
+    }
+
+    /// Its unit, by the end of its key.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        const UNITS: [(&str, &str); 14] = [
+            ("n_m_s2", "N m s^2"),
+            ("n2_m2_s", "N^2 m^2 s"),
+            ("n_m_rad", "N m/rad"),
+            ("n_m_s", "N m s"),
+            ("n_m", "N m"),
+            ("kg_m2", "kg m^2"),
+            ("rad_s", "rad/s"),
+            ("_rad", "rad"),
+            ("r_min", "r/min"),
+            ("_hz", "Hz"),
+            ("per_s", "1/s"),
+            ("_s", "s"),
+            ("order", "1"),
+            ("fraction", "1"),
+        ];
+        UNITS
+            .iter()
+            .find(|(end, _)| self.last().ends_with(end))
+            .map_or("1", |(_, unit)| unit)
+    }
+
+    /// Whether the disc's errors go by it.
+    #[must_use]
+    pub fn of_disc(&self) -> bool {
+        let dotted = self.dotted();
+        dotted.starts_with("errors") || dotted.starts_with("local_defect")
+    }
+}
+
+/// A twin as a tree of keys and values.
+#[must_use]
+pub fn tree(twin: &Twin) -> Option<Value> {
+    Value::try_from(twin).ok()
+}
+
+/// A tree as a twin; files and name are those of another one.
+fn twin_of(tree: Value, like: &Twin) -> Option<Twin> {
+    let mut twin: Twin = tree.try_into().ok()?;
+    twin.name.clone_from(&like.name);
+    twin.folder.clone_from(&like.folder);
+    // Points of a file are not in the tree.
+    match (&mut twin.drive, &like.drive) {
+        (Drive::Profile(one), Drive::Profile(other)) if other.csv.is_some() => {
+            one.clone_from(other)
+        }
+        (Drive::Torque(one), Drive::Torque(other)) if other.csv.is_some() => one.clone_from(other),
+        _ => {}
+    }
+    Some(twin)
+}
+
+/// What of a twin is changed as one: a number, or size and phase of what swings, as cosine and sine.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Knob {
+    /// A number.
+    Number(Path),
+    /// A size and its phase.
+    Wave(Path, Path),
+}
+
+impl Knob {
+    /// Paths of its numbers.
+    #[must_use]
+    pub fn paths(&self) -> Vec<&Path> {
+        match self {
+            Self::Number(path) => vec![path],
+            Self::Wave(size, phase) => vec![size, phase],
+        }
+    }
+
+    /// The path that it is known by.
+    #[must_use]
+    pub const fn path(&self) -> &Path {
+        match self {
+            Self::Number(path) | Self::Wave(path, _) => path,
+        }
+    }
+
+    /// Its values as they are fitted.
+    #[must_use]
+    pub fn values(&self, tree: &Value) -> Option<Vec<f64>> {
+        match self {
+            Self::Number(path) => Some(vec![path.number(tree)?]),
+            Self::Wave(size, phase) => {
+                let (size, phase) = (size.number(tree)?, phase.number(tree).unwrap_or(0.0));
+                Some(vec![size * phase.cos(), size * phase.sin()])
+            }
+        }
+    }
+
+    /// The numbers of the twin for values as they are fitted.
+    #[must_use]
+    pub fn numbers(&self, values: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Number(_) => values.to_vec(),
+            Self::Wave(..) => vec![
+                values[0].hypot(values[1]),
+                values[1].atan2(values[0]).rem_euclid(TAU),
+            ],
+        }
+    }
+
+    /// Standard errors of those numbers, from the covariance of the values.
+    #[must_use]
+    pub fn errors(&self, values: &[f64], covariance: &[[f64; 2]; 2]) -> Vec<f64> {
+        let [[cc, cs], [_, ss]] = *covariance;
+        match self {
+            Self::Number(_) => vec![cc.max(0.0).sqrt()],
+            Self::Wave(..) => {
+                let (c, s) = (values[0], values[1]);
+                let square = (c * c + s * s).max(f64::MIN_POSITIVE);
+                let along = (c * c * cc + 2.0 * c * s * cs + s * s * ss) / square;
+                let across = (s * s * cc - 2.0 * c * s * cs + c * c * ss) / square;
+                vec![
+                    along.max(0.0).sqrt(),
+                    (across.max(0.0) / square).sqrt().min(PI),
+                ]
+            }
+        }
+    }
+
+    /// Puts values into a tree.
+    fn put(&self, tree: &mut Value, values: &[f64]) {
+        for (path, number) in self.paths().into_iter().zip(self.numbers(values)) {
+            path.set(tree, number);
+        }
+    }
+}
+
+/// A twin with other values of some knobs; none where there is no such twin.
+#[must_use]
+pub fn changed(twin: &Twin, values: &[(&Knob, &[f64])]) -> Option<Twin> {
+    let mut tree = tree(twin)?;
+    for (knob, values) in values {
+        knob.put(&mut tree, values);
+    }
+    twin_of(tree, twin)
+}
+
+/// All knobs of a twin whose numbers it declares: none that is 0.
+#[must_use]
+pub fn knobs(twin: &Twin) -> Vec<Knob> {
+    let Some(tree) = tree(twin) else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    collect(&tree, &tree, &Path::default(), &mut all);
+    all
+}
+
+fn collect(tree: &Value, value: &Value, path: &Path, all: &mut Vec<Knob>) {
+    let dotted = path.dotted();
+    if LEFT_OUT.iter().any(|start| dotted.starts_with(start)) {
+        return;
+    }
+    match value {
+        Value::Table(table) => {
+            for (key, value) in table {
+                collect(tree, value, &path.key(key), all);
+            }
+        }
+        Value::Array(list) => {
+            for (at, value) in list.iter().enumerate() {
+                collect(tree, value, &path.with(Step::At(at)), all);
+            }
+        }
+        Value::Float(number) if number.is_finite() => {
+            let section = path.section();
+            let swings = section
+                .get(tree)
+                .is_some_and(|section| SWINGS.iter().any(|key| section.get(key).is_some()));
+            let size_here = || {
+                AMPLITUDES.iter().any(|key| {
+                    section
+                        .key(key)
+                        .number(tree)
+                        .is_some_and(|size| size != 0.0)
+                })
+            };
+            if swings && AMPLITUDES.contains(&path.last()) {
+                if *number != 0.0 {
+                    all.push(Knob::Wave(path.clone(), section.key(PHASE)));
+                }
+            } else if *number != 0.0 && !(path.last() == PHASE && size_here()) {
+                all.push(Knob::Number(path.clone()));
+            }
+        }
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TWIN: &str = "duration = { turns = 10 }\n[encoder.wheel]\nteeth = 60\n[shaft]\ninertia_kg_m2 = 1e-4\n\
+        coulomb_n_m = 1e-3\n[drive.constant]\nr_min = 300\n[timer]\nclock_hz = 1000000\n\
+        [[gear_mesh]]\norder = 7.3\ntorque_n_m = 1e-3\n[edge_delay]\na = { rise_s = 1e-6 }\n";
+
+    #[test]
+    fn a_twin_has_its_numbers_of_physics_and_none_that_only_count() {
+        let twin = Twin::parse(TWIN, "t.toml").unwrap();
+        let names: Vec<String> = knobs(&twin)
+            .iter()
+            .map(|knob| knob.path().to_string())
+            .collect();
+        for expected in [
+            "gear_mesh[0].torque_n_m",
+            "gear_mesh[0].order",
+            "shaft.coulomb_n_m",
+            "shaft.inertia_kg_m2",
+            "edge_delay.a.rise_s",
+        ] {
+            assert!(names.contains(&expected.to_owned()), "{expected} {names:?}");
+        }
+        assert!(
+            !names
+                .iter()
+                .any(|name| name.contains("duration") || name.contains("clock"))
+        );
+    }
+
+    #[test]
+    fn a_wave_through_zero_turns_its_phase() {
+        let twin = Twin::parse(TWIN, "t.toml").unwrap();
+        let wave = knobs(&twin)
+            .into_iter()
+            .find(|knob| matches!(knob, Knob::Wave(..)))
+            .unwrap();
+        let turned = changed(&twin, &[(&wave, &[-2e-3, 0.0])]).unwrap();
+        assert!((turned.gear_mesh[0].torque_n_m.unwrap() - 2e-3).abs() < 1e-15);
+        assert!((turned.gear_mesh[0].phase_rad - PI).abs() < 1e-12);
+    }
+}
