@@ -6,6 +6,7 @@ use super::delays::{self, ClassDelay};
 use super::disc::{self, DiscFound};
 use super::noise::{self, NoiseFound};
 use super::sensor::Found;
+use super::write::bare_text;
 use super::{Estimate, StartingError};
 use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::edges::Edges;
@@ -18,7 +19,7 @@ use crate::diagnose::record::Record;
 use crate::diagnose::rig::DiagnoseError;
 use crate::diagnose::scan;
 use crate::diagnose::search::{self, SURE};
-use crate::twin::{Drive, Duration, Errors, Ripple, Shaft, Timer, Twin};
+use crate::twin::{Twin, TwinError};
 
 /// Turns that a recording needs to show what repeats.
 const TURNS_LEAST: f64 = 3.0;
@@ -87,44 +88,11 @@ pub struct Starting {
 }
 
 /// A twin of a sensor and a clock.
-#[must_use]
-pub fn bare(found: &Found, clock_hz: u64) -> Twin {
-    Twin {
-        effect: Vec::new(),
-        seed: 1,
-        duration: Duration::Turns(TURNS_LEAST),
-        encoder: found.encoder.clone(),
-        errors: Errors::default(),
-        local_defect: Vec::new(),
-        shaft: Shaft::default(),
-        drive: Drive::Unknown,
-        ripple: Vec::new(),
-        gear_mesh: Vec::new(),
-        bearing: Vec::new(),
-        torque_tone: Vec::new(),
-        load_step: Vec::new(),
-        noise: None,
-        speed_drift: None,
-        stick_slip: None,
-        torsional_resonance: None,
-        edge_delay: None,
-        channel_skew: None,
-        threshold_ripple: Vec::new(),
-        threshold_drift: Vec::new(),
-        hysteresis: None,
-        backlash: None,
-        index_slip: Vec::new(),
-        capture_latency: None,
-        timer: Timer {
-            clock_hz,
-            bits: 64,
-            jitter_s: 0.0,
-            raw_captures: false,
-        },
-        faults: crate::twin::Faults::default(),
-        name: String::new(),
-        folder: std::path::PathBuf::new(),
-    }
+///
+/// # Errors
+/// [`TwinError`] for a sensor or clock that no twin may have.
+pub fn bare(found: &Found, clock_hz: u64) -> Result<Twin, TwinError> {
+    Twin::parse(&bare_text(found, clock_hz), "the recordings' own twin")
 }
 
 /// Estimates a starting twin's numbers.
@@ -137,7 +105,7 @@ pub fn estimate(
     recordings: &[Placed],
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Starting, StartingError> {
-    let mut twin = bare(found, clock_hz);
+    let mut twin = bare(found, clock_hz)?;
     let mut records = Vec::new();
     for one in recordings {
         let record = Record::of(&one.edges, &twin);
@@ -163,7 +131,7 @@ pub fn estimate(
         (Vec::new(), None)
     };
     progress(0.5, "Telling torque from the disc");
-    let fit = torques_of(&mut board, speed_r_min);
+    let fit = torques_of(&board);
     progress(0.7, "Fitting the noise");
     let NoiseFound {
         noise,
@@ -277,10 +245,10 @@ fn changes([slow, fast]: [f64; 2]) -> bool {
 /// the disc in turn.
 fn settle(board: &mut Board) {
     for _ in 0..ROUNDS {
-        let Some(mut pattern) = Pattern::new(&board.benches) else {
+        let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
             return;
         };
-        pattern.size2 = (TAU / pattern.edges as f64).powi(2);
+        pattern.set_size((TAU / pattern.edges as f64).powi(2));
         let benches = &board.benches;
         let white: Vec<f64> = benches
             .iter()
@@ -301,7 +269,7 @@ fn settle(board: &mut Board) {
 
 /// Sets the disc's pattern to the size of most evidence in the present noise.
 fn resize(board: &mut Board) {
-    let Some(mut pattern) = Pattern::new(&board.benches) else {
+    let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
         return;
     };
     let benches = board.benches.iter();
@@ -312,12 +280,9 @@ fn resize(board: &mut Board) {
     board.pattern = Some(pattern);
 }
 
-/// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern.
-fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
+/// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern: speed that changes tells them from it.
+fn torques_of(board: &Board) -> Fit {
     let mut fit = board.fit(&Model::default());
-    if !changes(speed_r_min) {
-        return fit;
-    }
     let lines = board
         .benches
         .first()
@@ -396,8 +361,8 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
     let mut part = board.clone();
     beside(&mut part, &parts, twin);
     part.pattern = board.pattern.as_ref().and_then(|whole| {
-        let mut pattern = Pattern::new(&part.benches, None)?;
-        pattern.size2 = whole.size2;
+        let mut pattern = Pattern::new(&part.benches, Some(whole))?;
+        pattern.set_size(whole.size2);
         Some(pattern)
     });
     noise::fit(&part, model)
@@ -414,31 +379,5 @@ fn middle(record: &Record, share: f64) -> Record {
         place: record.place[range.clone()].to_vec(),
         way: record.way[range].to_vec(),
         ..record.clone()
-    }
-}
-
-impl Starting {
-    /// The twin of what was found, its disc's errors in a file of a name.
-    #[must_use]
-    pub fn twin(&self, errors: Option<&std::path::Path>) -> Twin {
-        let mut twin = bare(&self.found, self.clock_hz);
-        twin.duration = Duration::Turns(self.turns.ceil());
-        twin.timer.jitter_s = self.jitter_s.map_or(0.0, |jitter| jitter.value);
-        (twin.edge_delay, twin.channel_skew) = delays::declared(&self.delays);
-        let ripples = self.torques.iter().map(|torque| Ripple {
-            order: torque.order,
-            phase_rad: torque.phase_rad,
-            torque_n_m: Some(torque.size.value),
-            speed_fraction: None,
-        });
-        twin.ripple = ripples.collect();
-        twin.noise = Some(crate::twin::Noise::White {
-            psd_n2_m2_s: self.torque.value,
-            hold_s: None,
-        });
-        if self.disc.is_some() {
-            twin.errors.csv = errors.map(std::path::Path::to_path_buf);
-        }
-        twin
     }
 }
