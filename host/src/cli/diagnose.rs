@@ -15,6 +15,7 @@ use crate::diagnose::rig::{DiagnoseError, Recorded};
 use crate::diagnose::write;
 use crate::mechanism::Mechanism;
 use crate::reports;
+use crate::starting_twin::{self, Given};
 use crate::twin::Twin;
 
 use super::Globals;
@@ -24,6 +25,7 @@ use super::input::ReadingArgs;
 use super::output::{Facts, JsonArg, ReportArg, Target, spare};
 use super::progress::Progress;
 use super::staged::Staged;
+use super::started::Recordings;
 pub use encoder::OtherEncoder;
 use new_twins::{Diagnosed, NewFile};
 use rig::Named;
@@ -36,6 +38,7 @@ Examples:
   quadcal diagnose slow.csv fast.csv --twin slow.toml --twin fast.toml --json -
   quadcal diagnose one.csv two.csv three.csv --twin rig.toml           one twin for all
   quadcal diagnose hub.csv --twin hall.toml                            Hall sensors
+  quadcal diagnose rig.csv                                             without a twin: all that it shows
   quadcal diagnose --mechanisms                                        what it can name
   quadcal diagnose --mechanisms bearing                                what is known of one
 
@@ -67,12 +70,8 @@ pub struct Diagnose {
     /// Recordings of one rig: native CSV, logic-analyser CSV, VCD, or one column of seconds
     #[arg(value_name = "REC", required_unless_present = "mechanisms")]
     recordings: Vec<PathBuf>,
-    /// Twin that should explain the recordings: once for all, or once for each in the same order
-    #[arg(
-        long = "twin",
-        value_name = "TWIN",
-        required_unless_present = "mechanisms"
-    )]
+    /// Twin that should explain the recordings: once for all, or once for each in the same order; without it one of the sensor alone
+    #[arg(long = "twin", value_name = "TWIN")]
     twins: Vec<PathBuf>,
     /// Print what a diagnosis can name, or one mechanism's card, and do nothing else
     #[arg(
@@ -102,6 +101,15 @@ fn file(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// Recordings beside their twins.
+struct GivenRig {
+    rig: Vec<Recorded>,
+    /// Texts and twins as they were given, one for each recording or one for all.
+    declared: Vec<(String, Twin)>,
+    /// What is said of a twin that was made.
+    said: Vec<(&'static str, String)>,
+}
+
 impl Diagnose {
     /// Diagnoses and writes everything that was asked for; nothing is written before all of it is known.
     pub fn run(self, globals: Globals) -> Result<(), Failure> {
@@ -109,21 +117,62 @@ impl Diagnose {
             return Target::Stdout.write(catalogue::text(one).as_bytes());
         }
         self.spare()?;
+        let given = if self.twins.is_empty() {
+            self.without_twin(globals)?
+        } else {
+            self.with_twins(globals)?
+        };
+        let mut progress = Progress::share("Diagnosing", globals);
+        let answer = pipeline::diagnose(&given.rig, &mut |done, what| progress.at(done, what))?;
+        drop(progress);
+        self.write(&given, &answer)
+    }
+
+    fn with_twins(&self, globals: Globals) -> Result<GivenRig, Failure> {
         let named = Named {
             recordings: &self.recordings,
             twins: &self.twins,
             reading: &self.reading,
         };
         let rig = named.read(globals)?;
-        let mut progress = Progress::share("Diagnosing", globals);
-        let answer = pipeline::diagnose(&rig, &mut |done, what| progress.at(done, what))?;
-        drop(progress);
-        self.write(&rig, &answer)
+        let declared = self.twins.iter().map(|path| Twin::load_with_text(path));
+        Ok(GivenRig {
+            rig,
+            declared: declared.collect::<Result<_, _>>()?,
+            said: Vec::new(),
+        })
     }
 
-    fn write(&self, rig: &[Recorded], answer: &Answer) -> Result<(), Failure> {
+    /// Recordings beside a twin of their sensor and clock: its disc, its noise and its course are found with everything else.
+    fn without_twin(&self, globals: Globals) -> Result<GivenRig, Failure> {
+        let inputs: Vec<_> = self.recordings.iter().map(|r| self.reading.of(r)).collect();
+        let Recordings {
+            found,
+            clock_hz,
+            placed,
+        } = Recordings::read(&inputs, Given::default(), globals)?;
+        let twin = starting_twin::bare(&found, clock_hz)?;
+        let text = starting_twin::bare_text(&found, clock_hz);
+        let mut said = vec![(
+            "Twin",
+            "no twin given: one was made from the recording, of its sensor and clock; the disc's errors are free".to_owned(),
+        )];
+        said.extend(found.lines());
+        let rig = placed.into_iter().map(|one| Recorded {
+            file: one.file,
+            edges: one.edges,
+            twin: twin.clone(),
+        });
+        Ok(GivenRig {
+            rig: rig.collect(),
+            declared: vec![(text, twin)],
+            said,
+        })
+    }
+
+    fn write(&self, given: &GivenRig, answer: &Answer) -> Result<(), Failure> {
         let new = match &self.write_twin {
-            Some(first) => self.new_twins(first, rig, answer)?,
+            Some(first) => Self::new_twins(first, given, answer)?,
             None => Vec::new(),
         };
         let inputs: Vec<&Path> = self.inputs().collect();
@@ -150,6 +199,9 @@ impl Diagnose {
             return Ok(());
         }
         let mut text = Facts::default();
+        for (name, value) in &given.said {
+            text.push(*name, value);
+        }
         for (name, value) in reports::diagnose::text(answer) {
             text.push(name, value);
         }
@@ -160,15 +212,8 @@ impl Diagnose {
     }
 
     /// The files of the twins with the findings in them.
-    fn new_twins(
-        &self,
-        first: &Path,
-        rig: &[Recorded],
-        answer: &Answer,
-    ) -> Result<Vec<NewFile>, Failure> {
-        let declared = self.twins.iter().map(|path| Twin::load_with_text(path));
-        let declared = declared.collect::<Result<Vec<_>, _>>()?;
-        let written = write::twins(rig, answer)?;
+    fn new_twins(first: &Path, given: &GivenRig, answer: &Answer) -> Result<Vec<NewFile>, Failure> {
+        let written = write::twins(&given.rig, answer)?;
         let (twins, error_lists) = written
             .into_iter()
             .map(|one| (one.twin, one.errors_rad))
@@ -178,7 +223,7 @@ impl Diagnose {
             twins,
             error_lists,
         };
-        new_twins::files(first, &diagnosed, &declared)
+        new_twins::files(first, &diagnosed, &given.declared)
     }
 
     /// Refuses outputs that would take each other's place, or an input's.

@@ -119,6 +119,15 @@ impl Pattern {
         Some(pattern)
     }
 
+    /// Sets the variance of an edge's error, rad^2.
+    pub fn set_size(&mut self, size2: f64) {
+        self.size2 = size2;
+        self.factor = None;
+        if size2 > 0.0 {
+            self.decompose();
+        }
+    }
+
     /// Decomposes the normal matrix for the present size.
     fn decompose(&mut self) {
         self.factor = self.normal.as_ref().and_then(|normal| {
@@ -222,11 +231,7 @@ impl Pattern {
                 best = (size2, here);
             }
         }
-        self.size2 = best.0;
-        self.factor = None;
-        if self.size2 > 0.0 {
-            self.decompose();
-        }
+        self.set_size(best.0);
         best.1
     }
 

@@ -6,8 +6,9 @@ use super::delays::{self, ClassDelay};
 use super::disc::{self, DiscFound};
 use super::noise::{self, NoiseFound};
 use super::sensor::Found;
+use super::write::bare_text;
 use super::{Estimate, StartingError};
-use crate::diagnose::bench::Bench;
+use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::edges::Edges;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::Noise;
@@ -18,7 +19,7 @@ use crate::diagnose::record::Record;
 use crate::diagnose::rig::DiagnoseError;
 use crate::diagnose::scan;
 use crate::diagnose::search::{self, SURE};
-use crate::twin::{Drive, Duration, Errors, Ripple, Shaft, Timer, Twin};
+use crate::twin::{Twin, TwinError};
 
 /// Turns that a recording needs to show what repeats.
 const TURNS_LEAST: f64 = 3.0;
@@ -26,7 +27,7 @@ const TURNS_LEAST: f64 = 3.0;
 const ROUNDS: usize = 3;
 /// Torques at whole orders at the most.
 const TORQUES: usize = 6;
-/// Part of a recording's edges beyond which its slowest and fastest ones are left out of the speed's range.
+/// Part of a recording's turns, the slowest and the fastest, that are left out of the speed's range.
 const OUTERMOST: f64 = 0.01;
 /// Fastest speed over slowest from which on torque is told from the disc at all.
 const TWO_SPEEDS: f64 = 1.1;
@@ -66,7 +67,7 @@ pub struct Starting {
     pub turns: f64,
     /// Seconds.
     pub seconds: f64,
-    /// Slowest and fastest speed, r/min.
+    /// Slowest and fastest mean speed of a turn, r/min.
     pub speed_r_min: [f64; 2],
     /// Whether places are angles of the disc.
     pub anchored: bool,
@@ -87,44 +88,11 @@ pub struct Starting {
 }
 
 /// A twin of a sensor and a clock.
-#[must_use]
-pub fn bare(found: &Found, clock_hz: u64) -> Twin {
-    Twin {
-        effect: Vec::new(),
-        seed: 1,
-        duration: Duration::Turns(TURNS_LEAST),
-        encoder: found.encoder.clone(),
-        errors: Errors::default(),
-        local_defect: Vec::new(),
-        shaft: Shaft::default(),
-        drive: Drive::Unknown,
-        ripple: Vec::new(),
-        gear_mesh: Vec::new(),
-        bearing: Vec::new(),
-        torque_tone: Vec::new(),
-        load_step: Vec::new(),
-        noise: None,
-        speed_drift: None,
-        stick_slip: None,
-        torsional_resonance: None,
-        edge_delay: None,
-        channel_skew: None,
-        threshold_ripple: Vec::new(),
-        threshold_drift: Vec::new(),
-        hysteresis: None,
-        backlash: None,
-        index_slip: Vec::new(),
-        capture_latency: None,
-        timer: Timer {
-            clock_hz,
-            bits: 64,
-            jitter_s: 0.0,
-            raw_captures: false,
-        },
-        faults: crate::twin::Faults::default(),
-        name: String::new(),
-        folder: std::path::PathBuf::new(),
-    }
+///
+/// # Errors
+/// [`TwinError`] for a sensor or clock that no twin may have.
+pub fn bare(found: &Found, clock_hz: u64) -> Result<Twin, TwinError> {
+    Twin::parse(&bare_text(found, clock_hz), "the recordings' own twin")
 }
 
 /// Estimates a starting twin's numbers.
@@ -137,7 +105,7 @@ pub fn estimate(
     recordings: &[Placed],
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Starting, StartingError> {
-    let mut twin = bare(found, clock_hz);
+    let mut twin = bare(found, clock_hz)?;
     let mut records = Vec::new();
     for one in recordings {
         let record = Record::of(&one.edges, &twin);
@@ -153,12 +121,17 @@ pub fn estimate(
         records.push(record);
     }
     progress(0.05, "Fitting the noise");
+    let speed_r_min = speeds(&records);
     let mut board = Board::new(benches(&records, &twin));
+    settle(&mut board);
     progress(0.3, "Looking for delays");
-    let (delays, delay_limit_s) = delays_of(&mut board, &records, &mut twin);
+    let (delays, delay_limit_s) = if changes(speed_r_min) {
+        delays_of(&mut board, &records, &mut twin)
+    } else {
+        (Vec::new(), None)
+    };
     progress(0.5, "Telling torque from the disc");
-    let speed_r_min = speeds(&board);
-    let fit = torques_of(&mut board, speed_r_min);
+    let fit = torques_of(&board);
     progress(0.7, "Fitting the noise");
     let NoiseFound {
         noise,
@@ -229,7 +202,7 @@ fn delays_of(
     for _ in 0..ROUNDS {
         (twin.edge_delay, twin.channel_skew) = delays::declared(&told);
         beside(board, records, twin);
-        board.size_up(&Model::default());
+        resize(board);
         let (more_s, spread) = delays.fit(board);
         let done = more_s.amax() < 0.1 * spread.diagonal().amax().sqrt();
         late_s += more_s;
@@ -242,25 +215,78 @@ fn delays_of(
     (told, None)
 }
 
-/// Slowest and fastest speed, r/min, but for a few edges.
-fn speeds(board: &Board) -> [f64; 2] {
-    let benches = board.benches.iter();
-    let mut speeds: Vec<f64> = benches
-        .flat_map(|bench| bench.course.speed.iter().copied())
-        .collect();
+/// Slowest and fastest mean speed of a turn, r/min, but for a few.
+fn speeds(records: &[Record]) -> [f64; 2] {
+    let each = records.iter().flat_map(|record| {
+        let turn = (record.len() as f64 / record.turns()).ceil() as usize;
+        let pairs = (turn..record.len()).map(move |at| (at - turn, at));
+        pairs.filter_map(|(from, until)| {
+            let way = (record.place[until] - record.place[from]) as f64 * record.step_rad();
+            let seconds = record.time_s[until] - record.time_s[from];
+            (seconds > 0.0).then(|| way / seconds * 60.0 / TAU)
+        })
+    });
+    let mut speeds: Vec<f64> = each.collect();
+    if speeds.is_empty() {
+        return [0.0; 2];
+    }
     speeds.sort_by(f64::total_cmp);
     let last = speeds.len() - 1;
     let at = (OUTERMOST * last as f64) as usize;
-    [speeds[at], speeds[last - at]].map(|speed| speed * 60.0 / TAU)
+    [speeds[at], speeds[last - at]]
 }
 
-/// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern.
-fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
-    let mut fit = board.fit(&Model::default());
-    let [slow, fast] = speed_r_min;
-    if slow > 0.0 && fast < TWO_SPEEDS * slow || fast < 0.0 && slow > TWO_SPEEDS * fast {
-        return fit;
+/// Whether the speed changes so much that what goes with it is told from the disc.
+fn changes([slow, fast]: [f64; 2]) -> bool {
+    fast > TWO_SPEEDS * slow && fast >= 0.0 || slow < TWO_SPEEDS * fast && fast < 0.0
+}
+
+/// Sets the noise to what is left beside a disc of any errors, whatever their size: noise that was fitted with the disc in it would hide
+/// the disc in turn.
+fn settle(board: &mut Board) {
+    for _ in 0..ROUNDS {
+        let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
+            return;
+        };
+        pattern.set_size((TAU / pattern.edges as f64).powi(2));
+        let benches = &board.benches;
+        let white: Vec<f64> = benches
+            .iter()
+            .flat_map(|bench| bench.white(&bench.residual))
+            .collect();
+        let errors = pattern.errors(benches, &white);
+        let left = benches.iter().map(|bench| {
+            let each = bench.residual.iter().enumerate();
+            each.map(|(at, rest)| rest - errors[bench.record.slot(at)])
+                .collect()
+        });
+        let left: Vec<Vec<f64>> = left.collect();
+        let (noise, _) = bench::fit_noise(benches, &left, board.noise, board.free);
+        board.set_noise(noise);
     }
+    resize(board);
+}
+
+/// Sets the disc's pattern to the size of most evidence in the present noise.
+fn resize(board: &mut Board) {
+    let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
+        return;
+    };
+    let benches = board.benches.iter();
+    let white: Vec<f64> = benches
+        .flat_map(|bench| bench.white(&bench.residual))
+        .collect();
+    pattern.size_up(&board.benches, &white);
+    board.pattern = Some(pattern);
+}
+
+/// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern: speed that changes tells them from it.
+fn torques_of(board: &Board) -> Fit {
+    let mut fit = board.fit(&Model::default());
+    let lines = board
+        .benches
+        .first()
+        .map_or(0, |bench| bench.record.edges / bench.record.classes.max(2));
     for group in 0..TORQUES {
         let candidates = scan::spectra(board, &fit, &fit.basis());
         let whole = candidates.into_iter().filter_map(|candidate| {
@@ -268,7 +294,9 @@ fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
                 return None;
             };
             match (effect.site, effect.carrier) {
-                (Site::Torque, Carrier::Order(order)) if order.fract() == 0.0 => {
+                (Site::Torque, Carrier::Order(order))
+                    if order.fract() == 0.0 && order < lines as f64 =>
+                {
                     Some((candidate.gain, effect))
                 }
                 _ => None,
@@ -283,8 +311,7 @@ fn torques_of(board: &mut Board, speed_r_min: [f64; 2]) -> Fit {
         if search::evidence(board, fit.rss - next.rss, effect.sizes()) < SURE {
             break;
         }
-        board.fit_noise(&next.model);
-        fit = board.fit(&next.model);
+        fit = next;
     }
     fit
 }
@@ -334,8 +361,8 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
     let mut part = board.clone();
     beside(&mut part, &parts, twin);
     part.pattern = board.pattern.as_ref().and_then(|whole| {
-        let mut pattern = Pattern::new(&part.benches, None)?;
-        pattern.size2 = whole.size2;
+        let mut pattern = Pattern::new(&part.benches, Some(whole))?;
+        pattern.set_size(whole.size2);
         Some(pattern)
     });
     noise::fit(&part, model)
@@ -352,31 +379,5 @@ fn middle(record: &Record, share: f64) -> Record {
         place: record.place[range.clone()].to_vec(),
         way: record.way[range].to_vec(),
         ..record.clone()
-    }
-}
-
-impl Starting {
-    /// The twin of what was found, its disc's errors in a file of a name.
-    #[must_use]
-    pub fn twin(&self, errors: Option<&std::path::Path>) -> Twin {
-        let mut twin = bare(&self.found, self.clock_hz);
-        twin.duration = Duration::Turns(self.turns.ceil());
-        twin.timer.jitter_s = self.jitter_s.map_or(0.0, |jitter| jitter.value);
-        (twin.edge_delay, twin.channel_skew) = delays::declared(&self.delays);
-        let ripples = self.torques.iter().map(|torque| Ripple {
-            order: torque.order,
-            phase_rad: torque.phase_rad,
-            torque_n_m: Some(torque.size.value),
-            speed_fraction: None,
-        });
-        twin.ripple = ripples.collect();
-        twin.noise = Some(crate::twin::Noise::White {
-            psd_n2_m2_s: self.torque.value,
-            hold_s: None,
-        });
-        if self.disc.is_some() {
-            twin.errors.csv = errors.map(std::path::Path::to_path_buf);
-        }
-        twin
     }
 }

@@ -24,7 +24,7 @@ pub use delays::ClassDelay;
 pub use disc::DiscFound;
 pub use estimate::{Placed, Starting, bare, estimate};
 pub use sensor::{Found, Given, SensorUnknown, Source, find};
-pub use write::{Number, errors_csv, lines_of, numbers, text};
+pub use write::{Number, bare_text, errors_csv, lines_of, numbers, text};
 
 /// A number with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,11 +16,16 @@ use crate::diagnose::pattern::Pattern;
 /// Change of a number's logarithm by which its slope and curvature are taken.
 const STEP: f64 = 0.08;
 /// Newton's steps at the most, how far one goes, and the gain in twice the log likelihood that is none.
-const ROUNDS: usize = 6;
-const FARTHEST: f64 = 1.0;
+const ROUNDS: usize = 8;
+const FARTHEST: f64 = 1.5;
 const NO_GAIN: f64 = 0.05;
-/// A drift that is so much smaller and as likely is none.
-const NO_DRIFT: f64 = 1e-3;
+/// A number that may be so much smaller without a loss in twice the log likelihood is none.
+const NOTHING: f64 = 1e-3;
+const NO_LOSS: f64 = 1.0;
+/// Least curvature over a logarithm: a number is known within some powers of ten at the least.
+const FLAT: f64 = 0.2;
+/// Loss in twice the log likelihood at the end of a 95 % interval.
+const LOSS_95: f64 = 3.84;
 
 /// Noise with its intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,16 +42,60 @@ struct Likelihood {
     board: Board,
     rest: Vec<Vec<f64>>,
     start: Noise,
-    drifts: bool,
+    /// What rounding to ticks alone makes of stamps, s.
+    rounding_s: f64,
+    free: Vec<Size>,
+}
+
+/// A size of the noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Size {
+    Torque,
+    /// Of stamps, beside their rounding.
+    Stamp,
+    Drift,
 }
 
 impl Likelihood {
     fn noise(&self, logs: &[f64]) -> Noise {
-        Noise {
-            torque: logs[0].exp(),
-            stamp_s: logs[1].exp(),
-            drift: logs.get(2).map_or(self.start.drift, |log| log.exp()),
-            ..self.start
+        let mut noise = self.start;
+        for (size, log) in self.free.iter().zip(logs) {
+            match size {
+                Size::Torque => noise.torque = log.exp(),
+                Size::Stamp => noise.stamp_s = self.rounding_s.hypot(log.exp()),
+                Size::Drift => noise.drift = log.exp(),
+            }
+        }
+        noise
+    }
+
+    /// A size by itself.
+    fn size(&self, size: Size) -> f64 {
+        match size {
+            Size::Torque => self.start.torque,
+            Size::Stamp => {
+                let beside = self.start.stamp_s.powi(2) - self.rounding_s.powi(2);
+                beside.max((0.03 * self.rounding_s).powi(2)).sqrt()
+            }
+            Size::Drift => self.start.drift,
+        }
+    }
+
+    /// Sets a size to next to nothing, unless that makes what is seen less likely.
+    fn fix_if_nothing(&mut self, size: Size) {
+        let logs = |likelihood: &Self| -> Vec<f64> {
+            let each = likelihood.free.iter();
+            each.map(|size| likelihood.size(*size).ln()).collect()
+        };
+        let Some(at) = self.free.iter().position(|free| *free == size) else {
+            return;
+        };
+        let there = logs(self);
+        let mut less = there.clone();
+        less[at] += NOTHING.ln();
+        if self.cost(&less) < self.cost(&there) + NO_LOSS {
+            self.start = self.noise(&less);
+            self.free.remove(at);
         }
     }
 
@@ -64,8 +113,8 @@ impl Likelihood {
             .map(|scale| -2.0 * scale.ln())
             .sum();
         let pattern = size2.filter(|size2| *size2 > 0.0).and_then(|size2| {
-            let mut pattern = Pattern::new(benches, None)?;
-            pattern.size2 = size2;
+            let mut pattern = Pattern::new(benches, self.board.pattern.as_ref())?;
+            pattern.set_size(size2);
             Some(pattern)
         });
         let (row, volume) = match pattern {
@@ -111,57 +160,100 @@ pub fn fit(board: &Board, model: &Model) -> NoiseFound {
     let rest = board.rest(model);
     let mut board = board.clone();
     weigh(&mut board, &rest);
-    let start = board.noise;
+    let ticks = board.benches.iter().map(|bench| bench.record.tick_s);
     let mut likelihood = Likelihood {
+        rounding_s: ticks.fold(0.0, f64::max) / 12_f64.sqrt(),
+        start: board.noise,
         board,
         rest,
-        start,
-        drifts: start.drift > 0.0,
+        free: vec![Size::Torque, Size::Stamp, Size::Drift],
     };
-    let mut at = vec![start.torque.max(1e-30).ln(), start.stamp_s.ln()];
-    if likelihood.drifts {
-        let there = likelihood.cost(&at);
-        likelihood.start.drift = NO_DRIFT * start.drift;
-        if likelihood.cost(&at) > there + 1.0 {
-            likelihood.start.drift = start.drift;
-            at.push(start.drift.ln());
-        }
+    likelihood.fix_if_nothing(Size::Drift);
+    let mut at = likelihood.climb();
+    // Stamps may be rounded and no more.
+    likelihood.start = likelihood.noise(&at);
+    let before = likelihood.free.len();
+    likelihood.fix_if_nothing(Size::Stamp);
+    if likelihood.free.len() < before {
+        at = likelihood.climb();
     }
-    let mut here = likelihood.cost(&at);
-    let (mut slope, mut curve) = likelihood.local(&at, here);
-    for _ in 0..ROUNDS {
-        let Some(by) = curve.clone().cholesky().map(|c| c.solve(&slope)) else {
-            break;
-        };
-        let mut share = (FARTHEST / by.amax()).min(1.0);
-        let mut better = None;
-        for _ in 0..4 {
-            let next: Vec<f64> = at
-                .iter()
-                .zip(by.iter())
-                .map(|(at, by)| at - share * by)
-                .collect();
-            let cost = likelihood.cost(&next);
-            if cost < here {
-                better = Some((next, cost));
-                break;
-            }
-            share *= 0.3;
-        }
-        let Some((next, cost)) = better else { break };
-        let gain = here - cost;
-        (at, here) = (next, cost);
-        (slope, curve) = likelihood.local(&at, here);
-        if gain < NO_GAIN {
-            break;
-        }
-    }
+    let here = likelihood.cost(&at);
+    let (_, curve) = likelihood.local(&at, here);
     let noise = likelihood.noise(&at);
-    let errors = errors(&curve, likelihood.tails(&at));
+    let tails = likelihood.tails(&at);
+    let errors = errors(&curve, tails);
+    let error = |size: Size| {
+        let place = likelihood.free.iter().position(|free| *free == size);
+        place.map(|at| errors[at])
+    };
+    let torque = Estimate::of_log(noise.torque, error(Size::Torque).unwrap_or(f64::INFINITY));
+    let rounding_s = likelihood.rounding_s;
+    let stamp_s = match error(Size::Stamp) {
+        Some(error) => {
+            let beside = (noise.stamp_s.powi(2) - rounding_s.powi(2)).max(0.0).sqrt();
+            Estimate::of_log(beside, error).map(|beside| rounding_s.hypot(beside))
+        }
+        None => Estimate {
+            value: noise.stamp_s,
+            ci95: [noise.stamp_s, likelihood.most_stamp_s(&at, here, tails)],
+        },
+    };
     NoiseFound {
         noise,
-        stamp_s: Estimate::of_log(noise.stamp_s, errors[1]),
-        torque: Estimate::of_log(noise.torque, errors[0]),
+        stamp_s,
+        torque,
+    }
+}
+
+impl Likelihood {
+    /// Newton's steps from the start to the likeliest sizes; their logarithms.
+    fn climb(&mut self) -> Vec<f64> {
+        let mut at: Vec<f64> = self.free.iter().map(|size| self.size(*size).ln()).collect();
+        let mut here = self.cost(&at);
+        for _ in 0..ROUNDS {
+            let (slope, curve) = self.local(&at, here);
+            // Where it curves the wrong way, the step goes down all the same.
+            let parts = curve.symmetric_eigen();
+            let mut along = parts.eigenvectors.transpose() * slope;
+            for (along, curve) in along.iter_mut().zip(parts.eigenvalues.iter()) {
+                *along /= curve.abs().max(FLAT);
+            }
+            let by = parts.eigenvectors * along;
+            let mut share = (FARTHEST / by.amax().max(f64::MIN_POSITIVE)).min(1.0);
+            let mut better = None;
+            for _ in 0..4 {
+                let each = at.iter().zip(by.iter());
+                let next: Vec<f64> = each.map(|(at, by)| at - share * by).collect();
+                let cost = self.cost(&next);
+                if cost < here {
+                    better = Some((next, cost));
+                    break;
+                }
+                share *= 0.3;
+            }
+            let Some((next, cost)) = better else { break };
+            let gain = here - cost;
+            (at, here) = (next, cost);
+            if gain < NO_GAIN {
+                break;
+            }
+        }
+        at
+    }
+
+    /// The largest error of stamps that is still likely where rounding is the likeliest, s.
+    fn most_stamp_s(&mut self, at: &[f64], here: f64, tails: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 4.0 * self.rounding_s);
+        for _ in 0..8 {
+            let middle: f64 = 0.5 * (low + high);
+            self.start.stamp_s = self.rounding_s.hypot(middle);
+            if self.cost(at) > here + LOSS_95 * tails {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.rounding_s.hypot(high)
     }
 }
 
@@ -189,15 +281,16 @@ impl Likelihood {
 
 /// Standard errors of the logarithms.
 fn errors(curve: &DMatrix<f64>, tails: f64) -> Vec<f64> {
-    match curve.clone().cholesky() {
-        Some(cholesky) => {
-            let inverse = cholesky.inverse();
-            let each = (0..curve.nrows()).map(|k| (2.0 * tails * inverse[(k, k)]).sqrt());
-            each.collect()
-        }
-        // What has no curvature is not determined.
-        None => vec![f64::INFINITY; curve.nrows()],
-    }
+    let count = curve.nrows();
+    let parts = curve.clone().symmetric_eigen();
+    let each = (0..count).map(|k| {
+        let own = (0..count).map(|way| {
+            let share = parts.eigenvectors[(k, way)];
+            share * share / parts.eigenvalues[way].max(FLAT)
+        });
+        (2.0 * tails * own.sum::<f64>()).sqrt()
+    });
+    each.collect()
 }
 
 /// Gives edges that are far out the weight that Huber's function has for them, once and for all.

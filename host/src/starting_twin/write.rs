@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::delays;
 use super::estimate::Starting;
-use super::sensor::Source;
+use super::sensor::{Found, Source};
 use super::{ClassDelay, Estimate};
 use crate::diagnose::edges::Sensor;
 use crate::diagnose::record;
@@ -32,10 +32,10 @@ pub struct Number {
 /// How torques without an inertia are to be read.
 const OF_INERTIA: &str = "in units of an inertia of 1 kg m^2";
 
-impl Starting {
+impl Found {
     /// Where the counts of the sensor come from.
     fn shown_by(&self) -> &'static str {
-        match self.found.source {
+        match self.source {
             Source::Given => "as given",
             Source::Index => "edges between index pulses",
             Source::Header => "the recording's header",
@@ -45,13 +45,44 @@ impl Starting {
 
     /// Key, name and count of what the sensor counts.
     fn counted(&self) -> (&'static str, &'static str, u32) {
-        match self.found.encoder {
+        match self.encoder {
             Encoder::Quadrature { lines, .. } => ("lines", "lines", lines),
             Encoder::Hall { pole_pairs } => ("pole_pairs", "pole pairs", pole_pairs),
             Encoder::Wheel { teeth, .. } => ("teeth", "teeth", teeth),
         }
     }
 
+    /// It in words, with its guess.
+    #[must_use]
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let (_, name, count) = self.counted();
+        let kind = match &self.encoder {
+            Encoder::Quadrature { index: true, .. } => "quadrature with index",
+            Encoder::Quadrature { .. } => "quadrature without index",
+            Encoder::Hall { .. } => "three Hall sensors",
+            Encoder::Wheel { .. } => "toothed wheel",
+        };
+        let mut gaps = String::new();
+        if let Encoder::Wheel {
+            teeth,
+            missing,
+            gaps: some,
+        } = &self.encoder
+        {
+            if *missing > 0 {
+                let _ = write!(gaps, ", {missing} missing at the end");
+            }
+            for gap in some {
+                let _ = write!(gaps, ", {} missing at {} of {teeth}", gap.missing, gap.at);
+            }
+        }
+        let sensor = format!("{kind}, {count} {name}{gaps} ({})", self.shown_by());
+        let guess = self.guess.iter().map(|guess| ("Guess", guess.clone()));
+        std::iter::once(("Sensor", sensor)).chain(guess).collect()
+    }
+}
+
+impl Starting {
     /// What orders of the disc may be beside it.
     fn disc_guess(&self) -> Option<String> {
         let disc = self.disc.as_ref()?;
@@ -108,7 +139,7 @@ fn interval(estimate: Estimate, unit: &str) -> String {
 /// All numbers that were found.
 #[must_use]
 pub fn numbers(starting: &Starting) -> Vec<Number> {
-    let (key, _, count) = starting.counted();
+    let (key, _, count) = starting.found.counted();
     let mut all = vec![Number {
         key: key.to_owned(),
         value: f64::from(count),
@@ -184,7 +215,7 @@ fn written(starting: &Starting, recordings: &[String], errors: Option<&Path>) ->
         starting.turns.ceil()
     ));
     line(String::new());
-    sensor(starting, &mut line);
+    sensor(&starting.found, &mut line);
     disc(starting, errors, &mut line);
     line(format!(
         "# No [drive]: the course of the speed is the recordings' own, {:.4} to {:.4} r/min. To simulate, add one.",
@@ -216,12 +247,25 @@ fn written(starting: &Starting, recordings: &[String], errors: Option<&Path>) ->
     text
 }
 
-fn sensor(starting: &Starting, line: &mut impl FnMut(String)) {
-    let shown_by = starting.shown_by();
-    if let Some(guess) = &starting.found.guess {
+/// The text of a twin of a sensor and a clock, which knows nothing else.
+#[must_use]
+pub fn bare_text(found: &Found, clock_hz: u64) -> String {
+    let mut text = "seed = 1\nduration = { turns = 1 }\n\n".to_owned();
+    let mut line = |words: String| {
+        let _ = writeln!(text, "{words}");
+    };
+    sensor(found, &mut line);
+    line("[timer]".to_owned());
+    line(format!("clock_hz = {clock_hz}"));
+    text
+}
+
+fn sensor(found: &Found, line: &mut impl FnMut(String)) {
+    let shown_by = found.shown_by();
+    if let Some(guess) = &found.guess {
         line(format!("# guess: {guess}"));
     }
-    match &starting.found.encoder {
+    match &found.encoder {
         Encoder::Quadrature { lines, index } => {
             line("[encoder.quadrature]".to_owned());
             line(format!("lines = {lines}  # {shown_by}"));
@@ -286,15 +330,12 @@ fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
     let keys = starting.delay_keys();
     match (&keys[..], starting.delay_limit_s) {
         ([], Some(limit_s)) => line(format!(
-            "# No delays of edge classes are seen; between rise and fall, or channels, they are less than {} (95 %).{}",
-            plain(&si(limit_s, "s")),
-            if limit_s > 1e-1 / starting.edge_rate_hz() {
-                " One speed hardly tells them from the disc."
-            } else {
-                ""
-            }
+            "# No delays of edge classes are seen; between rise and fall, or channels, they are less than {} (95 %).",
+            plain(&si(limit_s, "s"))
         )),
-        ([], None) => {}
+        ([], None) => line(
+            "# Delays of edge classes can't be told from the disc at one speed: record another one.".to_owned(),
+        ),
         _ => {
             line("# Delays against the edges that come first.".to_owned());
             let (section, _) = keys[0].0.split_once('.').unwrap_or(("edge_delay", ""));
@@ -323,13 +364,6 @@ fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
             plain(&si(starting.stamp_s.value, "s")),
             interval(starting.stamp_s, "s")
         )),
-    }
-}
-
-impl Starting {
-    /// Edges a second.
-    fn edge_rate_hz(&self) -> f64 {
-        self.edges as f64 / self.seconds
     }
 }
 
@@ -383,34 +417,7 @@ fn class_name(encoder: &Encoder, edge: u32) -> &'static str {
 /// What was found, in lines for people: names and values.
 #[must_use]
 pub fn lines_of(starting: &Starting) -> Vec<(&'static str, String)> {
-    let (_, name, count) = starting.counted();
-    let kind = match &starting.found.encoder {
-        Encoder::Quadrature { index: true, .. } => "quadrature with index",
-        Encoder::Quadrature { .. } => "quadrature without index",
-        Encoder::Hall { .. } => "three Hall sensors",
-        Encoder::Wheel { .. } => "toothed wheel",
-    };
-    let mut gaps = String::new();
-    if let Encoder::Wheel {
-        teeth,
-        missing,
-        gaps: some,
-    } = &starting.found.encoder
-    {
-        if *missing > 0 {
-            let _ = write!(gaps, ", {missing} missing at the end");
-        }
-        for gap in some {
-            let _ = write!(gaps, ", {} missing at {} of {teeth}", gap.missing, gap.at);
-        }
-    }
-    let mut lines = vec![(
-        "Sensor",
-        format!("{kind}, {count} {name}{gaps} ({})", starting.shown_by()),
-    )];
-    if let Some(guess) = &starting.found.guess {
-        lines.push(("Guess", guess.clone()));
-    }
+    let mut lines = starting.found.lines();
     lines.push((
         "Recorded",
         format!(
