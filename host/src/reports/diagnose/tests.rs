@@ -56,7 +56,7 @@ fn the_page_is_well_formed_and_tells_each_finding_in_a_card() {
         "Stamps spread by 310 ns RMS",
         "At 1.2500 s, 2.5000 s, 3.7500 s, 5.0000 s, 6.2500 s and 2 more",
         "under 0.1 % of the reducible",
-        "Residual along slow.csv.",
+        "Innovations along slow.csv",
     ] {
         assert!(page.contains(part), "{part}\n{page}");
     }
