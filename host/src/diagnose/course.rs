@@ -81,7 +81,7 @@ impl Course {
         let whole = (record.edges as usize / 2).max(LEAST);
         let mut run = 0;
         let mut steady = self.speed.clone();
-        for at in 1..self.len() {
+        for (at, steady) in steady.iter_mut().enumerate().skip(1) {
             if record.way[at] != record.way[at - 1] {
                 run = at;
             }
@@ -102,7 +102,7 @@ impl Course {
             let slope = (after - before) / (after_s - before_s).max(f64::MIN_POSITIVE);
             let ahead = after + slope * (now_s - after_s);
             // It does not turn round before it does.
-            steady[at] = if ahead * after > 0.0 { ahead } else { after };
+            *steady = if ahead * after > 0.0 { ahead } else { after };
         }
         steady
     }

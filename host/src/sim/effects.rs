@@ -212,9 +212,9 @@ pub(super) fn changed(
         None => 0.0,
     };
     let mut changed = (asked[k], next(k));
-    for j in 0..=k {
-        changed.0 += asked[j] * share.terms[k - j];
-        changed.1 += next(j) * share.terms[k - j] + asked[j] * rate.terms[k - j];
+    for (j, asked) in asked.iter().enumerate().take(k + 1) {
+        changed.0 += asked * share.terms[k - j];
+        changed.1 += next(j) * share.terms[k - j] + asked * rate.terms[k - j];
     }
     changed
 }
