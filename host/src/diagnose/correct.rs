@@ -578,7 +578,7 @@ pub fn measured(board: &Board, fit: &Fit, group: usize) -> Vec<Measured> {
     all
 }
 
-/// Corrections in words: "gear_mesh[0].torque_n_m: 4.00 mN m declared, 2.00 +- 0.01 mN m measured"; `spread` widens the intervals.
+/// Corrections in words: "gear_mesh.torque_n_m: 4.00 mN m declared, 2.00 +- 0.01 mN m measured"; `spread` widens the intervals.
 #[must_use]
 pub fn text(corrections: &[Measured], spread: f64) -> String {
     let each = corrections.iter().map(|one| {
