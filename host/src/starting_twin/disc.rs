@@ -6,6 +6,7 @@ use super::Estimate;
 use crate::diagnose::effect::{Carrier, Effect, On, Site};
 use crate::diagnose::lsq::{Basis, dot};
 use crate::diagnose::model::{Board, Model};
+use crate::diagnose::pattern::Pattern;
 use crate::diagnose::search::SURE;
 
 /// Orders that are looked at for a torque behind them.
@@ -57,13 +58,7 @@ pub fn find(board: &Board, model: &Model) -> Option<DiscFound> {
     let rms = (square / count).sqrt();
     let error = spread.sqrt() / count / (2.0 * rms);
     let amplitude = |order: usize| (2.0 * powers[order] / count).sqrt();
-    let classes = benches.first()?.record.classes as usize;
-    // Orders from that of the lines on are no machine's torque.
-    let mut strongest: Vec<usize> = (1..(edges / classes.max(2)).min(powers.len()))
-        .filter(|&order| powers[order] > SEEN * SEEN * 2.0 * pattern.variance(order))
-        .collect();
-    strongest.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
-    strongest.truncate(STRONGEST);
+    let strongest = seen(board, &pattern, &powers);
     let mut alike: Vec<(usize, f64)> = strongest
         .into_iter()
         .map(|order| (order, amplitude(order)))
@@ -76,6 +71,34 @@ pub fn find(board: &Board, model: &Model) -> Option<DiscFound> {
         rms_rad: Estimate::normal(rms, error),
         alike,
     })
+}
+
+/// The orders below that of the lines at which the disc seems to have most beside a model, strongest first.
+#[must_use]
+pub fn strongest(board: &Board, model: &Model) -> Vec<usize> {
+    let Some(pattern) = board.pattern.as_ref().filter(|one| one.size2 > 0.0) else {
+        return Vec::new();
+    };
+    let rest = board.rest(model);
+    let each = board.benches.iter().zip(&rest);
+    let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
+    let errors = pattern.errors(&board.benches, &white);
+    seen(board, pattern, &powers(&errors))
+}
+
+/// Orders below that of the lines whose powers are surely not noise, strongest first: from the lines on, no machine makes a torque.
+fn seen(board: &Board, pattern: &Pattern, powers: &[f64]) -> Vec<usize> {
+    let classes = board
+        .benches
+        .first()
+        .map_or(1, |bench| bench.record.classes);
+    let lines = pattern.edges / classes.max(2) as usize;
+    let mut orders: Vec<usize> = (1..lines.min(powers.len()))
+        .filter(|&order| powers[order] > SEEN * SEEN * 2.0 * pattern.variance(order))
+        .collect();
+    orders.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+    orders.truncate(STRONGEST);
+    orders
 }
 
 /// Squares of a row's waves of unit size, order by order.

@@ -17,7 +17,6 @@ use crate::diagnose::pattern::Pattern;
 use crate::diagnose::pipeline::EDGES_LEAST;
 use crate::diagnose::record::Record;
 use crate::diagnose::rig::DiagnoseError;
-use crate::diagnose::scan;
 use crate::diagnose::search::{self, SURE};
 use crate::twin::{Twin, TwinError};
 
@@ -123,7 +122,8 @@ pub fn estimate(
     progress(0.05, "Fitting the noise");
     let speed_r_min = speeds(&records);
     let mut board = Board::new(benches(&records, &twin));
-    settle(&mut board);
+    settle(&mut board, &twin);
+    renoise(&mut board, &records, &twin, &Model::default());
     progress(0.3, "Looking for delays");
     let (delays, delay_limit_s) = if changes(speed_r_min) {
         delays_of(&mut board, &records, &mut twin)
@@ -134,11 +134,8 @@ pub fn estimate(
     let fit = torques_of(&board);
     progress(0.7, "Fitting the noise");
     let NoiseFound {
-        noise,
-        stamp_s,
-        torque,
-    } = noise_of(&board, &records, &twin, &fit.model);
-    board.set_noise(noise);
+        stamp_s, torque, ..
+    } = renoise(&mut board, &records, &twin, &fit.model);
     let fit = board.fit(&fit.model);
     progress(0.9, "Fitting the disc");
     let disc = disc::find(&board, &fit.model);
@@ -202,7 +199,7 @@ fn delays_of(
     for _ in 0..ROUNDS {
         (twin.edge_delay, twin.channel_skew) = delays::declared(&told);
         beside(board, records, twin);
-        resize(board);
+        resize(board, &Model::default());
         let (more_s, spread) = delays.fit(board);
         let done = more_s.amax() < 0.1 * spread.diagonal().amax().sqrt();
         late_s += more_s;
@@ -241,76 +238,92 @@ fn changes([slow, fast]: [f64; 2]) -> bool {
     fast > TWO_SPEEDS * slow && fast >= 0.0 || slow < TWO_SPEEDS * fast && fast < 0.0
 }
 
-/// Sets the noise to what is left beside a disc of any errors, whatever their size: noise that was fitted with the disc in it would hide
-/// the disc in turn.
-fn settle(board: &mut Board) {
-    for _ in 0..ROUNDS {
-        let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
-            return;
-        };
-        pattern.set_size((TAU / pattern.edges as f64).powi(2));
-        let benches = &board.benches;
-        let white: Vec<f64> = benches
-            .iter()
-            .flat_map(|bench| bench.white(&bench.residual))
-            .collect();
-        let errors = pattern.errors(benches, &white);
-        let left = benches.iter().map(|bench| {
-            let each = bench.residual.iter().enumerate();
-            each.map(|(at, rest)| rest - errors[bench.record.slot(at)])
-                .collect()
-        });
-        let left: Vec<Vec<f64>> = left.collect();
-        let (noise, _) = bench::fit_noise(benches, &left, board.noise, board.free);
-        board.set_noise(noise);
+/// Sets the noise to what edges show against the same edges a turn before, where that is likelier: the disc's errors cancel so, whatever
+/// they are, and all noise comes twice. Noise that was fitted with the disc in it may be so large that it hides the disc in turn.
+fn settle(board: &mut Board, twin: &Twin) {
+    resize(board, &Model::default());
+    let parts = board.benches.iter().filter_map(|bench| {
+        let record = &bench.record;
+        let mean_speed = record.turns() * TAU / record.seconds();
+        let mut seen: Vec<Option<usize>> = vec![None; record.edges as usize];
+        let (mut first, mut changes) = (None, Vec::new());
+        for at in 0..record.len() {
+            if let Some(before) = seen[record.slot(at)].replace(at) {
+                first.get_or_insert(at);
+                let way = record.grid_rad(at) - record.grid_rad(before);
+                changes.push(way - mean_speed * (record.time_s[at] - record.time_s[before]));
+            } else if first.is_some() {
+                // An edge that comes for the first time so late goes on from the one before it.
+                changes.push(changes.last().copied().unwrap_or(0.0));
+            }
+        }
+        Some((part(record, first?..record.len()), changes))
+    });
+    let (records, changes): (Vec<Record>, Vec<Vec<f64>>) = parts.unzip();
+    if records.is_empty() {
+        return;
     }
-    resize(board);
+    let benches = benches(&records, twin);
+    let (twice, _) = bench::fit_noise(&benches, &changes, board.noise, board.free);
+    let mut other = board.clone();
+    other.set_noise(Noise {
+        torque: 0.5 * twice.torque,
+        drift: 0.5 * twice.drift,
+        stamp_s: twice.stamp_s / std::f64::consts::SQRT_2,
+        ..twice
+    });
+    resize(&mut other, &Model::default());
+    if noise::cost(&other) < noise::cost(board) {
+        *board = other;
+    }
 }
 
 /// Sets the disc's pattern to the size of most evidence in the present noise.
-fn resize(board: &mut Board) {
+fn resize(board: &mut Board, model: &Model) {
     let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
         return;
     };
-    let benches = board.benches.iter();
-    let white: Vec<f64> = benches
-        .flat_map(|bench| bench.white(&bench.residual))
-        .collect();
+    let rest = board.rest(model);
+    let each = board.benches.iter().zip(&rest);
+    let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
     pattern.size_up(&board.benches, &white);
     board.pattern = Some(pattern);
 }
 
-/// Fits the torques at whole orders that are worth their numbers beside a disc of any pattern: speed that changes tells them from it.
+/// Fits the noise and the pattern's size in turn, as each bears on the other.
+fn renoise(board: &mut Board, records: &[Record], twin: &Twin, model: &Model) -> NoiseFound {
+    let mut found = noise_of(board, records, twin, model);
+    for _ in 1..ROUNDS {
+        board.set_noise(found.noise);
+        resize(board, model);
+        found = noise_of(board, records, twin, model);
+    }
+    board.set_noise(found.noise);
+    resize(board, model);
+    found
+}
+
+/// Fits the torques that are worth their numbers beside a disc of any pattern, at the orders at which the disc seems to have most: speed
+/// that changes tells them from it.
 fn torques_of(board: &Board) -> Fit {
     let mut fit = board.fit(&Model::default());
-    let lines = board
-        .benches
-        .first()
-        .map_or(0, |bench| bench.record.edges / bench.record.classes.max(2));
     for group in 0..TORQUES {
-        let candidates = scan::spectra(board, &fit, &fit.basis());
-        let whole = candidates.into_iter().filter_map(|candidate| {
-            let [effect] = candidate.effects[..] else {
+        let orders = disc::strongest(board, &fit.model);
+        let tried = orders.into_iter().filter_map(|order| {
+            let effect = Effect::new(Site::Torque, Carrier::Order(order as f64));
+            let mut terms = fit.model.terms.iter();
+            if terms.any(|term| term.effect == effect) {
                 return None;
-            };
-            match (effect.site, effect.carrier) {
-                (Site::Torque, Carrier::Order(order))
-                    if order.fract() == 0.0 && order < lines as f64 =>
-                {
-                    Some((candidate.gain, effect))
-                }
-                _ => None,
             }
+            let mut model = fit.model.clone();
+            model.add(&[effect], group);
+            let next = board.fit(&model);
+            let worth = search::evidence(board, fit.rss - next.rss, effect.sizes());
+            (worth > SURE).then_some((worth, next))
         });
-        let Some((_, effect)) = whole.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        let Some((_, next)) = tried.max_by(|a, b| a.0.total_cmp(&b.0)) else {
             break;
         };
-        let mut model = fit.model.clone();
-        model.add(&[effect], group);
-        let next = board.fit(&model);
-        if search::evidence(board, fit.rss - next.rss, effect.sizes()) < SURE {
-            break;
-        }
         fit = next;
     }
     fit
@@ -373,7 +386,10 @@ fn middle(record: &Record, share: f64) -> Record {
     let count = record.len();
     let kept = (share * count as f64) as usize;
     let from = (count - kept) / 2;
-    let range = from..from + kept;
+    part(record, from..from + kept)
+}
+
+fn part(record: &Record, range: std::ops::Range<usize>) -> Record {
     Record {
         time_s: record.time_s[range.clone()].to_vec(),
         place: record.place[range.clone()].to_vec(),

@@ -154,6 +154,20 @@ impl Likelihood {
     }
 }
 
+/// Twice the negative logarithm of the likelihood of a board's noise, the disc's pattern of its size integrated out.
+#[must_use]
+pub fn cost(board: &Board) -> f64 {
+    let rest = board.rest(&Model::default());
+    let mut likelihood = Likelihood {
+        rounding_s: 0.0,
+        start: board.noise,
+        board: board.clone(),
+        rest,
+        free: Vec::new(),
+    };
+    likelihood.cost(&[])
+}
+
 /// Fits the noise to what a model leaves, the disc's pattern of the board's size integrated out.
 #[must_use]
 pub fn fit(board: &Board, model: &Model) -> NoiseFound {

@@ -1,0 +1,161 @@
+//! `quadcal twin`: what a recording alone says of a rig, and that a diagnosis takes it.
+
+mod workshop;
+
+use std::fs;
+use std::path::Path;
+
+use tempfile::TempDir;
+use workshop::{QUADRATURE, TWIN, bench, done, json, names, quadcal, refused};
+
+/// A recording as its text without a line of its header.
+fn without(text: &str, key: &str) -> String {
+    let kept = text
+        .lines()
+        .filter(|line| !line.starts_with(&format!("# {key} ")));
+    kept.map(|line| format!("{line}\n")).collect()
+}
+
+/// A number of a JSON result.
+fn number(summary: &serde_json::Value, key: &str) -> serde_json::Value {
+    let numbers = summary["numbers"].as_array().unwrap();
+    let mut found = numbers.iter().filter(|number| number["key"] == key);
+    found
+        .next()
+        .unwrap_or_else(|| panic!("{key}: {summary}"))
+        .clone()
+}
+
+/// A folder with the recording of a wheel with two gaps.
+fn wheel() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let twin = TWIN
+        .replace(
+            QUADRATURE,
+            "[encoder.wheel]\nteeth = 36\ngaps = [{ at = 17, missing = 1 }, { at = 34, missing = 2 }]",
+        )
+        .replace("quadrature_rad = 6e-3", "");
+    fs::write(folder.path().join("wheel.toml"), twin).unwrap();
+    done(folder.path(), "simulate wheel.toml -o wheel.csv");
+    folder
+}
+
+#[test]
+fn a_twin_of_an_encoder_with_an_index_is_written_with_its_disc_and_taken_again() {
+    let folder = bench();
+    let at = folder.path();
+    let said = done(at, "twin rig.csv -o made.toml --json made.json");
+    assert!(said.starts_with("Sensor"), "{said}");
+    let text = fs::read_to_string(at.join("made.toml")).unwrap();
+    assert!(
+        text.contains("lines = 50  # edges between index pulses"),
+        "{text}"
+    );
+    assert!(text.contains("csv = \"made-errors.csv\""), "{text}");
+    let list = fs::read_to_string(at.join("made-errors.csv")).unwrap();
+    assert!(list.starts_with("edge,class,error_rad,standard_error_rad\n0,A rises,"));
+    assert_eq!(list.lines().count(), 201);
+    let summary = json(&fs::read_to_string(at.join("made.json")).unwrap());
+    let rms = number(&summary, "errors.rms_rad");
+    assert!(
+        (1e-3..5e-3).contains(&rms["value"].as_f64().unwrap()),
+        "{rms}"
+    );
+    done(at, "diagnose again.csv --twin made.toml");
+}
+
+#[test]
+fn a_sensor_that_only_repeats_is_a_guess_and_one_that_does_not_is_asked_for() {
+    let folder = bench();
+    let at = folder.path();
+    let text = fs::read_to_string(at.join("hall.csv")).unwrap();
+    fs::write(at.join("silent.csv"), without(&text, "pole_pairs")).unwrap();
+    let twin = done(at, "twin silent.csv -o -");
+    assert!(
+        twin.contains("# guess: the intervals repeat after 2 pole pairs"),
+        "{twin}"
+    );
+    assert!(
+        twin.contains("pole_pairs = 2  # the pattern that repeats"),
+        "{twin}"
+    );
+    let given = done(at, "twin silent.csv --lines 4 -o -");
+    assert!(given.contains("pole_pairs = 4  # as given"), "{given}");
+    // Without errors nothing repeats.
+    let even = TWIN.replace(QUADRATURE, "[encoder.hall]\npole_pairs = 2");
+    let (head, tail) = even.split_once("[errors]").unwrap();
+    let even = format!("{head}{}", &tail[tail.find("[shaft]").unwrap()..]);
+    fs::write(at.join("even.toml"), even).unwrap();
+    done(at, "simulate even.toml -o even.csv");
+    let text = fs::read_to_string(at.join("even.csv")).unwrap();
+    fs::write(at.join("even.csv"), without(&text, "pole_pairs")).unwrap();
+    let message = refused(&folder, "twin even.csv -o new.toml", 2);
+    assert!(message.contains("give --lines M"), "{message}");
+}
+
+#[test]
+fn all_gaps_of_a_wheel_are_found() {
+    let folder = wheel();
+    let twin = done(folder.path(), "twin wheel.csv -o -");
+    let gaps = "gaps = [{ at = 17, missing = 1 }, { at = 34, missing = 2 }]";
+    assert!(twin.contains(gaps), "{twin}");
+    // The errors need a file.
+    assert!(twin.contains("--errors PATH"), "{twin}");
+    assert_eq!(names(&folder), ["wheel.csv", "wheel.toml"]);
+}
+
+#[test]
+fn nothing_takes_the_place_of_an_input_or_is_left_half_written() {
+    let folder = bench();
+    for arguments in [
+        "twin rig.csv -o rig.csv",
+        "twin rig.csv -o new.toml --errors rig.csv",
+        "twin rig.csv -o new.toml --json new.toml",
+    ] {
+        let before = names(&folder);
+        let output = quadcal(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert_eq!(names(&folder), before, "{arguments}");
+    }
+    let message = refused(&folder, "twin rig.csv rig.csv -o new.toml", 2);
+    assert!(message.contains("rig.csv"), "{message}");
+}
+
+#[test]
+fn a_diagnosis_without_a_twin_says_that_it_made_one() {
+    let folder = bench();
+    let said = done(folder.path(), "diagnose hall.csv");
+    let mut lines = said.lines();
+    let first = lines.next().unwrap();
+    assert!(first.contains("no twin given: one was made"), "{said}");
+    assert!(lines.next().unwrap().contains("2 pole pairs"), "{said}");
+}
+
+#[test]
+fn real_hall_sensors_show_their_slow_rises_and_none_where_there_are_none() {
+    let real = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
+        path.join(name).display().to_string()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    done(
+        at,
+        &format!(
+            "twin {} -o sweep.toml --json sweep.json",
+            real("hall-spindle-sweep.csv")
+        ),
+    );
+    let summary = json(&fs::read_to_string(at.join("sweep.json")).unwrap());
+    // Known from another method: 259 to 284 us by channel.
+    for channel in ["a", "b", "c"] {
+        let late = number(&summary, &format!("edge_delay.{channel}.rise_s"));
+        let late_s = late["value"].as_f64().unwrap();
+        assert!((255e-6..290e-6).contains(&late_s), "{late}");
+    }
+    let twin = done(at, &format!("twin {} -o -", real("hall-speed-cycle.csv")));
+    assert!(
+        twin.contains("# No delays of edge classes are seen"),
+        "{twin}"
+    );
+}
