@@ -173,7 +173,7 @@ fn everything_asked_for_is_written() {
         "diagnose rig.csv again.csv --twin rig.toml --json found.json --report found.html --write-twin new.toml",
     );
     let found = json(&fs::read_to_string(at.join("found.json")).unwrap());
-    assert_eq!(found["version"], 1);
+    assert_eq!(found["version"], 2);
     let verdict = found["verdict"].as_str().unwrap();
     let said = text.lines().next().unwrap();
     assert!(

@@ -38,7 +38,7 @@ Examples:
   quadcal diagnose slow.csv fast.csv --twin slow.toml --twin fast.toml --json -
   quadcal diagnose one.csv two.csv three.csv --twin rig.toml           one twin for all
   quadcal diagnose hub.csv --twin hall.toml                            Hall sensors
-  quadcal diagnose rig.csv                                             without a twin: all that it shows
+  quadcal diagnose rig.csv                                             all it shows, without a twin
   quadcal diagnose --mechanisms                                        what it can name
   quadcal diagnose --mechanisms bearing                                what is known of one
 

@@ -56,6 +56,8 @@ pub fn with_interval(parameter: &Parameter) -> String {
 #[must_use]
 pub fn parameter_name(name: &str, unit: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
+    // Of a twin without an inertia, torques are over it.
+    let unit = unit.trim_end_matches("/(kg m^2)");
     let suffix: String = unit
         .replace('^', "")
         .replace("1/", "per_")
@@ -130,6 +132,7 @@ mod tests {
             ("stribeck_n_m", "N m", "Stribeck friction"),
             ("fraction_per_s", "1/s", "fraction"),
             ("order", "1", "order"),
+            ("torque_n_m", "N m/(kg m^2)", "torque"),
             ("s", "s", "s"),
         ] {
             assert_eq!(parameter_name(name, unit), words);
