@@ -97,7 +97,7 @@ impl Simulated {
         let mut tally = Tally::new(twin);
         let total = match twin.duration {
             Duration::Turns(turns) => Some(turns.ceil() as u64),
-            Duration::Seconds(_) => None,
+            Duration::Seconds(_) | Duration::Unknown => None,
         };
         let mut progress = Progress::count("Simulating", "turns", total, globals);
         for event in simulation.by_ref() {
@@ -180,6 +180,7 @@ impl Tally {
         // Whole turns at least every few points would be too coarse for a short run: a fixed share of the edges it is.
         let turns = match twin.duration {
             Duration::Turns(turns) => turns,
+            Duration::Unknown => 0.0,
             Duration::Seconds(seconds) => seconds * twin.drive.nominal_rad_s().abs() / TAU,
         };
         let edges = turns * f64::from(twin.encoder.grid_edges());

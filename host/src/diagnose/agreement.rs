@@ -4,8 +4,10 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::answer::Curve;
 use super::bench::Bench;
+use super::disc;
+use super::effect::Site;
 use super::judge::{self, Parts};
-use super::model::{Board, Fit};
+use super::model::{Board, Fit, Model};
 use super::rig::Recorded;
 use crate::diagnose::diagnosis::{Fit as Agreement, HeldOut, RecordingFacts};
 
@@ -16,18 +18,10 @@ const POINTS: usize = 300;
 /// Probability of whiteness below which something is left.
 pub const NOT_WHITE: f64 = 1e-6;
 
-/// Errors of the edges of a disc that the twins do not give, rad, from what a model leaves.
-pub fn learned(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let pattern = board.pattern.as_ref()?;
-    let each = board.benches.iter().zip(rests);
-    let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
-    Some(pattern.errors(&board.benches, &white.concat()))
-}
-
 /// Residual angles as given and with the model, rad.
 pub fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
     let mut rests = board.rest(&fit.model);
-    if let Some(errors) = learned(board, &rests) {
+    if let Some(errors) = disc::pattern(board, &rests) {
         for (bench, rest) in board.benches.iter().zip(&mut rests) {
             rest.iter_mut()
                 .enumerate()
@@ -43,7 +37,7 @@ pub fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
 /// How well twins and recordings agree before and after.
 pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let before = as_given(given, board);
-    let plain = before.fit(&fit.model.nuisances());
+    let plain = before.fit(&of_drive(fit));
     let edges = board.edges() as f64;
     // White innovations count in deviations of the noise; a deviation is so many rad.
     let scales = board.benches.iter().flat_map(|bench| &bench.scales);
@@ -78,6 +72,15 @@ fn as_given(given: &Board, board: &Board) -> Board {
     before.pattern = None;
     before.set_noise(board.noise);
     before
+}
+
+/// What nobody knows of any rig but the disc, which counts as the twins have it.
+fn of_drive(fit: &Fit) -> Model {
+    let mut model = fit.model.nuisances();
+    model
+        .terms
+        .retain(|term| !matches!(term.effect.site, Site::Disc(_)));
+    model
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -146,7 +149,7 @@ pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
 /// RMS of the innovations in windows along each recording, before and after.
 pub fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<Curve> {
     let before = as_given(given, board);
-    let plain = before.fit(&fit.model.nuisances());
+    let plain = before.fit(&of_drive(fit));
     let (one, other) = (rests(&before, &plain), rests(board, fit));
     let pairs = rig.iter().zip(&board.benches).enumerate();
     pairs

@@ -20,7 +20,9 @@ pub struct Answer {
     pub cells: Vec<Vec<Sized>>,
     /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
     pub shares: Vec<Option<f64>>,
-    /// Errors of the disc's edges, rad, where the twins do not give it and it was learned.
+    /// RMS of the errors of the disc's edges, rad, where the twins do not give the disc and it was learned.
+    pub learned_disc_rms_rad: Option<f64>,
+    /// Errors of the disc's edges, rad, where it was learned.
     #[serde(skip)]
     pub pattern: Option<Vec<f64>>,
     /// Of each finding, in the findings' order, the numbers of the twin that it corrects, as the twin declares them.

@@ -20,6 +20,8 @@ pub struct Bench {
     pub twin: Twin,
     /// Errors of its disc as the recording counts edges, rad.
     pub disc: Vec<f64>,
+    /// What was learned of the disc on top, rad; empty where nothing was. The course goes by it.
+    pub learned: Vec<f64>,
     /// Where the shaft was.
     pub course: Course,
     /// Its law.
@@ -50,16 +52,31 @@ impl Bench {
     /// Compares a recording with its twin.
     #[must_use]
     pub fn new(record: Record, twin: &Twin, errors: &[f64], noise: &Noise) -> Self {
+        Self::about(record, twin, errors, &[], noise)
+    }
+
+    /// The same about the course that a disc makes of the edges of which more was learned than the twin says, rad.
+    #[must_use]
+    pub fn about(
+        record: Record,
+        twin: &Twin,
+        errors: &[f64],
+        learned: &[f64],
+        noise: &Noise,
+    ) -> Self {
         let disc = declared::of_recorded(errors, record.edges);
         let law = Law::of(twin);
+        let more = |at: usize| learned.get(record.slot(at)).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
-            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
+            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0) + more(at))
             .collect();
         let mut course = Course::new(&record, &off);
         let mut plant = Plant::new(law.clone(), &course);
         let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
         // Once more about the course without what shifts edges.
-        course = Course::new(&record, &declared.off);
+        let off = declared.off.iter().enumerate();
+        let off: Vec<f64> = off.map(|(at, off)| off + more(at)).collect();
+        course = Course::new(&record, &off);
         course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
@@ -75,6 +92,7 @@ impl Bench {
             twin: twin.clone(),
             record,
             disc,
+            learned: learned.to_vec(),
             course,
             plant,
             declared,
@@ -234,6 +252,14 @@ impl Bench {
             .collect();
         self.gains.transposed(&mut score);
         score
+    }
+
+    /// The filter were each edge's own angle open by a variance of its place on the grid, rad^2.
+    #[must_use]
+    pub fn opened(&self, open: &[f64]) -> Gains {
+        let own = |at| open[self.record.slot(at)];
+        self.leaps
+            .filter_open(0..self.record.len(), &self.noise, own)
     }
 
     /// What an effect does to each edge, rad, for unit of each size.

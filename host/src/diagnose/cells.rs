@@ -3,6 +3,7 @@
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::{Basis, dot};
 use super::model::{Board, Fit};
+use super::nearby::Left;
 use super::scan::Candidate;
 
 /// Instants at which steps are tried.
@@ -149,6 +150,23 @@ pub fn channels(board: &Board) -> u8 {
         .unwrap_or(1)
 }
 
+/// How far edges of a class are off those of the first one: of each channel, and of its falls.
+#[must_use]
+pub fn classes(board: &Board) -> Vec<Effect> {
+    let classes = board.benches.iter().map(|bench| bench.record.classes);
+    let flanks = classes.max().unwrap_or(1) > 1;
+    let steady = |channel: u8, rises: Option<bool>| {
+        let channel = Some(channel);
+        Effect::new(Site::Disc(On { channel, rises }), Carrier::Steady)
+    };
+    let channels = 1..channels(board);
+    let mut all: Vec<Effect> = channels.map(|channel| steady(channel, None)).collect();
+    if flanks {
+        all.extend((0..self::channels(board)).map(|channel| steady(channel, Some(false))));
+    }
+    all
+}
+
 /// Groups of effects that are tried as they are.
 #[must_use]
 pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
@@ -267,7 +285,7 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
 
 /// Torques that come at one instant and go at another: the best of all pairs of a grid of instants.
 #[must_use]
-pub fn loads(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     use rayon::prelude::*;
     let instants = &bank.instants;
     if instants.len() < 3 {
@@ -275,11 +293,11 @@ pub fn loads(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candid
     }
     let cleared = bank.steps.par_iter().map(|column| {
         let mut column = column.clone();
-        basis.clear(&mut column);
+        left.basis.clear(&mut column);
         column
     });
     let steps: Vec<Vec<f64>> = cleared.collect();
-    let scores: Vec<f64> = steps.iter().map(|column| dot(column, &fit.left)).collect();
+    let scores: Vec<f64> = steps.iter().map(|column| dot(column, left.white)).collect();
     let pairs: Vec<(usize, usize)> = (0..INSTANTS)
         .flat_map(|a| (a..INSTANTS).map(move |b| (a, b)))
         .collect();
@@ -312,50 +330,8 @@ pub fn loads(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candid
     best.truncate(2);
     let step = instants[2] - instants[1];
     best.into_iter()
-        .map(|(gain, effect)| nearest(board, fit, basis, effect, gain, step))
+        .map(|(_, effect)| nearest(left, effect, 0.5 * step))
         .collect()
-}
-
-/// The best nearby value of knobs, by halving.
-fn nearest(
-    board: &Board,
-    fit: &Fit,
-    basis: &Basis,
-    effect: Effect,
-    gain: f64,
-    step: f64,
-) -> Candidate {
-    let mut best = Candidate {
-        effects: vec![effect],
-        gain,
-    };
-    let mut step = 0.5 * step;
-    let least = board
-        .reach(&effect)
-        .into_iter()
-        .fold(f64::INFINITY, f64::min)
-        * 0.3;
-    while step > least {
-        for knob in 0..effect.knobs().len() {
-            for side in [-1.0, 1.0] {
-                let mut knobs = best.effects[0].knobs();
-                if !knobs[knob].is_finite() {
-                    continue;
-                }
-                knobs[knob] += side * step;
-                let moved = effect.with_knobs(&knobs);
-                let gain = basis.gain(&board.columns(&moved), &fit.left);
-                if gain > best.gain {
-                    best = Candidate {
-                        effects: vec![moved],
-                        gain,
-                    };
-                }
-            }
-        }
-        step *= 0.5;
-    }
-    best
 }
 
 /// Kinds of bumps that are looked for: the edges that they are on, and their width, rad, with the squares of a unit one.
@@ -408,19 +384,21 @@ fn kinds_of_bumps(board: &Board) -> Vec<(On, f64, f64)> {
 
 /// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
 #[must_use]
-pub fn bumps(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
-    let Some(first) = board.benches.first() else {
+pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
+    let Some(first) = left.board.benches.first() else {
         return Vec::new();
     };
     let (edges, classes) = (first.record.edges, first.record.classes);
     let mut fold = vec![0.0; edges as usize];
-    let mut from = 0;
-    for bench in &board.benches {
-        let until = from + bench.record.len();
-        for (at, score) in bench.score(&fit.left[from..until]).into_iter().enumerate() {
+    for (bench, scores) in left
+        .board
+        .benches
+        .iter()
+        .zip(left.scores(Site::Disc(On::ALL)))
+    {
+        for (at, score) in scores.iter().enumerate() {
             fold[bench.record.slot(at)] += score;
         }
-        from = until;
     }
     let step = first.record.step_rad();
     use rayon::prelude::*;
@@ -455,9 +433,18 @@ pub fn bumps(board: &Board, bank: &Bank, fit: &Fit, basis: &Basis) -> Vec<Candid
     found.truncate(BUMPS);
     found
         .into_iter()
-        .map(|(_, effect)| {
-            let gain = basis.gain(&board.columns(&effect), &fit.left);
-            nearest(board, fit, basis, effect, gain, effect.knobs()[1])
-        })
+        .map(|(_, effect)| nearest(left, effect, 0.5 * effect.knobs()[1]))
         .collect()
+}
+
+/// An effect with the best knobs near its own, all of one unit.
+fn nearest(left: &Left<'_>, effect: Effect, step: f64) -> Candidate {
+    let reach = left.board.reach(&effect).into_iter();
+    let least = 0.3 * reach.fold(f64::INFINITY, f64::min);
+    let steps = vec![step; effect.knobs().len()];
+    let (effect, gain) = left.best_near(&effect, &steps, least / step);
+    Candidate {
+        effects: vec![effect],
+        gain,
+    }
 }

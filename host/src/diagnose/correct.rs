@@ -280,7 +280,13 @@ impl Board {
                 let errors = sim::true_errors(&twin)
                     .ok()
                     .or_else(|| (twin.errors == bench.twin.errors).then(|| bench.disc.clone()))?;
-                let mut next = Bench::new(bench.record.clone(), &twin, &errors, &self.noise);
+                let mut next = Bench::about(
+                    bench.record.clone(),
+                    &twin,
+                    &errors,
+                    &bench.learned,
+                    &self.noise,
+                );
                 next.weights.clone_from(&bench.weights);
                 if !next.declared.ties.is_empty() {
                     next.decide_ties();

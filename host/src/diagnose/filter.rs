@@ -78,9 +78,9 @@ const SETTLES: usize = 2;
 const ANYWHERE: f64 = 1e2;
 
 impl<const N: usize> Filter<N> {
-    /// The gains for a noise.
+    /// The gains for a noise, and what else leaves each edge's own angle open: a variance, rad^2.
     #[must_use]
-    pub fn new(leaps: &[Leap<N>], noise: &Noise) -> Self {
+    pub fn new(leaps: &[Leap<N>], noise: &Noise, open: impl Fn(usize) -> f64) -> Self {
         let top = leaps
             .iter()
             .map(|leap| leap.speed.abs())
@@ -125,6 +125,7 @@ impl<const N: usize> Filter<N> {
                 * leap.speed
                 * (noise.stamp_s * noise.stamp_s + leap.doubt_s * leap.doubt_s)
                 + noise.angle_rad * noise.angle_rad
+                + open(at)
                 + 1e-30;
             let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
             let gain = p[ANGLE].map(|of| of * inverse);
@@ -230,7 +231,13 @@ impl<const N: usize> Filter<N> {
 /// A matrix times a state.
 #[inline(always)]
 pub fn times<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
-    way.map(|row| row.iter().zip(state).map(|(a, b)| a * b).sum())
+    let mut end = [0.0; N];
+    for row in 0..N {
+        for column in 0..N {
+            end[row] += way[row][column] * state[column];
+        }
+    }
+    end
 }
 
 /// A transposed matrix times a state.

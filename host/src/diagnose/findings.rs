@@ -8,13 +8,13 @@ use super::effect::{Carrier, Site};
 use super::judge::Parts;
 use super::model::{Board, Fit};
 use super::rig::Recorded;
-use super::{correct, events, name, search, stamps};
+use super::{correct, disc, events, name, search, stamps};
 use crate::diagnose::diagnosis::{
     Diagnosis, Evidence, Finding, NextRecording, Place, RunnerUp, Verdict,
 };
 use crate::mechanism::Mechanism;
 
-/// Part of what a finding explains that it has to foretell.
+/// Part of what a finding shows on some turns that the others have to foretell.
 const FORETELLS: f64 = 0.6;
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
@@ -39,6 +39,8 @@ pub fn answer(
         .map(|group| fit.loss(*group))
         .sum::<f64>()
         .max(f64::MIN_POSITIVE);
+    let other_disc = disc::finding(board, fit, (fit.rss / board.edges() as f64).max(1.0).sqrt());
+    let total = total + other_disc.as_ref().map_or(0.0, |(_, loss)| *loss);
     let mut findings: Vec<(Finding, Vec<Sized>, Option<f64>)> = Vec::new();
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
     let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
@@ -47,7 +49,7 @@ pub fn answer(
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
         let worth = search::evidence(board, loss, fit.model.numbers(group));
-        let foretold = parts.foretold(fit, group);
+        let (foretold, shown) = parts.foretold(fit, group);
         // What comes once, or once along the course, can't be foretold from elsewhere.
         let once = effects.iter().any(|effect| {
             matches!(
@@ -68,7 +70,7 @@ pub fn answer(
         };
         let mut mechanism = board.mechanism(&effects);
         let sideband = name::sideband_of(board, &effects);
-        if sideband.is_some() || !once && (worse || foretold < FORETELLS * loss) {
+        if sideband.is_some() || !once && (worse || foretold < FORETELLS * shown - search::SURE) {
             mechanism = Mechanism::Unknown;
         }
         let others: &[(Mechanism, f64)] = alike
@@ -148,6 +150,9 @@ pub fn answer(
             .collect();
         findings.push((finding, sized, Some(loss / total)));
     }
+    if let Some((finding, loss)) = other_disc {
+        findings.push((finding, Vec::new(), Some(loss / total)));
+    }
     let stamps = stamps::find(board, fit);
     // A latency is skewed, and has long tails of its own, declared or found.
     let declares = |bench: &Bench| bench.twin.capture_latency.is_some();
@@ -225,6 +230,7 @@ pub fn answer(
         .collect();
     let corrects: Vec<bool> = declared.iter().map(|some| !some.is_empty()).collect();
     let summary = summary(verdict, &said, &corrects);
+    let pattern = disc::learned(board, &fit.model);
     Answer {
         diagnosis: Diagnosis {
             version: 2,
@@ -243,7 +249,11 @@ pub fn answer(
         declared,
         cells,
         shares,
-        pattern: agreement::learned(board, &board.rest(&fit.model)),
+        learned_disc_rms_rad: pattern
+            .as_ref()
+            .filter(|_| !board.disc_given)
+            .map(|errors| disc::rms(errors)),
+        pattern,
         not_identifiable: Vec::new(),
         corrected: board.corrected(&fit.model),
         curves: agreement::curves(rig, given, board, fit),

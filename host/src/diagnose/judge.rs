@@ -150,18 +150,22 @@ impl Parts {
         (0..self.of.len()).filter(|&at| of(self.of[at].0)).collect()
     }
 
-    /// By how much the sum of squares falls on turns that some terms were not fitted on, each block foretold by the others.
+    /// By how much the sum of squares falls with a group on turns that no term was fitted on, each block foretold by the others, and on
+    /// the same turns where all are fitted on all: what it shows there. A disc of which nothing is known may have taken the rest.
     #[must_use]
-    pub fn foretold(&self, fit: &Fit, group: usize) -> f64 {
+    pub fn foretold(&self, fit: &Fit, group: usize) -> (f64, f64) {
         let all = self.columns(|_| true);
         let others = self.columns(|term| fit.model.terms[term].group != group);
-        (0..self.parts.len())
-            .map(|block| {
-                let with = self.fitted(|at| at != block, &all);
-                let without = self.fitted(|at| at != block, &others);
-                self.left(block, &without) - self.left(block, &with)
-            })
-            .sum()
+        let fall = |block: usize, on: &dyn Fn(usize) -> bool| {
+            let (with, without) = (self.fitted(on, &all), self.fitted(on, &others));
+            self.left(block, &without) - self.left(block, &with)
+        };
+        let blocks = 0..self.parts.len();
+        let foretold = blocks.clone().map(|block| fall(block, &|at| at != block));
+        (
+            foretold.sum(),
+            blocks.map(|block| fall(block, &|_| true)).sum(),
+        )
     }
 
     /// Whether a group shows in one part of the recordings alone, so that no other part foretells it.

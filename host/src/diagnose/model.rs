@@ -5,11 +5,13 @@ use rayon::prelude::*;
 
 use super::bench::{self, Bench};
 use super::correct::Correction;
+use super::disc;
 use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
 use super::noise::Free;
 use super::pattern::Pattern;
+use crate::sim;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -22,6 +24,8 @@ pub struct Board {
     pub free: Free,
     /// The disc's pattern, where it is part of what is fitted.
     pub pattern: Option<Pattern>,
+    /// Whether the twins give the disc, so that another one is a finding.
+    pub disc_given: bool,
     /// Numbers that the twins declare and that are fitted, in the order of [`Site::Declared`].
     pub corrections: Vec<Correction>,
 }
@@ -65,6 +69,9 @@ pub struct Fit {
 
 /// Rounds of re-linearisation at the most.
 const ROUNDS: usize = 5;
+/// Rounds in which pattern and noise are found at the most, and the change of a logarithm of the noise that is none.
+const SIZED: usize = 12;
+const ALIKE: f64 = 0.05;
 /// Sum of squares that is no gain.
 const NO_GAIN: f64 = 0.02;
 
@@ -229,11 +236,7 @@ impl Board {
         let undriven = benches
             .iter()
             .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
-        let pattern = if known {
-            None
-        } else {
-            Pattern::new(&benches, None)
-        };
+        let pattern = if known { None } else { Pattern::new(&benches) };
         let mut board = Self {
             benches,
             noise,
@@ -243,6 +246,7 @@ impl Board {
                 stamp: true,
             },
             pattern: None,
+            disc_given: known,
             corrections: Vec::new(),
         };
         let looped = board
@@ -261,21 +265,28 @@ impl Board {
         board
     }
 
-    /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave; twice, as each bears on
-    /// the other.
+    /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave, until neither changes, as
+    /// each bears on the other.
     pub fn size_up(&mut self, model: &Model) {
-        for _ in 0..3 {
+        let mut model = model.clone();
+        for _ in 0..SIZED {
+            let before = self.noise;
+            if self.pattern.is_some() {
+                model = self.fit(&model).model;
+            }
+            let model = &model;
             let Some(mut pattern) = self.pattern.take() else {
                 return;
             };
             let rest = self.rest(model);
             // Its worth goes by the present noise.
-            if let Some(fresh) = Pattern::new(&self.benches, Some(&pattern)) {
+            if let Some(mut fresh) = Pattern::new(&self.benches) {
+                fresh.size2 = pattern.size2;
                 pattern = fresh;
             }
             let white = self.white(&rest);
             pattern.size_up(&self.benches, &white);
-            let errors = pattern.errors(&self.benches, &white);
+            let errors = pattern.closest(&self.benches, &white);
             let left: Vec<Vec<f64>> = self
                 .benches
                 .iter()
@@ -288,7 +299,34 @@ impl Board {
                 .collect();
             let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
             self.set_noise(noise);
+            pattern.set_size(&self.benches, pattern.size2);
             self.pattern = Some(pattern);
+            if self.corrections.is_empty() {
+                self.go_by_disc(model);
+            }
+            let changed = |was: f64, is: f64| (is / was.max(f64::MIN_POSITIVE)).ln().abs() > ALIKE;
+            if !changed(before.torque, noise.torque) && !changed(before.stamp_s, noise.stamp_s) {
+                break;
+            }
+        }
+    }
+
+    /// Works out the course anew beside what was learned of the disc: what follows the shaft's angle is evaluated at that.
+    fn go_by_disc(&mut self, model: &Model) {
+        let Some(learned) = disc::learned(self, model) else {
+            return;
+        };
+        let noise = self.noise;
+        self.benches.par_iter_mut().for_each(|bench| {
+            if let Ok(errors) = sim::true_errors(&bench.twin) {
+                let (record, weights) = (bench.record.clone(), bench.weights.clone());
+                *bench = Bench::about(record, &bench.twin, &errors, &learned, &noise);
+                bench.weights = weights;
+                bench.decide_ties();
+            }
+        });
+        if let Some(pattern) = &mut self.pattern {
+            pattern.set_size(&self.benches, pattern.size2);
         }
     }
 
@@ -341,24 +379,29 @@ impl Board {
     /// Columns of an effect for unit of each size, white, in a row.
     #[must_use]
     pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
-        let each: Vec<Vec<Vec<f64>>> = self
+        let raw: Vec<Vec<Vec<f64>>> = self
             .benches
             .par_iter()
-            .map(|bench| {
-                let raw = bench.columns(effect);
-                raw.iter().map(|column| bench.white(column)).collect()
-            })
+            .map(|bench| bench.columns(effect))
             .collect();
-        (0..effect.sizes())
-            .into_par_iter()
-            .map(|size| {
-                self.beside_pattern(
-                    each.iter()
-                        .flat_map(|of| of[size].iter().copied())
-                        .collect(),
-                )
-            })
-            .collect()
+        let column = |size: usize| match &self.pattern {
+            Some(pattern) if pattern.size2 > 0.0 && effect.is_of_disc() => {
+                let mut errors = vec![0.0; pattern.edges];
+                for (bench, raw) in self.benches.iter().zip(&raw) {
+                    for (at, value) in raw[size].iter().enumerate() {
+                        errors[bench.record.slot(at)] = *value;
+                    }
+                }
+                pattern.taken_off_disc(&self.benches, &errors)
+            }
+            _ => {
+                let each = self.benches.iter().zip(&raw);
+                let white: Vec<Vec<f64>> =
+                    each.map(|(bench, raw)| bench.white(&raw[size])).collect();
+                self.beside_pattern(white.concat())
+            }
+        };
+        (0..effect.sizes()).into_par_iter().map(column).collect()
     }
 
     /// What a model says of each edge, rad, for each recording.
@@ -398,7 +441,7 @@ impl Board {
         if let Some(pattern) = &self.pattern {
             let each = self.benches.iter().zip(&rest);
             let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
-            let errors = pattern.errors(&self.benches, &white.concat());
+            let errors = pattern.closest(&self.benches, &white.concat());
             for (bench, rest) in self.benches.iter().zip(&mut rest) {
                 let each = rest.iter_mut().enumerate();
                 each.for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
@@ -620,7 +663,7 @@ impl Board {
                     }
                 }
                 let moved = term.effect.with_knobs(&knobs);
-                if possible(&moved) {
+                if moved.is_possible() {
                     term.effect = moved;
                 }
             }
@@ -649,17 +692,6 @@ impl Board {
         self.benches
             .par_iter_mut()
             .for_each(|bench| bench.set_noise(&noise));
-    }
-}
-
-/// Whether an effect can be evaluated at all.
-fn possible(effect: &Effect) -> bool {
-    match effect.carrier {
-        Carrier::Order(a) | Carrier::Tone(a) | Carrier::Stribeck(a) => a > 0.0,
-        Carrier::Bump(_, sigma) => sigma > 1e-9 && sigma < 1.5,
-        Carrier::Settling(_, tau) => tau > 0.0,
-        Carrier::Window(from, until) => until > from,
-        _ => true,
     }
 }
 

@@ -28,6 +28,8 @@ struct Problem<'a> {
     parts: Vec<(usize, std::ops::Range<usize>)>,
     start: Noise,
     least_stamp_s: f64,
+    /// Mean speed, rad/s: the circular frequency of once a turn.
+    turning: f64,
     free: Free,
 }
 
@@ -48,6 +50,10 @@ impl Problem<'_> {
             noise.stamp_s = self.least_stamp_s.hypot(over);
         }
         noise.drift = next(self.free.drift, noise.drift);
+        if self.free.drift {
+            // What comes and goes within a turn is no drift of the drive.
+            noise.drift = noise.drift.min(noise.torque * self.turning * self.turning);
+        }
         noise
     }
 
@@ -124,6 +130,7 @@ pub fn fit(
         parts: parts.collect(),
         start,
         least_stamp_s,
+        turning: leaps.iter().map(|leaps| leaps.speed()).sum::<f64>() / leaps.len().max(1) as f64,
         free,
     };
     let over = (start.stamp_s.powi(2) - least_stamp_s.powi(2))

@@ -1,31 +1,37 @@
 //! The disc's own pattern: an unknown error of each edge of the grid, small beside a known size, that every turn repeats.
 //!
 //! With N unknown errors e of variance s^2 beside a model, the least of |W (r - P e)|^2 + |e|^2 / s^2 over e is had by conjugate
-//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Of few edges a
-//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner; of many, on a shaft that turns evenly, it is
-//! diagonal over orders. The size s is the one of most evidence.
+//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Where every
+//! turn is alike, the inverse of the normal matrix is such a run too: that of a filter to which each edge's angle is open by the size of
+//! its error, times the turns that show it (the matrix inversion lemma on rows that repeat). That is the preconditioner. The size s is the
+//! one of most evidence.
 
 use std::sync::Arc;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+use realfft::{RealFftPlanner, RealToComplex};
 
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::dot;
+use super::plant::Gains;
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
 /// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
-/// Part of the first residual that is small enough.
+/// Size of an edge's error to begin with and at the most, as a part of a pitch: edges keep their order.
+const LARGE: f64 = 0.3;
+/// A size that is none, rad; rounds in which it is found, and the change of its square's logarithm that is none.
+const SMALLEST: f64 = 1e-10;
+/// Orders that are too few for a middle one.
+const FEW: usize = 8;
+const SIZED: usize = 20;
+const SAME: f64 = 0.02;
+/// Part of the first residual that is small enough, and what is as small as numbers allow.
 const SMALL: f64 = 1e-4;
-/// Edges a turn up to which the normal matrix itself is worked out.
-const DENSE: usize = 1024;
-/// Factor by which what an order is worth may change before that is done anew.
-const CHANGED: f64 = 10.0;
+const SMALLER: f64 = 1e-9;
 
 /// A pattern of a size.
 #[derive(Clone)]
@@ -36,12 +42,9 @@ pub struct Pattern {
     pub size2: f64,
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
-    /// The normal matrix, of about the present noise, and what orders were worth then.
-    normal: Option<Arc<(DMatrix<f64>, Vec<f64>)>>,
-    /// The same with the pattern's size, decomposed.
-    factor: Option<Arc<Cholesky<f64, Dyn>>>,
     forward: Arc<dyn RealToComplex<f64>>,
-    back: Arc<dyn ComplexToReal<f64>>,
+    /// Filters to which the edges' own angles are open by the pattern, one a recording.
+    open: Arc<Vec<Gains>>,
 }
 
 impl std::fmt::Debug for Pattern {
@@ -54,19 +57,16 @@ impl std::fmt::Debug for Pattern {
 }
 
 impl Pattern {
-    /// Of recordings of one disc, of unknown size; `before` is the same in another noise.
+    /// Of recordings of one disc, of unknown size.
     #[must_use]
-    pub fn new(benches: &[Bench], before: Option<&Self>) -> Option<Self> {
+    pub fn new(benches: &[Bench]) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
-        let mut planner = RealFftPlanner::new();
         let mut pattern = Self {
             edges,
             size2: 0.0,
             worth: Vec::new(),
-            normal: None,
-            factor: None,
-            forward: planner.plan_fft_forward(edges),
-            back: planner.plan_fft_inverse(edges),
+            open: Arc::default(),
+            forward: RealFftPlanner::new().plan_fft_forward(edges),
         };
         let orders = edges / 2 + 1;
         let nodes: Vec<(f64, f64)> = (0..NODES.min(orders - 1))
@@ -99,46 +99,18 @@ impl Pattern {
                 }
             })
             .collect();
-        let kept = before.and_then(|before| before.normal.clone());
-        pattern.normal = match kept.filter(|kept| alike(&kept.1, &pattern.worth)) {
-            Some(kept) => Some(kept),
-            None if edges <= DENSE => {
-                let rows = (0..edges).into_par_iter().map(|edge| {
-                    let mut one = vec![0.0; edges];
-                    one[edge] = 1.0;
-                    pattern.fold(benches, &pattern.unfold(benches, &one))
-                });
-                let rows: Vec<Vec<f64>> = rows.collect();
-                let matrix = DMatrix::from_fn(edges, edges, |row, column| {
-                    0.5 * (rows[row][column] + rows[column][row])
-                });
-                Some(Arc::new((matrix, pattern.worth.clone())))
-            }
-            None => None,
-        };
         Some(pattern)
     }
 
     /// Sets the variance of an edge's error, rad^2.
-    pub fn set_size(&mut self, size2: f64) {
+    pub fn set_size(&mut self, benches: &[Bench], size2: f64) {
         self.size2 = size2;
-        self.factor = None;
-        if size2 > 0.0 {
-            self.decompose();
+        let mut open = vec![0.0; self.edges];
+        for bench in benches {
+            (0..bench.record.len()).for_each(|at| open[bench.record.slot(at)] += size2);
         }
-    }
-
-    /// Decomposes the normal matrix for the present size.
-    fn decompose(&mut self) {
-        self.factor = self.normal.as_ref().and_then(|normal| {
-            let (matrix, worth) = &**normal;
-            let scale = self.worth.iter().sum::<f64>() / worth.iter().sum::<f64>();
-            let mut matrix = matrix * scale;
-            for at in 0..self.edges {
-                matrix[(at, at)] += self.size2.recip();
-            }
-            Cholesky::new(matrix).map(Arc::new)
-        });
+        let gains = benches.par_iter().map(|bench| bench.opened(&open));
+        self.open = Arc::new(gains.collect());
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
@@ -157,7 +129,7 @@ impl Pattern {
     }
 
     /// Errors of the grid's edges as angles of each edge, white, in a row.
-    fn unfold(&self, benches: &[Bench], errors: &[f64]) -> Vec<f64> {
+    pub fn unfold(&self, benches: &[Bench], errors: &[f64]) -> Vec<f64> {
         let each: Vec<Vec<f64>> = benches
             .iter()
             .map(|bench| {
@@ -170,78 +142,101 @@ impl Pattern {
         each.concat()
     }
 
-    /// A row divided by the normal matrix: by itself, or over orders by what each is worth.
-    fn divided(&self, row: &[f64]) -> Vec<f64> {
-        if let Some(factor) = &self.factor {
-            let row = DVector::from_column_slice(row);
-            return factor.solve(&row).as_slice().to_vec();
+    /// A row divided by about the normal matrix.
+    fn divided(&self, benches: &[Bench], row: &[f64]) -> Vec<f64> {
+        let mut all: Vec<f64> = row.iter().map(|value| self.size2 * value).collect();
+        for (bench, open) in benches.iter().zip(&*self.open) {
+            let slots = || (0..bench.record.len()).map(|at| bench.record.slot(at));
+            let mut each: Vec<f64> = slots().map(|slot| row[slot]).collect();
+            open.whiten(&mut each);
+            open.transposed(&mut each);
+            let by = self.size2 * self.size2;
+            slots()
+                .zip(each)
+                .for_each(|(slot, value)| all[slot] -= by * value);
         }
-        let mut row = row.to_vec();
-        let mut spectrum = self.forward.make_output_vec();
-        if self.forward.process(&mut row, &mut spectrum).is_err() {
-            return row;
-        }
-        for (value, worth) in spectrum.iter_mut().zip(&self.worth) {
-            *value *= 1.0 / (worth + self.size2.recip()) / self.edges as f64;
-        }
-        self.real(spectrum)
+        all
     }
 
-    fn real(&self, mut spectrum: Vec<Complex<f64>>) -> Vec<f64> {
-        spectrum[0].im = 0.0;
-        if self.edges.is_multiple_of(2)
-            && let Some(last) = spectrum.last_mut()
-        {
-            last.im = 0.0;
-        }
-        let mut row = self.back.make_output_vec();
-        if self.back.process(&mut spectrum, &mut row).is_err() {
-            row.fill(0.0);
-        }
-        row
-    }
-
-    /// Sets the size to the one of most evidence, and returns that: twice the logarithm of the likelihood over that without a pattern.
+    /// Sets the size to the one of most orders, and returns its evidence: twice the logarithm of the likelihood over that without a
+    /// pattern. A few orders that stand out do not make it larger: they are told as what they are.
     pub fn size_up(&mut self, benches: &[Bench], white: &[f64]) -> f64 {
-        let mut fold = self.fold(benches, white);
-        let mut spectrum = self.forward.make_output_vec();
-        if self.forward.process(&mut fold, &mut spectrum).is_err() {
-            return 0.0;
-        }
-        // Each order has two numbers; of unit-norm waves the score is the transform over sqrt(N).
-        let powers: Vec<(f64, f64)> = spectrum
-            .iter()
-            .zip(&self.worth)
-            .skip(1)
-            .map(|(value, worth)| (value.norm_sqr() / self.edges as f64, *worth))
-            .collect();
-        let evidence = |size2: f64| -> f64 {
-            powers
-                .iter()
-                .map(|(power, worth)| {
-                    2.0 * (power / (worth + size2.recip())) - 2.0 * (worth * size2).ln_1p()
-                })
-                .sum()
+        let fold = self.fold(benches, white);
+        let most = (LARGE * std::f64::consts::TAU / self.edges as f64).powi(2);
+        let mut size2 = if self.size2 > 0.0 {
+            (4.0 * self.size2).min(most)
+        } else {
+            most
         };
-        let mut best = (0.0, 0.0);
-        for step in 0..90 {
-            let size2 = 10_f64.powf(-22.0 + 0.2 * f64::from(step));
-            let here = evidence(size2);
-            if here > best.1 {
-                best = (size2, here);
+        for _ in 0..SIZED {
+            self.set_size(benches, size2);
+            let next = self
+                .size_of(&self.errors_of(benches, fold.clone(), SMALL))
+                .min(most);
+            let change = (next / size2).ln().abs();
+            size2 = next;
+            if change < SAME || size2 < SMALLEST * SMALLEST {
+                break;
             }
         }
-        self.set_size(best.0);
-        best.1
+        self.set_size(benches, size2);
+        let worth = dot(&fold, &self.errors_of(benches, fold.clone(), SMALL)) - self.log_volume();
+        if worth > 0.0 {
+            return worth;
+        }
+        self.set_size(benches, 0.0);
+        0.0
+    }
+
+    /// Variance of an edge's error that is the middle one over the orders that the recordings settle; of few orders the mean.
+    fn size_of(&self, errors: &[f64]) -> f64 {
+        let mut row = errors.to_vec();
+        let mut spectrum = self.forward.make_output_vec();
+        if self.forward.process(&mut row, &mut spectrum).is_err() {
+            return 0.0;
+        }
+        let each = self.settled().zip(&spectrum[1..]).enumerate();
+        let powers: Vec<(f64, f64)> = each
+            .map(|(at, (settled, value))| {
+                let numbers = self.numbers(at + 1);
+                let share = settled / numbers;
+                (share, value.norm_sqr() / self.edges as f64)
+            })
+            .collect();
+        let mut clear: Vec<f64> = powers
+            .iter()
+            .filter(|(share, _)| *share > 0.5)
+            .map(|(share, power)| power / share)
+            .collect();
+        if clear.len() < FEW {
+            let (settled, power) = powers.iter().fold((0.0, 0.0), |sum, (share, power)| {
+                (sum.0 + share, sum.1 + power)
+            });
+            return power / f64::max(settled, f64::MIN_POSITIVE);
+        }
+        let middle = clear.len() / 2;
+        let (_, middle, _) = clear.select_nth_unstable_by(middle, f64::total_cmp);
+        *middle / std::f64::consts::LN_2
+    }
+
+    /// Of each order how much of its numbers the recordings settle.
+    fn settled(&self) -> impl Iterator<Item = f64> + '_ {
+        (1..self.worth.len()).map(|order| {
+            let shown = self.worth[order] * self.size2;
+            self.numbers(order) * shown / (1.0 + shown)
+        })
+    }
+
+    /// Numbers of an order.
+    const fn numbers(&self, order: usize) -> f64 {
+        if 2 * order == self.edges { 1.0 } else { 2.0 }
     }
 
     /// Twice the logarithm by which the recordings narrow the errors: of what the likelihood has for errors that are integrated out.
     #[must_use]
     pub fn log_volume(&self) -> f64 {
-        let each = (1..self.worth.len()).map(|order| {
-            let numbers = if 2 * order == self.edges { 1.0 } else { 2.0 };
-            numbers * (self.worth[order] * self.size2).ln_1p()
-        });
+        let each = (1..self.worth.len())
+            .map(|order| self.numbers(order) * (self.worth[order] * self.size2).ln_1p());
         each.sum()
     }
 
@@ -259,16 +254,26 @@ impl Pattern {
     /// The errors that fit a white row best.
     #[must_use]
     pub fn errors(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
+        self.errors_of(benches, self.fold(benches, white), SMALL)
+    }
+
+    /// The same, as closely as numbers allow.
+    #[must_use]
+    pub fn closest(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
+        self.errors_of(benches, self.fold(benches, white), SMALLER)
+    }
+
+    /// The same of a folded score, until a part of it is left.
+    fn errors_of(&self, benches: &[Bench], mut rest: Vec<f64>, small: f64) -> Vec<f64> {
         let mut errors = vec![0.0; self.edges];
         if self.size2 <= 0.0 {
             return errors;
         }
-        let mut rest = self.fold(benches, white);
-        let start = dot(&rest, &self.divided(&rest));
-        let mut step = self.divided(&rest);
+        let start = dot(&rest, &self.divided(benches, &rest));
+        let mut step = self.divided(benches, &rest);
         let mut square = start;
         for _ in 0..STEPS {
-            if square.is_nan() || square <= SMALL * SMALL * start {
+            if square.is_nan() || square <= small * small * start {
                 break;
             }
             let mut product = self.fold(benches, &self.unfold(benches, &step));
@@ -281,7 +286,7 @@ impl Pattern {
                 errors[at] += along * step[at];
                 rest[at] -= along * product[at];
             }
-            let divided = self.divided(&rest);
+            let divided = self.divided(benches, &rest);
             let next = dot(&rest, &divided);
             let by = next / square;
             square = next;
@@ -290,6 +295,23 @@ impl Pattern {
                 .for_each(|(step, of)| *step = of + by * *step);
         }
         errors
+    }
+
+    /// What one rad at each edge adds, as errors of edges say it, to a sum of squares that is least over them: of those of one place
+    /// together each error over the size's square.
+    #[must_use]
+    pub fn scores(&self, benches: &[Bench], errors: &[f64]) -> Vec<Vec<f64>> {
+        let mut hits = vec![0.0; self.edges];
+        for bench in benches {
+            (0..bench.record.len()).for_each(|at| hits[bench.record.slot(at)] += 1.0);
+        }
+        let of_bench = |bench: &Bench| {
+            let slots = (0..bench.record.len()).map(|at| bench.record.slot(at));
+            slots
+                .map(|slot| errors[slot] / self.size2 / hits[slot])
+                .collect()
+        };
+        benches.iter().map(of_bench).collect()
     }
 
     /// A white row without what a pattern explains of it, and the pattern's errors over its size behind it: products of such rows are
@@ -310,19 +332,19 @@ impl Pattern {
         );
         white
     }
-}
 
-/// Whether orders are worth about the same, but for a common factor.
-fn alike(one: &[f64], other: &[f64]) -> bool {
-    let ratios = one
-        .iter()
-        .zip(other)
-        .skip(1)
-        .map(|(one, other)| one / other);
-    let (least, most) = ratios.fold((f64::INFINITY, 0.0_f64), |(least, most), ratio| {
-        (least.min(ratio), most.max(ratio))
-    });
-    most < CHANGED * least
+    /// The same of a row that is itself of the disc, given as errors of its edges: what the pattern leaves of it is small, and is worked out
+    /// as such.
+    #[must_use]
+    pub fn taken_off_disc(&self, benches: &[Bench], errors: &[f64]) -> Vec<f64> {
+        let over = |error: &f64| error / self.size2;
+        let kept = self.errors_of(benches, errors.iter().map(over).collect(), SMALL);
+        let mut white = self.unfold(benches, &kept);
+        let size = self.size2.sqrt();
+        let rest = errors.iter().zip(&kept);
+        white.extend(rest.map(|(error, kept)| (kept - error) / size));
+        white
+    }
 }
 
 /// A value between nodes, straight; the ends go on.

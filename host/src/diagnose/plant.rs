@@ -674,12 +674,38 @@ impl Leaps {
         }
     }
 
+    /// Mean of the speed's size over the edges, rad/s.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        let mean = |speeds: &mut dyn Iterator<Item = f64>| {
+            let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| {
+                (sum + speed.abs(), count + 1.0)
+            });
+            sum / f64::max(count, 1.0)
+        };
+        match self {
+            Self::Stiff(leaps) => mean(&mut leaps.iter().map(|leap| leap.speed)),
+            Self::Sprung(leaps) => mean(&mut leaps.iter().map(|leap| leap.speed)),
+        }
+    }
+
     /// The filter for a noise over a range of edges.
     #[must_use]
     pub fn filter(&self, range: std::ops::Range<usize>, noise: &filter::Noise) -> Gains {
+        self.filter_open(range, noise, |_| 0.0)
+    }
+
+    /// The same where something else leaves each edge's own angle open: its variance by its place in the range, rad^2.
+    #[must_use]
+    pub fn filter_open(
+        &self,
+        range: std::ops::Range<usize>,
+        noise: &filter::Noise,
+        open: impl Fn(usize) -> f64,
+    ) -> Gains {
         match self {
-            Self::Stiff(leaps) => Gains::Stiff(filter::Filter::new(&leaps[range], noise)),
-            Self::Sprung(leaps) => Gains::Sprung(filter::Filter::new(&leaps[range], noise)),
+            Self::Stiff(leaps) => Gains::Stiff(filter::Filter::new(&leaps[range], noise, open)),
+            Self::Sprung(leaps) => Gains::Sprung(filter::Filter::new(&leaps[range], noise, open)),
         }
     }
 }

@@ -11,8 +11,8 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::effect::{Carrier, Effect, On, Site};
-use super::lsq::Basis;
-use super::model::{Board, Fit};
+use super::model::{Board, Model};
+use super::nearby::Left;
 
 /// A cell of the map with how much it explains.
 #[derive(Clone, Debug)]
@@ -43,11 +43,15 @@ const BANDS: [f64; 2] = [0.02, 0.2];
 /// Carriers of each band that are tried at every site, and candidates whose frequency is looked for closely.
 const CARRIERS: usize = 4;
 const REFINED: usize = 5;
+/// Share of half of what two frequencies are apart by to which the closer look goes.
+const FINEST: f64 = 0.125;
 
 /// What is scanned: the score of each edge of each recording.
-struct Scores {
+struct Scores<'a> {
     /// What one rad at an edge adds.
-    angle: Vec<Vec<f64>>,
+    angle: &'a [Vec<f64>],
+    /// The same of the disc.
+    disc: &'a [Vec<f64>],
     /// What 1 rad/s^2 over the interval before it adds.
     push: Vec<Vec<f64>>,
 }
@@ -61,20 +65,16 @@ enum Over {
 
 /// Candidates by spectra, the best few of each site.
 #[must_use]
-pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
-    let mut left = fit.left.iter().copied();
-    let mut scores = Scores {
-        angle: Vec::new(),
-        push: Vec::new(),
+pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
+    let board = left.board;
+    let each = board.benches.iter().zip(left.scores(Site::Torque));
+    let scores = Scores {
+        push: each
+            .map(|(bench, angle)| bench.plant.sensitivity(&bench.course, angle))
+            .collect(),
+        angle: left.scores(Site::Torque),
+        disc: left.scores(Site::Disc(On::ALL)),
     };
-    for bench in &board.benches {
-        let white: Vec<f64> = left.by_ref().take(bench.record.len()).collect();
-        let angle = bench.score(&white);
-        scores
-            .push
-            .push(bench.plant.sensitivity(&bench.course, &angle));
-        scores.angle.push(angle);
-    }
     let channels = board
         .benches
         .iter()
@@ -130,15 +130,14 @@ pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
             .map(move |(site, _)| Effect::new(*site, *carrier))
     });
     let everywhere: Vec<Effect> = everywhere
-        .filter(|effect| !taken(board, fit, effect))
+        .filter(|effect| !taken(board, model, effect))
         .collect();
     let exact = everywhere.par_iter().map(|effect| {
         let rounded = whole(effect, board.reach(effect)[0]);
-        let gain = |effect: &Effect| basis.gain(&board.columns(effect), &fit.left);
-        let here = (gain(effect), *effect);
+        let here = (left.gain(effect), *effect);
         match rounded {
             Some(whole) if whole != *effect => {
-                let there = gain(&whole);
+                let there = left.gain(&whole);
                 if there > WHOLE * here.0 {
                     (there, whole)
                 } else {
@@ -153,7 +152,7 @@ pub fn spectra(board: &Board, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
     exact.truncate(REFINED);
     exact
         .par_iter()
-        .map(|(gain, effect)| refined(board, basis, fit, effect, *gain))
+        .map(|(_, effect)| refined(left, effect))
         .collect()
 }
 
@@ -173,9 +172,9 @@ fn near(one: Carrier, other: Carrier, reach: f64) -> bool {
 }
 
 /// Whether a model has the same already: another one of it would only cancel it in part.
-fn taken(board: &Board, fit: &Fit, effect: &Effect) -> bool {
+fn taken(board: &Board, model: &Model, effect: &Effect) -> bool {
     let reach = board.reach(effect)[0];
-    fit.model.terms.iter().any(|term| {
+    model.terms.iter().any(|term| {
         term.effect.site == effect.site && near(term.effect.carrier, effect.carrier, reach)
     })
 }
@@ -193,44 +192,22 @@ fn whole(effect: &Effect, reach: f64) -> Option<Effect> {
 }
 
 /// The best nearby value of a candidate's frequency or order.
-fn refined(board: &Board, basis: &Basis, fit: &Fit, effect: &Effect, gain: f64) -> Candidate {
-    let reach = board.reach(effect)[0];
-    let knob = effect.knobs()[0];
-    let mut best = Candidate {
-        effects: vec![*effect],
+fn refined(left: &Left<'_>, effect: &Effect) -> Candidate {
+    let reach = left.board.reach(effect)[0];
+    let (mut effect, mut gain) = left.best_near(effect, &[0.5 * reach], FINEST);
+    if let Some(whole) = whole(&effect, reach) {
+        let there = left.gain(&whole);
+        if there > WHOLE * gain {
+            (effect, gain) = (whole, there);
+        }
+    }
+    Candidate {
+        effects: vec![effect],
         gain,
-    };
-    let mut step = 0.5 * reach;
-    for _ in 0..4 {
-        let middle = best.effects[0].knobs()[0];
-        for side in [-1.0, 1.0] {
-            let moved = effect.with_knobs(&[middle + side * step]);
-            if moved.knobs()[0] <= 0.0 || (moved.knobs()[0] - knob).abs() > 2.0 * reach {
-                continue;
-            }
-            let gain = basis.gain(&board.columns(&moved), &fit.left);
-            if gain > best.gain {
-                best = Candidate {
-                    effects: vec![moved],
-                    gain,
-                };
-            }
-        }
-        step *= 0.5;
     }
-    if let Some(effect) = whole(&best.effects[0], reach) {
-        let gain = basis.gain(&board.columns(&effect), &fit.left);
-        if gain > WHOLE * best.gain {
-            return Candidate {
-                effects: vec![effect],
-                gain,
-            };
-        }
-    }
-    best
 }
 
-impl Scores {
+impl Scores<'_> {
     /// The orders or frequencies that stand out, strongest first.
     fn peaks(&self, board: &Board, site: Site, over: Over) -> Vec<(usize, f64, Carrier)> {
         let each: Vec<Spectrum> = board
@@ -252,7 +229,7 @@ impl Scores {
                                 0.0
                             }
                         }
-                        _ => self.angle[at][edge],
+                        _ => self.disc[at][edge],
                     })
                     .collect();
                 let along: Vec<f64> = match over {

@@ -11,12 +11,15 @@ use super::identify;
 use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
+use super::nearby::Left;
+use super::pattern::Pattern;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 use crate::mechanism::Mechanism;
 
-/// Findings at the most.
+/// Findings at the most, and changes of a drive that the twins do not declare.
 const FINDINGS: usize = 7;
+const CHANGES: usize = 16;
 /// Part of what a candidate explains that rounding to ticks alone may make.
 const SPUR: f64 = 0.25;
 /// Candidates that are fitted with everything else until one is worth it.
@@ -34,18 +37,39 @@ pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {
     gain - numbers as f64 * (board.edges() as f64).ln()
 }
 
-/// What nobody knows of any rig: the mean speed that an open-loop drive holds.
+/// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
+/// class are off.
 #[must_use]
 pub fn nuisances(board: &Board) -> Model {
     let mut model = Model::default();
+    if board.pattern.is_some() {
+        model.add(&cells::classes(board), usize::MAX);
+    }
     let steady = board.benches.iter().any(|bench| {
         bench.plant.law.stiffness + bench.plant.law.viscous > 0.0 && bench.plant.law.mode.is_none()
     });
     if steady {
         model.add(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
-        model.terms[0].nuisance = true;
     }
+    model.terms.iter_mut().for_each(|term| term.nuisance = true);
     model
+}
+
+/// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cell. The board with
+/// such a pattern.
+fn another_disc(board: &Board, fit: &Fit, least: f64) -> Option<Board> {
+    if board.pattern.is_some() {
+        return None;
+    }
+    let mut pattern = Pattern::new(&board.benches)?;
+    let worth = evidence(board, pattern.size_up(&board.benches, &fit.left), 1);
+    if worth < SURE.max(least) {
+        return None;
+    }
+    let mut other = board.clone();
+    other.pattern = Some(pattern);
+    other.size_up(&fit.model);
+    Some(other)
 }
 
 /// All candidates beside a fit, strongest first.
@@ -54,11 +78,11 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
     let basis = fit.basis();
     let mut fit = fit.clone();
     basis.clear(&mut fit.left);
-    let fit = &fit;
-    let mut all = bank.candidates(fit, &basis);
-    all.extend(scan::spectra(board, fit, &basis));
-    all.extend(cells::loads(board, bank, fit, &basis));
-    all.extend(cells::bumps(board, bank, fit, &basis));
+    let mut all = bank.candidates(&fit, &basis);
+    let left = Left::of(board, &fit, &basis);
+    all.extend(scan::spectra(&left, &fit.model));
+    all.extend(cells::loads(bank, &left));
+    all.extend(cells::bumps(bank, &left));
     all.sort_by(|a, b| {
         evidence(board, b.gain, b.numbers()).total_cmp(&evidence(board, a.gain, a.numbers()))
     });
@@ -83,15 +107,22 @@ pub fn search(board: &mut Board) -> Found {
     // Worked out where something is left that they may explain.
     let mut slopes: Option<Vec<Slopes>> = None;
     let mut fit = board.fit(&nuisances(board));
-    if board.free.drift {
-        fit = free_course(board, &bank, fit);
-    }
-    for group in 0..FINDINGS {
+    let (mut findings, mut changes) = (0, 0);
+    while findings < FINDINGS && changes < CHANGES {
+        let group = findings;
         let found = candidates(board, &bank, &fit);
         // The best one as fitted with everything else, of those that look nearly as good.
         let most = found
             .first()
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
+        if let Some(other) = another_disc(board, &fit, most) {
+            *board = other;
+            bank = Bank::new(board);
+            fit = board.fit(&fit.model);
+            let model = dropped(board, &fit);
+            fit = board.fit(&model);
+            continue;
+        }
         let basis = fit.basis();
         let precision = board.precision();
         let mut spurs = board.spurs(&fit.model);
@@ -114,6 +145,15 @@ pub fn search(board: &mut Board) -> Found {
         let best = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let next = best.and_then(|(_, effects)| {
             let numbers = cells::numbers(&effects);
+            // A drive that the twin does not declare may change at any instant: that is part of the course.
+            if board.free.drift && is_change(&effects) {
+                let mut model = fit.model.clone();
+                model.add(&effects, usize::MAX - 2 - changes);
+                model.terms.iter_mut().last()?.nuisance = true;
+                let next = board.fit(&model);
+                let worth = evidence(board, fit.rss - next.rss, numbers);
+                return (worth > SURE).then_some((worth, next));
+            }
             let (group, rest, effects) = joined(&fit.model, group, effects, cells::channels(board));
             let mut model = rest;
             model.add(&effects, group);
@@ -144,7 +184,14 @@ pub fn search(board: &mut Board) -> Found {
                 bank = Bank::new(board);
                 slopes = None;
             }
+            findings += 1;
         } else if let Some((_, next)) = next {
+            let before = fit.model.nuisances().terms.len();
+            if next.model.nuisances().terms.len() > before {
+                changes += 1;
+            } else {
+                findings += 1;
+            }
             board.fit_noise(&next.model);
             fit = board.fit(&next.model);
         } else {
@@ -213,6 +260,17 @@ fn correction(
     best.map(|(_, board, fit)| (board, fit))
 }
 
+/// Whether effects are a change of what drives the shaft.
+fn is_change(effects: &[Effect]) -> bool {
+    let mut each = effects.iter();
+    each.all(|effect| {
+        matches!(
+            (effect.site, effect.carrier),
+            (Site::Torque, Carrier::Window(..))
+        )
+    })
+}
+
 /// Steady effects of edge classes that a finding has in part already are one finding with it, channel by channel: its group, the model
 /// without it, and all of its effects.
 fn joined(
@@ -262,33 +320,6 @@ fn by_channel(effect: Effect, channels: u8) -> Vec<Effect> {
         Site::Disc(on) => each(&Site::Disc, on),
         _ => vec![effect],
     }
-}
-
-/// Changes of the drive at the most.
-const CHANGES: usize = 16;
-
-/// A drive that the twin does not declare may change at any instant: its changes are part of the course, not findings.
-fn free_course(board: &mut Board, bank: &Bank, mut fit: Fit) -> Fit {
-    for change in 0..CHANGES {
-        let basis = fit.basis();
-        let mut cleared = fit.clone();
-        basis.clear(&mut cleared.left);
-        let found = cells::loads(board, bank, &cleared, &basis);
-        let best = found.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
-        let Some(best) = best.filter(|best| evidence(board, best.gain, best.numbers()) > SURE)
-        else {
-            break;
-        };
-        let mut model = fit.model.clone();
-        model.add(&best.effects, usize::MAX - 2 - change);
-        if let Some(term) = model.terms.last_mut() {
-            term.nuisance = true;
-        }
-        fit = board.fit(&model);
-        board.fit_noise(&fit.model);
-        fit = board.fit(&fit.model);
-    }
-    fit
 }
 
 /// Whether rounding to ticks alone, of the course as it is modelled, shows a good part of what a candidate explains.

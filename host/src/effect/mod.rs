@@ -300,6 +300,18 @@ impl Effect {
             growth,
         }
     }
+
+    /// Whether it can be evaluated at all.
+    #[must_use]
+    pub fn is_possible(&self) -> bool {
+        match self.carrier {
+            Carrier::Order(a) | Carrier::Tone(a) | Carrier::Stribeck(a) => a > 0.0,
+            Carrier::Bump(_, sigma) => sigma > 1e-9 && sigma < 1.5,
+            Carrier::Settling(_, tau) => tau > 0.0,
+            Carrier::Window(from, until) => until > from,
+            _ => true,
+        }
+    }
 }
 
 /// An instant with its slope along time, all else held: what the drive's speed changes by.

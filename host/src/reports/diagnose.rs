@@ -95,6 +95,9 @@ pub fn text(answer: &Answer) -> Vec<(String, String)> {
     if let Some(text) = strongest {
         add("Strongest mismatch", text);
     }
+    for (at, text) in behind::beside(answer).into_iter().enumerate() {
+        add(if at == 0 { "Also" } else { "" }, text);
+    }
     for recording in &diagnosis.recordings {
         add("Recording", behind::recording(recording));
     }

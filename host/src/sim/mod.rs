@@ -104,7 +104,7 @@ impl Simulation {
     /// Sets up the run of a twin.
     ///
     /// # Errors
-    /// As [`Twin::check`]; [`TwinError::Lacks`] without a drive; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
+    /// As [`Twin::check`]; [`TwinError::Lacks`] without a drive or a duration; [`TwinError::ErrorList`] for an unusable `errors.csv`, [`TwinError::EdgesCross`] for errors so large that
     /// edges would change their order.
     pub fn new(twin: &Twin) -> Result<Self, TwinError> {
         Self::with_finer_steps(twin, 1)
@@ -121,6 +121,13 @@ impl Simulation {
                 name: twin.name.clone(),
                 key: "[drive]",
                 advice: "a simulation needs what turns the shaft: add one, such as [drive.constant] with r_min = 60",
+            });
+        }
+        if twin.duration == Duration::Unknown {
+            return Err(TwinError::Lacks {
+                name: twin.name.clone(),
+                key: "duration",
+                advice: "a simulation needs to know how much to record: add one, such as duration.turns = 12",
             });
         }
         let disc = Disc::new(twin)?;
@@ -140,6 +147,7 @@ impl Simulation {
                 (way, last_change + 10.0 * way / plant.nominal.abs())
             }
             Duration::Seconds(seconds) => (f64::INFINITY, seconds),
+            Duration::Unknown => (0.0, 0.0),
         };
         let tracks = Shifts::new(twin).map(|shifts| Tracks::new(&disc, shifts, angle, start_speed));
         let place = disc.place_above(angle);

@@ -61,7 +61,8 @@ pub struct Twin {
     /// noise is the same in them, edge by edge; `errors.seed` gives them one disc.
     #[serde(default, deserialize_with = "whole")]
     pub seed: u64,
-    /// How much to record.
+    /// How much to record; of a recording it is what was recorded.
+    #[serde(default, skip_serializing_if = "Duration::is_unknown")]
     pub duration: Duration,
     /// What kind of encoder, and its counts.
     pub encoder: Encoder,
@@ -145,14 +146,25 @@ pub struct Twin {
 }
 
 /// How much to record.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Duration {
+    /// Not said: a twin of recordings needs none.
+    #[default]
+    #[serde(skip)]
+    Unknown,
     /// Turns travelled, either way; more than 0. Should the shaft not get that far, the recording ends after ten times the time
     /// these turns take at the drive's highest speed, counted from the profile's last change.
     Turns(f64),
     /// Seconds, more than 0.
     Seconds(f64),
+}
+
+impl Duration {
+    #[allow(clippy::trivially_copy_pass_by_ref)] // The signature that serde asks for.
+    fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
+    }
 }
 
 /// The timer that stamps the edges.

@@ -9,10 +9,30 @@ use crate::reports::diagnose::words::{list, probability};
 use super::sure::{confidence, determined};
 use super::told::{self, title};
 
+/// What is known beside the findings: a disc that was learned, and what could not be determined.
+pub(super) fn beside(answer: &Answer) -> Vec<String> {
+    let disc = answer.learned_disc_rms_rad.map(|rms| {
+        format!(
+            "The twin does not give the disc: its edges were learned here, {} RMS off their places (--write-twin keeps them).",
+            si(rms, "rad")
+        )
+    });
+    let open = (!answer.not_identifiable.is_empty()).then(|| {
+        format!(
+            "Not determined by these recordings: {}.",
+            answer.not_identifiable.join("; ")
+        )
+    });
+    disc.into_iter().chain(open).collect()
+}
+
 /// Evidence and parameters of each finding.
 pub(super) fn numbers(answer: &Answer) -> Body {
     let mut body = Body::new();
     let findings = &answer.diagnosis.findings;
+    for text in beside(answer) {
+        body.section("", &[&text]);
+    }
     if findings.is_empty() {
         body.section("", &["Nothing was found."]);
         return body;

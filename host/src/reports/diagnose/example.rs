@@ -297,6 +297,7 @@ pub(crate) fn full() -> Answer {
         corrected: Vec::new(),
         declared: vec![Default::default(); 6],
         not_identifiable: Vec::new(),
+        learned_disc_rms_rad: None,
         shares: vec![
             Some(0.874),
             Some(0.0312),

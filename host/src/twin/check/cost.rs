@@ -44,7 +44,7 @@ impl Twin {
         ] {
             c.list(key, entries, most);
         }
-        if self.drive == Drive::Unknown {
+        if self.drive == Drive::Unknown || self.duration == Duration::Unknown {
             return;
         }
         self.check_noise_steps(c);
@@ -67,6 +67,7 @@ impl Twin {
         match self.duration {
             Duration::Seconds(seconds) => seconds,
             Duration::Turns(turns) => turns * TAU / self.drive.nominal_rad_s().abs(),
+            Duration::Unknown => 0.0,
         }
     }
 

@@ -1,0 +1,100 @@
+//! What was learned of a disc that the twins do not give, or of another one than they give.
+
+use super::diagnosis::{Evidence, Finding, Parameter, Place};
+use super::effect::{Carrier, Site};
+use super::model::{Board, Fit, Model};
+use super::name::NINETY_FIVE;
+use super::record::change;
+use super::search;
+use crate::mechanism::Mechanism;
+use crate::report::si;
+
+/// Edges a turn up to which each is said.
+const FEW: usize = 16;
+
+/// Errors of the edges that repeat each turn, rad, beside what a model leaves of each angle.
+#[must_use]
+pub fn pattern(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let pattern = board.pattern.as_ref()?;
+    let each = board.benches.iter().zip(rests);
+    let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+    Some(pattern.closest(&board.benches, &white.concat()))
+}
+
+/// The same with how far whole classes of edges are off.
+pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
+    let mut errors = pattern(board, &board.rest(model))?;
+    let classes = board.benches.first()?.record.classes;
+    for term in model.terms.iter().filter(|term| term.nuisance) {
+        let (Site::Disc(on), Carrier::Steady) = (term.effect.site, term.effect.carrier) else {
+            continue;
+        };
+        for (slot, error) in errors.iter_mut().enumerate() {
+            let class = change(slot % classes as usize, classes);
+            if on.has(class) {
+                *error += term.sizes[0] * term.effect.ahead(class);
+            }
+        }
+    }
+    Some(errors)
+}
+
+/// Root of the mean square about the mean.
+#[must_use]
+pub fn rms(errors: &[f64]) -> f64 {
+    let count = errors.len().max(1) as f64;
+    let mean = errors.iter().sum::<f64>() / count;
+    let squares = errors.iter().map(|error| (error - mean).powi(2));
+    (squares.sum::<f64>() / count).sqrt()
+}
+
+/// The finding that the disc is another one than the twins give, and by how much the sum of squares falls with it.
+#[must_use]
+pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> {
+    let own = board
+        .pattern
+        .as_ref()
+        .filter(|own| board.disc_given && own.size2 > 0.0)?;
+    let errors = pattern(board, &board.rest(&fit.model))?;
+    let mut without = board.clone();
+    without.pattern = None;
+    let plain = without.fit(&fit.model);
+    let mut sized = own.clone();
+    let worth = search::evidence(board, sized.size_up(&board.benches, &plain.left), 1);
+    let orders = 1..=errors.len() / 2;
+    let open =
+        orders.clone().map(|order| own.variance(order)).sum::<f64>() / orders.count().max(1) as f64;
+    let size = rms(&errors).hypot(open.sqrt());
+    let unit = |value: f64, error: f64| Parameter {
+        value,
+        unit: "rad".to_owned(),
+        ci95: Some([-1.0, 1.0].map(|side| value + side * NINETY_FIVE * spread * error)),
+    };
+    let mut parameters = std::collections::BTreeMap::new();
+    let by_count = open.sqrt() / (errors.len() as f64).sqrt();
+    parameters.insert("rms_rad".to_owned(), unit(size, by_count));
+    if errors.len() <= FEW {
+        for (slot, error) in errors.iter().enumerate() {
+            parameters.insert(format!("e_{slot:02}_rad"), unit(*error, open.sqrt()));
+        }
+    }
+    let finding = Finding {
+        mechanism: Mechanism::LineError,
+        text: format!(
+            "each edge of the disc has an error of its own, {} RMS, that repeats every turn",
+            si(size, "rad")
+        ),
+        confidence: (1.0 - (-0.5 * worth).exp()).max(0.0),
+        parameters,
+        place: Place::default(),
+        evidence: Evidence {
+            delta_bic: worth,
+            p_value: (-0.5 * worth).exp().min(1.0),
+            held_out_rms_ratio: None,
+            runner_up: None,
+        },
+        look_alikes: Vec::new(),
+        next_recording: None,
+    };
+    Some((finding, (plain.rss - fit.rss).max(0.0)))
+}

@@ -1,0 +1,163 @@
+//! What an effect whose knobs are moved a little explains: its product with what is left is exact, its squares are those of the effect
+//! that it was moved from. That spares a run of filter and pattern for each move.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::effect::{Carrier, Effect, Site};
+use super::lsq::{Basis, dot};
+use super::model::{Board, Fit};
+
+/// Part of a column's square that has to be its own beside the model.
+const OWN: f64 = 1e-7;
+/// Steps that a knob may be moved by in all.
+const FAR: f64 = 4.0;
+
+/// What is left beside a model, as what one rad at each edge would add.
+#[derive(Clone, Debug)]
+pub struct Left<'a> {
+    /// The board.
+    pub board: &'a Board,
+    /// The model's columns.
+    pub basis: &'a Basis,
+    /// What is left, white.
+    pub white: &'a [f64],
+    /// Score of each edge of each recording, 1/rad.
+    scores: Vec<Vec<f64>>,
+    /// The same of the disc, whose pattern is at its best.
+    of_disc: Option<Vec<Vec<f64>>>,
+}
+
+impl<'a> Left<'a> {
+    /// Of a fit that is clear of its basis.
+    #[must_use]
+    pub fn of(board: &'a Board, fit: &'a Fit, basis: &'a Basis) -> Self {
+        let (mut white, mut of_disc) = (fit.left.clone(), None);
+        if let Some(pattern) = board.pattern.as_ref().filter(|one| one.size2 > 0.0) {
+            // A product with what the pattern could explain as well is a small difference: it takes the errors as closely as can be.
+            let rest = board.rest(&fit.model);
+            let each = board.benches.iter().zip(&rest);
+            let each: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
+            white = each.concat();
+            let errors = pattern.closest(&board.benches, &white);
+            let shown = pattern.unfold(&board.benches, &errors);
+            white
+                .iter_mut()
+                .zip(shown)
+                .for_each(|(white, of)| *white -= of);
+            of_disc = Some(pattern.scores(&board.benches, &errors));
+        }
+        let mut from = 0;
+        let each = board.benches.iter().map(|bench| {
+            let until = from + bench.record.len();
+            let score = bench.score(&white[from..until]);
+            from = until;
+            score
+        });
+        Self {
+            board,
+            basis,
+            white: &fit.left,
+            scores: each.collect(),
+            of_disc,
+        }
+    }
+
+    /// Scores of the edges for an effect of a site.
+    #[must_use]
+    pub fn scores(&self, site: Site) -> &[Vec<f64>] {
+        match (&self.of_disc, site) {
+            (Some(of_disc), Site::Disc(_)) => of_disc,
+            _ => &self.scores,
+        }
+    }
+
+    /// By how much the sum of squares falls with an effect.
+    #[must_use]
+    pub fn gain(&self, effect: &Effect) -> f64 {
+        self.basis.gain(&self.board.columns(effect), self.white)
+    }
+
+    /// Effects near one.
+    fn nearby(&self, effect: &Effect) -> Nearby<'_> {
+        let mut columns = self.board.columns(effect);
+        let wholes: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
+        columns
+            .iter_mut()
+            .for_each(|column| self.basis.clear(column));
+        let count = columns.len();
+        let squares = DMatrix::from_fn(count, count, |a, b| {
+            let open = if a == b { OWN * wholes[a] } else { 0.0 };
+            dot(&columns[a], &columns[b]) + open
+        });
+        Nearby {
+            left: self,
+            inverse: squares
+                .try_inverse()
+                .unwrap_or_else(|| DMatrix::zeros(count, count)),
+        }
+    }
+
+    /// The best knobs near those of an effect, each moved by a step that is halved until a share of it is left, and what it explains
+    /// there.
+    #[must_use]
+    pub fn best_near(&self, effect: &Effect, steps: &[f64], finest: f64) -> (Effect, f64) {
+        let line = matches!(effect.carrier, Carrier::Order(_) | Carrier::Tone(_));
+        let mut best = *effect;
+        let mut nearby = self.nearby(&best);
+        let mut share = 1.0;
+        while share >= finest {
+            let before = best;
+            let mut most = nearby.gain(&best);
+            for (knob, step) in steps.iter().enumerate() {
+                for side in [-1.0, 1.0] {
+                    let mut knobs = best.knobs();
+                    knobs[knob] += side * share * step;
+                    let moved = best.with_knobs(&knobs);
+                    let far = (knobs[knob] - effect.knobs()[knob]).abs() > FAR * step;
+                    if far || !knobs[knob].is_finite() || !moved.is_possible() {
+                        continue;
+                    }
+                    let gain = nearby.gain(&moved);
+                    if gain > most {
+                        (best, most) = (moved, gain);
+                    }
+                }
+            }
+            // A line's squares are the same beside it.
+            if best != before && !line {
+                nearby = self.nearby(&best);
+            }
+            share *= 0.5;
+        }
+        let gain = if line {
+            self.gain(&best)
+        } else {
+            nearby.gain(&best)
+        };
+        (best, gain)
+    }
+}
+
+struct Nearby<'a> {
+    left: &'a Left<'a>,
+    inverse: DMatrix<f64>,
+}
+
+impl Nearby<'_> {
+    /// By about how much the sum of squares falls with an effect that is near.
+    fn gain(&self, effect: &Effect) -> f64 {
+        let mut products = DVector::zeros(self.inverse.nrows());
+        for (bench, scores) in self
+            .left
+            .board
+            .benches
+            .iter()
+            .zip(self.left.scores(effect.site))
+        {
+            for (sum, column) in products.iter_mut().zip(bench.columns(effect)) {
+                *sum += dot(&column, scores);
+            }
+        }
+        products.dot(&(&self.inverse * &products))
+    }
+}
