@@ -14,6 +14,8 @@ use crate::twin::Twin;
 /// One recording with its twin.
 #[derive(Clone, Debug)]
 pub struct Bench {
+    /// Its place among the rig's recordings.
+    pub place: u8,
     /// The edges.
     pub record: Record,
     /// The twin.
@@ -90,6 +92,7 @@ impl Bench {
             scales: gains.scales(),
             weights: vec![1.0; record.len()],
             twin: twin.clone(),
+            place: 0,
             record,
             disc,
             learned: learned.to_vec(),
@@ -269,6 +272,9 @@ impl Bench {
             let tangent = self.tangents.get(usize::from(at)).cloned();
             let none = vec![0.0; self.record.len()];
             return vec![tangent.filter(|some| !some.is_empty()).unwrap_or(none)];
+        }
+        if effect.only.is_some_and(|only| only != self.place) {
+            return vec![vec![0.0; self.record.len()]; effect.sizes()];
         }
         let asked = declared::Asked::of(&self.twin);
         effect.columns(&Scene {

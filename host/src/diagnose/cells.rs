@@ -1,5 +1,6 @@
 //! Cells of the map that have no frequency: few, and evaluated as they are.
 
+use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::{Basis, dot};
 use super::model::{Board, Fit};
@@ -23,9 +24,26 @@ pub struct Bank {
     groups: Vec<Vec<Effect>>,
     effects: Vec<Effect>,
     columns: Vec<Vec<f64>>,
-    instants: Vec<f64>,
-    steps: Vec<Vec<f64>>,
+    steps: Vec<Vec<Step>>,
     bumps: Vec<(On, f64, f64)>,
+}
+
+/// A torque from an instant of one recording on.
+#[derive(Clone, Debug)]
+struct Step {
+    from_s: f64,
+    only: Option<u8>,
+    column: Vec<f64>,
+}
+
+impl Step {
+    /// The torque until another one comes.
+    const fn until(&self, until_s: f64) -> Effect {
+        Effect {
+            only: self.only,
+            ..Effect::new(Site::Torque, Carrier::Window(self.from_s, until_s))
+        }
+    }
 }
 
 impl Bank {
@@ -44,23 +62,25 @@ impl Bank {
             .par_iter()
             .map(|effect| board.columns(effect).swap_remove(0))
             .collect();
-        let instants = instants(board);
-        let steps = instants
-            .par_iter()
-            .map(|from| {
-                board
-                    .columns(&Effect::new(
-                        Site::Torque,
-                        Carrier::Window(*from, f64::INFINITY),
-                    ))
-                    .swap_remove(0)
-            })
-            .collect();
+        let several = board.benches.len() > 1;
+        let steps = board.benches.iter().map(|bench| {
+            let only = several.then_some(bench.place);
+            let step = |from_s: f64| {
+                let mut step = Step {
+                    from_s,
+                    only,
+                    column: Vec::new(),
+                };
+                step.column = board.columns(&step.until(f64::INFINITY)).swap_remove(0);
+                step
+            };
+            instants(bench).into_par_iter().map(step).collect()
+        });
+        let steps = steps.collect();
         Self {
             groups,
             effects,
             columns,
-            instants,
             steps,
             bumps: kinds_of_bumps(board),
         }
@@ -107,28 +127,17 @@ impl Bank {
     }
 }
 
-/// Instants at which steps are tried, from before the recording on.
-fn instants(board: &Board) -> Vec<f64> {
-    let longest = board
-        .benches
-        .iter()
-        .max_by(|a, b| a.record.seconds().total_cmp(&b.record.seconds()));
-    let Some(longest) = longest else {
+/// Instants at which steps are tried, from before a recording on.
+fn instants(bench: &Bench) -> Vec<f64> {
+    let times = &bench.record.time_s;
+    let (Some(first), Some(last)) = (times.first(), times.last()) else {
         return Vec::new();
     };
-    let (first, last) = (
-        longest.record.time_s[0],
-        longest.record.time_s[longest.record.len() - 1],
-    );
-    (0..INSTANTS)
-        .map(|at| {
-            if at == 0 {
-                f64::NEG_INFINITY
-            } else {
-                first + (last - first) * at as f64 / INSTANTS as f64
-            }
-        })
-        .collect()
+    let at = |at: usize| match at {
+        0 => f64::NEG_INFINITY,
+        _ => first + (last - first) * at as f64 / INSTANTS as f64,
+    };
+    (0..INSTANTS).map(at).collect()
 }
 
 /// Sizes and knobs of effects.
@@ -283,52 +292,54 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     all
 }
 
-/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants.
+/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
 #[must_use]
 pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
+    let each = bank.steps.iter();
+    each.flat_map(|steps| loads_of(steps, left)).collect()
+}
+
+fn loads_of(steps: &[Step], left: &Left<'_>) -> Vec<Candidate> {
     use rayon::prelude::*;
-    let instants = &bank.instants;
-    if instants.len() < 3 {
+    if steps.len() < 3 {
         return Vec::new();
     }
-    let cleared = bank.steps.par_iter().map(|column| {
-        let mut column = column.clone();
+    let cleared = steps.par_iter().map(|step| {
+        let mut column = step.column.clone();
         left.basis.clear(&mut column);
         column
     });
-    let steps: Vec<Vec<f64>> = cleared.collect();
-    let scores: Vec<f64> = steps.iter().map(|column| dot(column, left.white)).collect();
-    let pairs: Vec<(usize, usize)> = (0..INSTANTS)
-        .flat_map(|a| (a..INSTANTS).map(move |b| (a, b)))
+    let columns: Vec<Vec<f64>> = cleared.collect();
+    let scores: Vec<f64> = columns
+        .iter()
+        .map(|column| dot(column, left.white))
+        .collect();
+    let count = steps.len();
+    let pairs: Vec<(usize, usize)> = (0..count)
+        .flat_map(|a| (a..count).map(move |b| (a, b)))
         .collect();
     let products: Vec<f64> = pairs
         .par_iter()
-        .map(|(a, b)| dot(&steps[*a], &steps[*b]))
+        .map(|(a, b)| dot(&columns[*a], &columns[*b]))
         .collect();
     let own = |at: usize| products[pairs.partition_point(|pair| *pair < (at, at))];
     let mut best: Vec<(f64, Effect)> = Vec::new();
     for (&(a, b), product) in pairs.iter().zip(&products) {
         if a == b {
             if own(a) > 0.0 && a > 0 {
-                best.push((
-                    scores[a].powi(2) / own(a),
-                    Effect::new(Site::Torque, Carrier::Window(instants[a], f64::INFINITY)),
-                ));
+                best.push((scores[a].powi(2) / own(a), steps[a].until(f64::INFINITY)));
             }
             continue;
         }
         let square = own(a) + own(b) - 2.0 * product;
         if square > 1e-9 * (own(a) + own(b)) && square > 0.0 {
             let gain = (scores[a] - scores[b]).powi(2) / square;
-            best.push((
-                gain,
-                Effect::new(Site::Torque, Carrier::Window(instants[a], instants[b])),
-            ));
+            best.push((gain, steps[a].until(steps[b].from_s)));
         }
     }
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
     best.truncate(2);
-    let step = instants[2] - instants[1];
+    let step = steps[2].from_s - steps[1].from_s;
     best.into_iter()
         .map(|(_, effect)| nearest(left, effect, 0.5 * step))
         .collect()

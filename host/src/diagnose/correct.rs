@@ -58,6 +58,8 @@ const STEPS: [f64; 2] = [0.05, 3.0];
 /// The first step and the greatest one, as parts of the number.
 const FIRST: f64 = 1e-4;
 const GREATEST: f64 = 0.1;
+/// Times a declared number that a measured one may be.
+const FARTHEST: f64 = 30.0;
 /// Part of a column's square that is its own, up to which it is the same as others.
 const SAME: f64 = 1e-2;
 
@@ -287,6 +289,7 @@ impl Board {
                     &bench.learned,
                     &self.noise,
                 );
+                next.place = bench.place;
                 next.weights.clone_from(&bench.weights);
                 if !next.declared.ties.is_empty() {
                     next.decide_ties();
@@ -388,6 +391,15 @@ impl Board {
         }
         let gain = self.cost(against) - cost;
         (board, fit, gain)
+    }
+
+    /// Whether the twins can be, and no number is so far from the declared one that it is another thing.
+    #[must_use]
+    pub fn is_possible(&self) -> bool {
+        let size = |values: &[f64]| values.iter().fold(0.0, |sum: f64, value| sum.hypot(*value));
+        let near = |own: &Correction| size(&own.now) < FARTHEST * size(&own.declared);
+        let mut benches = self.benches.iter();
+        self.corrections.iter().all(near) && benches.all(|bench| bench.twin.check().is_ok())
     }
 
     /// Whether the values that a fit wants are those that the twins have.

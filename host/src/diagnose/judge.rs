@@ -9,6 +9,8 @@ use super::model::{Board, Fit};
 const BLOCKS: usize = 4;
 /// Share of what a finding shows in one block from which on the others can't foretell it.
 const ONCE: f64 = 0.7;
+/// Weight of what all blocks say in a fit to some of them.
+const KEPT: f64 = 0.01;
 /// Share of each recording that is held out for the figures of the fit: its last part.
 pub const HELD_OUT: f64 = 0.3;
 
@@ -119,11 +121,16 @@ impl Parts {
             gram += &part.gram;
             right += &part.right;
         }
+        // A little of what all parts say, so that what these can't tell stays where it is.
+        for &at in columns {
+            let all: f64 = self.parts.iter().map(|part| part.gram[(at, at)]).sum();
+            gram[(at, at)] += KEPT * all;
+            right[at] += KEPT * all * self.sizes[at];
+        }
         let norms: Vec<f64> = columns
             .iter()
             .map(|&at| gram[(at, at)].sqrt().max(f64::MIN_POSITIVE))
             .collect();
-        // A little stiffness, so that what this part can't tell stays where it is.
         let some = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
             let ridge = if a == b { 1e-9 } else { 0.0 };
             gram[(columns[a], columns[b])] / (norms[a] * norms[b]) + ridge

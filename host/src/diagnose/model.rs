@@ -319,9 +319,11 @@ impl Board {
         let noise = self.noise;
         self.benches.par_iter_mut().for_each(|bench| {
             if let Ok(errors) = sim::true_errors(&bench.twin) {
-                let (record, weights) = (bench.record.clone(), bench.weights.clone());
+                let (record, weights, place) =
+                    (bench.record.clone(), bench.weights.clone(), bench.place);
                 *bench = Bench::about(record, &bench.twin, &errors, &learned, &noise);
                 bench.weights = weights;
+                bench.place = place;
                 bench.decide_ties();
             }
         });

@@ -380,5 +380,8 @@ pub fn text(effects: &[Effect]) -> String {
         }
         Carrier::Stribeck(speed) => format!("against the motion, that falls over {speed:.2} rad/s"),
     };
-    format!("{site}, {carrier}")
+    let only = first.only.map_or_else(String::new, |only| {
+        format!(", in recording {} alone", u16::from(only) + 1)
+    });
+    format!("{site}, {carrier}{only}")
 }

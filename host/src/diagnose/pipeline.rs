@@ -27,8 +27,10 @@ pub fn diagnose(
 ) -> Result<Answer, DiagnoseError> {
     progress(0.05, "Comparing");
     let mut benches = Vec::new();
-    for one in rig {
-        benches.push(bench(one)?);
+    for (place, one) in rig.iter().enumerate() {
+        let mut bench = bench(one)?;
+        bench.place = place as u8;
+        benches.push(bench);
     }
     let mut board = Board::new(benches);
     let given = board.clone();

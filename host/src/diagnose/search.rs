@@ -111,6 +111,21 @@ pub fn search(board: &mut Board) -> Found {
     while findings < FINDINGS && changes < CHANGES {
         let group = findings;
         let found = candidates(board, &bank, &fit);
+        if std::env::var_os("DBG").is_some() {
+            eprintln!(
+                "ROUND {findings} noise {:?} size {:?} rss {} edges {}",
+                board.noise,
+                board.pattern.as_ref().map(|p| p.size2.sqrt()),
+                fit.rss,
+                board.edges()
+            );
+            for t in &fit.model.terms {
+                eprintln!("   term {:?} {:?} {}", t.effect, t.sizes, t.nuisance);
+            }
+            for c in found.iter().take(6) {
+                eprintln!("   cand {:.1} {:?}", c.gain, c.effects);
+            }
+        }
         // The best one as fitted with everything else, of those that look nearly as good.
         let most = found
             .first()
@@ -247,12 +262,11 @@ fn correction(
         let group = board.group_of(&model, &candidate.slopes.knob, free);
         model.add(&effects, group);
         let (better, tried, gain) = wider.settle(&model, fit);
-        // Of numbers that only show together the one goes that leaves a twin which can be.
-        let possible = better
-            .benches
-            .iter()
-            .all(|bench| bench.twin.check().is_ok());
-        let here = evidence(board, gain, numbers) - if possible { 0.0 } else { ALIKE };
+        // A twin that can't be is none.
+        if !better.is_possible() {
+            continue;
+        }
+        let here = evidence(board, gain, numbers);
         if here > least.max(SURE) && best.as_ref().is_none_or(|(most, ..)| here > *most) {
             best = Some((here, better, tried));
         }

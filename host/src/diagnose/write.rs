@@ -38,12 +38,13 @@ pub struct Written {
 /// # Errors
 /// As [`sim::true_errors`].
 pub fn twins(rig: &[Recorded], answer: &Answer) -> Result<Vec<Written>, TwinError> {
-    let each = rig.iter().zip(&answer.corrected);
-    each.map(|(one, corrected)| written(one, corrected, answer))
+    let each = rig.iter().zip(&answer.corrected).enumerate();
+    each.map(|(at, (one, corrected))| written(at, one, corrected, answer))
         .collect()
 }
 
 fn written(
+    at: usize,
     one: &Recorded,
     corrected: &[(Knob, Vec<f64>)],
     answer: &Answer,
@@ -56,7 +57,11 @@ fn written(
     let mut twin = taken.unwrap_or_else(|| one.twin.clone());
     let span = Span::of(one);
     let found = answer.diagnosis.findings.iter().zip(&answer.cells);
+    let elsewhere = |cell: &Sized| cell.effect.only.is_some_and(|only| usize::from(only) != at);
     for (finding, cells) in found {
+        if cells.iter().any(elsewhere) {
+            continue;
+        }
         // A section that can't take the numbers leaves them to effects.
         let mut new = twin.clone();
         let took = match cells.is_empty() {
@@ -183,6 +188,7 @@ fn put(twin: &mut Twin, cell: &Sized, span: &Span) -> bool {
         site,
         carrier,
         growth,
+        ..
     } = cell.effect;
     if growth != Growth::Constant {
         return false;

@@ -112,6 +112,9 @@ pub struct Effect {
     pub carrier: Carrier,
     /// How its size goes.
     pub growth: Growth,
+    /// The one recording that has it, by its place among those of the rig; all where none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub only: Option<u8>,
 }
 
 /// What an effect is evaluated at.
@@ -137,6 +140,7 @@ impl Effect {
             site,
             carrier,
             growth: Growth::Constant,
+            only: None,
         }
     }
 
@@ -298,6 +302,7 @@ impl Effect {
             site: self.site,
             carrier,
             growth,
+            only: self.only,
         }
     }
 

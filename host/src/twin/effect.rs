@@ -314,6 +314,7 @@ impl DeclaredEffect {
             site,
             carrier,
             growth,
+            only: None,
         }
     }
 

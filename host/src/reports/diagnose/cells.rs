@@ -15,8 +15,11 @@ const CHANNELS: [&str; 3] = ["A", "B", "C"];
 /// An effect as a clause: `torque at 41.3 Hz, its amplitude grows by 3 % a second`.
 #[must_use]
 pub fn words(effect: &Effect) -> String {
+    let only = effect.only.map_or_else(String::new, |only| {
+        format!(", in recording {} alone", u16::from(only) + 1)
+    });
     format!(
-        "{}{}{}",
+        "{}{}{}{only}",
         site(&effect.site),
         carrier(effect),
         growth(effect)
