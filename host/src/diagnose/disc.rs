@@ -1,7 +1,9 @@
 //! What was learned of a disc that the twins do not give, or of another one than they give.
 
+use std::f64::consts::TAU;
+
 use super::diagnosis::{Evidence, Finding, Parameter, Place};
-use super::effect::{Carrier, Site};
+use super::effect::Here;
 use super::model::{Board, Fit, Model};
 use super::name::NINETY_FIVE;
 use super::record::change;
@@ -21,19 +23,22 @@ pub fn pattern(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
     Some(pattern.closest(&board.benches, &white.concat()))
 }
 
-/// The same with how far whole classes of edges are off.
+/// The same with all else of the disc that is no finding.
 pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
     let mut errors = pattern(board, &board.rest(model))?;
-    let classes = board.benches.first()?.record.classes;
-    for term in model.terms.iter().filter(|term| term.nuisance) {
-        let (Site::Disc(on), Carrier::Steady) = (term.effect.site, term.effect.carrier) else {
-            continue;
-        };
+    let (edges, classes) = (errors.len(), board.benches.first()?.record.classes);
+    let open = model.terms.iter().filter(|term| term.nuisance);
+    for term in open.filter(|term| term.effect.is_of_disc()) {
         for (slot, error) in errors.iter_mut().enumerate() {
+            let here = Here {
+                time_s: 0.0,
+                inside_s: 0.0,
+                angle: TAU * slot as f64 / edges as f64,
+                speed: 1.0,
+                way: 1.0,
+            };
             let class = change(slot % classes as usize, classes);
-            if on.has(class) {
-                *error += term.sizes[0] * term.effect.ahead(class);
-            }
+            *error += term.effect.sized(&term.sizes, here) * term.effect.ahead(class);
         }
     }
     Some(errors)

@@ -236,7 +236,11 @@ impl Board {
         let undriven = benches
             .iter()
             .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
-        let pattern = if known { None } else { Pattern::new(&benches) };
+        let pattern = if known {
+            None
+        } else {
+            Pattern::new(&benches, None)
+        };
         let mut board = Self {
             benches,
             noise,
@@ -280,8 +284,7 @@ impl Board {
             };
             let rest = self.rest(model);
             // Its worth goes by the present noise.
-            if let Some(mut fresh) = Pattern::new(&self.benches) {
-                fresh.size2 = pattern.size2;
+            if let Some(fresh) = Pattern::new(&self.benches, Some(&pattern)) {
                 pattern = fresh;
             }
             let white = self.white(&rest);

@@ -1,13 +1,14 @@
 //! The disc's own pattern: an unknown error of each edge of the grid, small beside a known size, that every turn repeats.
 //!
 //! With N unknown errors e of variance s^2 beside a model, the least of |W (r - P e)|^2 + |e|^2 / s^2 over e is had by conjugate
-//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Where every
-//! turn is alike, the inverse of the normal matrix is such a run too: that of a filter to which each edge's angle is open by the size of
-//! its error, times the turns that show it (the matrix inversion lemma on rows that repeat). That is the preconditioner. The size s is the
-//! one of most evidence.
+//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Of few edges a
+//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner. Of many it is a run of the filter again: where
+//! every turn is alike, the inverse is that of a filter to which each edge's angle is open by the size of its error, times the turns that
+//! show it (the matrix inversion lemma on rows that repeat). The size s is that of most orders.
 
 use std::sync::Arc;
 
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 use realfft::{RealFftPlanner, RealToComplex};
@@ -21,6 +22,10 @@ use super::plant::Gains;
 const NODES: usize = 24;
 /// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
+/// Edges a turn up to which the normal matrix itself is worked out.
+const DENSE: usize = 1024;
+/// Factor by which what an order is worth may change before that is done anew.
+const CHANGED: f64 = 10.0;
 /// Size of an edge's error to begin with and at the most, as a part of a pitch: edges keep their order.
 const LARGE: f64 = 0.3;
 /// A size that is none, rad; rounds in which it is found, and the change of its square's logarithm that is none.
@@ -43,7 +48,11 @@ pub struct Pattern {
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
     forward: Arc<dyn RealToComplex<f64>>,
-    /// Filters to which the edges' own angles are open by the pattern, one a recording.
+    /// The normal matrix, of about the present noise, and what orders were worth then.
+    normal: Option<Arc<(DMatrix<f64>, Vec<f64>)>>,
+    /// The same with the pattern's size, decomposed.
+    factor: Option<Arc<Cholesky<f64, Dyn>>>,
+    /// Without it: filters to which the edges' own angles are open by the pattern, one a recording.
     open: Arc<Vec<Gains>>,
 }
 
@@ -57,14 +66,16 @@ impl std::fmt::Debug for Pattern {
 }
 
 impl Pattern {
-    /// Of recordings of one disc, of unknown size.
+    /// Of recordings of one disc; `before` is the same in another noise, whose size it has.
     #[must_use]
-    pub fn new(benches: &[Bench]) -> Option<Self> {
+    pub fn new(benches: &[Bench], before: Option<&Self>) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
         let mut pattern = Self {
             edges,
-            size2: 0.0,
+            size2: before.map_or(0.0, |before| before.size2),
             worth: Vec::new(),
+            normal: None,
+            factor: None,
             open: Arc::default(),
             forward: RealFftPlanner::new().plan_fft_forward(edges),
         };
@@ -99,12 +110,42 @@ impl Pattern {
                 }
             })
             .collect();
+        let kept = before.and_then(|before| before.normal.clone());
+        pattern.normal = match kept.filter(|kept| alike(&kept.1, &pattern.worth)) {
+            Some(kept) => Some(kept),
+            None if edges <= DENSE => {
+                let rows = (0..edges).into_par_iter().map(|edge| {
+                    let mut one = vec![0.0; edges];
+                    one[edge] = 1.0;
+                    pattern.fold(benches, &pattern.unfold(benches, &one))
+                });
+                let rows: Vec<Vec<f64>> = rows.collect();
+                let matrix = DMatrix::from_fn(edges, edges, |row, column| {
+                    0.5 * (rows[row][column] + rows[column][row])
+                });
+                Some(Arc::new((matrix, pattern.worth.clone())))
+            }
+            None => None,
+        };
         Some(pattern)
     }
 
     /// Sets the variance of an edge's error, rad^2.
     pub fn set_size(&mut self, benches: &[Bench], size2: f64) {
         self.size2 = size2;
+        self.factor = None;
+        if size2 > 0.0
+            && let Some(normal) = &self.normal
+        {
+            let (matrix, worth) = &**normal;
+            let scale = self.worth.iter().sum::<f64>() / worth.iter().sum::<f64>();
+            let mut matrix = matrix * scale;
+            for at in 0..self.edges {
+                matrix[(at, at)] += size2.recip();
+            }
+            self.factor = Cholesky::new(matrix).map(Arc::new);
+            return;
+        }
         let mut open = vec![0.0; self.edges];
         for bench in benches {
             (0..bench.record.len()).for_each(|at| open[bench.record.slot(at)] += size2);
@@ -144,6 +185,10 @@ impl Pattern {
 
     /// A row divided by about the normal matrix.
     fn divided(&self, benches: &[Bench], row: &[f64]) -> Vec<f64> {
+        if let Some(factor) = &self.factor {
+            let row = DVector::from_column_slice(row);
+            return factor.solve(&row).as_slice().to_vec();
+        }
         let mut all: Vec<f64> = row.iter().map(|value| self.size2 * value).collect();
         for (bench, open) in benches.iter().zip(&*self.open) {
             let slots = || (0..bench.record.len()).map(|at| bench.record.slot(at));
@@ -345,6 +390,19 @@ impl Pattern {
         white.extend(rest.map(|(error, kept)| (kept - error) / size));
         white
     }
+}
+
+/// Whether orders are worth about the same, but for a common factor.
+fn alike(one: &[f64], other: &[f64]) -> bool {
+    let ratios = one
+        .iter()
+        .zip(other)
+        .skip(1)
+        .map(|(one, other)| one / other);
+    let (least, most) = ratios.fold((f64::INFINITY, 0.0_f64), |(least, most), ratio| {
+        (least.min(ratio), most.max(ratio))
+    });
+    most < CHANGED * least
 }
 
 /// A value between nodes, straight; the ends go on.

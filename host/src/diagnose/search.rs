@@ -61,7 +61,7 @@ fn another_disc(board: &Board, fit: &Fit, least: f64) -> Option<Board> {
     if board.pattern.is_some() {
         return None;
     }
-    let mut pattern = Pattern::new(&board.benches)?;
+    let mut pattern = Pattern::new(&board.benches, None)?;
     let worth = evidence(board, pattern.size_up(&board.benches, &fit.left), 1);
     if worth < SURE.max(least) {
         return None;
@@ -130,7 +130,11 @@ pub fn search(board: &mut Board) -> Found {
         let most = found
             .first()
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
-        if let Some(other) = another_disc(board, &fit, most) {
+        let first_or_last = fit.model.groups().is_empty() || most < SURE;
+        if let Some(other) = first_or_last
+            .then(|| another_disc(board, &fit, most))
+            .flatten()
+        {
             *board = other;
             bank = Bank::new(board);
             fit = board.fit(&fit.model);
@@ -157,14 +161,13 @@ pub fn search(board: &mut Board) -> Found {
             (evidence(board, gain, candidate.numbers()), effects)
         });
         let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
-        let best = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        let next = best.and_then(|(_, effects)| {
+        let next = best_of(board, tried).and_then(|effects| {
             let numbers = cells::numbers(&effects);
-            // A drive that the twin does not declare may change at any instant: that is part of the course.
-            if board.free.drift && is_change(&effects) {
+            if is_open(board, &effects) {
                 let mut model = fit.model.clone();
                 model.add(&effects, usize::MAX - 2 - changes);
-                model.terms.iter_mut().last()?.nuisance = true;
+                let added = model.terms.iter_mut().rev().take(effects.len());
+                added.for_each(|term| term.nuisance = true);
                 let next = board.fit(&model);
                 let worth = evidence(board, fit.rss - next.rss, numbers);
                 return (worth > SURE).then_some((worth, next));
@@ -274,14 +277,26 @@ fn correction(
     best.map(|(_, board, fit)| (board, fit))
 }
 
-/// Whether effects are a change of what drives the shaft.
-fn is_change(effects: &[Effect]) -> bool {
-    let mut each = effects.iter();
-    each.all(|effect| {
-        matches!(
-            (effect.site, effect.carrier),
-            (Site::Torque, Carrier::Window(..))
-        )
+/// The best of some effects by their evidence. What only shows in a disc that the twins do not give comes after what shows elsewhere and is
+/// about as good.
+fn best_of(board: &Board, tried: Vec<(f64, Vec<Effect>)>) -> Option<Vec<Effect>> {
+    let worth = |one: &(f64, Vec<Effect>)| {
+        let late = if is_open(board, &one.1) { ALIKE } else { 0.0 };
+        one.0 - late
+    };
+    let best = tried
+        .into_iter()
+        .max_by(|a, b| worth(a).total_cmp(&worth(b)));
+    best.map(|(_, effects)| effects)
+}
+
+/// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
+/// a disc that they do not give may have any errors.
+fn is_open(board: &Board, effects: &[Effect]) -> bool {
+    let open_disc = board.pattern.is_some() && !board.disc_given;
+    effects.iter().all(|effect| {
+        let changes = effect.site == Site::Torque && matches!(effect.carrier, Carrier::Window(..));
+        board.free.drift && changes || open_disc && effect.is_of_disc()
     })
 }
 

@@ -280,7 +280,7 @@ fn settle(board: &mut Board, twin: &Twin) {
 
 /// Sets the disc's pattern to the size of most evidence in the present noise.
 fn resize(board: &mut Board, model: &Model) {
-    let Some(mut pattern) = Pattern::new(&board.benches) else {
+    let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
         return;
     };
     let rest = board.rest(model);
@@ -374,7 +374,7 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
     let mut part = board.clone();
     beside(&mut part, &parts, twin);
     part.pattern = board.pattern.as_ref().and_then(|whole| {
-        let mut pattern = Pattern::new(&part.benches)?;
+        let mut pattern = Pattern::new(&part.benches, Some(whole))?;
         pattern.set_size(&part.benches, whole.size2);
         Some(pattern)
     });

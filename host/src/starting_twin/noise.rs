@@ -113,7 +113,7 @@ impl Likelihood {
             .map(|scale| -2.0 * scale.ln())
             .sum();
         let pattern = size2.filter(|size2| *size2 > 0.0).and_then(|size2| {
-            let mut pattern = Pattern::new(benches)?;
+            let mut pattern = Pattern::new(benches, self.board.pattern.as_ref())?;
             pattern.set_size(benches, size2);
             Some(pattern)
         });
