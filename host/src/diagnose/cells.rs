@@ -5,7 +5,7 @@ use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::{Basis, dot};
 use super::model::{Board, Fit};
 use super::nearby::Left;
-use super::scan::Candidate;
+use super::scan::{Candidate, evidence};
 
 /// Instants at which steps are tried.
 const INSTANTS: usize = 32;
@@ -341,7 +341,7 @@ fn loads_of(steps: &[Step], left: &Left<'_>) -> Vec<Candidate> {
     best.truncate(2);
     let step = steps[2].from_s - steps[1].from_s;
     best.into_iter()
-        .map(|(_, effect)| nearest(left, effect, 0.5 * step))
+        .map(|(gain, effect)| nearest(left, effect, gain, 0.5 * step))
         .collect()
 }
 
@@ -444,12 +444,19 @@ pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     found.truncate(BUMPS);
     found
         .into_iter()
-        .map(|(_, effect)| nearest(left, effect, 0.5 * effect.knobs()[1]))
+        .map(|(gain, effect)| nearest(left, effect, gain, 0.5 * effect.knobs()[1]))
         .collect()
 }
 
-/// An effect with the best knobs near its own, all of one unit.
-fn nearest(left: &Left<'_>, effect: Effect, step: f64) -> Candidate {
+/// An effect with the best knobs near its own, all of one unit, where it may be worth them.
+fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
+    let as_it_is = Candidate {
+        effects: vec![effect],
+        gain,
+    };
+    if evidence(left.board, gain, as_it_is.numbers()) < 0.0 {
+        return as_it_is;
+    }
     let reach = left.board.reach(&effect).into_iter();
     let least = 0.3 * reach.fold(f64::INFINITY, f64::min);
     let steps = vec![step; effect.knobs().len()];

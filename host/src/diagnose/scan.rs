@@ -31,6 +31,12 @@ impl Candidate {
     }
 }
 
+/// Evidence of a candidate: what it explains, less what its numbers would by chance (G. Schwarz, Annals of Statistics 6, 1978).
+#[must_use]
+pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {
+    gain - numbers as f64 * (board.edges() as f64).ln()
+}
+
 /// Part of a peak's gain that the whole order beside it has to have to be taken in its place: what is left of it may be how its size
 /// changes, which no single line explains.
 const WHOLE: f64 = 0.9;
@@ -152,7 +158,7 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     exact.truncate(REFINED);
     exact
         .par_iter()
-        .map(|(_, effect)| refined(left, effect))
+        .map(|(gain, effect)| refined(left, effect, *gain))
         .collect()
 }
 
@@ -192,7 +198,14 @@ fn whole(effect: &Effect, reach: f64) -> Option<Effect> {
 }
 
 /// The best nearby value of a candidate's frequency or order.
-fn refined(left: &Left<'_>, effect: &Effect) -> Candidate {
+fn refined(left: &Left<'_>, effect: &Effect, gain: f64) -> Candidate {
+    let as_it_is = Candidate {
+        effects: vec![*effect],
+        gain,
+    };
+    if evidence(left.board, gain, as_it_is.numbers()) < 0.0 {
+        return as_it_is;
+    }
     let reach = left.board.reach(effect)[0];
     let (mut effect, mut gain) = left.best_near(effect, &[0.5 * reach], FINEST);
     if let Some(whole) = whole(&effect, reach) {

@@ -14,6 +14,7 @@ use super::name;
 use super::nearby::Left;
 use super::pattern::Pattern;
 use super::plant::Law;
+pub use super::scan::evidence;
 use super::scan::{self, Candidate};
 use crate::mechanism::Mechanism;
 
@@ -30,12 +31,6 @@ const NEARLY: f64 = 0.8;
 const ALIKE: f64 = 10.0;
 /// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
 pub const SURE: f64 = 12.0;
-
-/// Evidence of a candidate: what it explains, less what its numbers would by chance (G. Schwarz, Annals of Statistics 6, 1978).
-#[must_use]
-pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {
-    gain - numbers as f64 * (board.edges() as f64).ln()
-}
 
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
 /// class are off.
@@ -111,21 +106,6 @@ pub fn search(board: &mut Board) -> Found {
     while findings < FINDINGS && changes < CHANGES {
         let group = findings;
         let found = candidates(board, &bank, &fit);
-        if std::env::var_os("DBG").is_some() {
-            eprintln!(
-                "ROUND {findings} noise {:?} size {:?} rss {} edges {}",
-                board.noise,
-                board.pattern.as_ref().map(|p| p.size2.sqrt()),
-                fit.rss,
-                board.edges()
-            );
-            for t in &fit.model.terms {
-                eprintln!("   term {:?} {:?} {}", t.effect, t.sizes, t.nuisance);
-            }
-            for c in found.iter().take(6) {
-                eprintln!("   cand {:.1} {:?}", c.gain, c.effects);
-            }
-        }
         // The best one as fitted with everything else, of those that look nearly as good.
         let most = found
             .first()

@@ -152,6 +152,7 @@ fn what_an_effect_does_in_the_simulator_is_what_its_columns_foretell() {
                     site,
                     carrier,
                     growth,
+                    only: None,
                 };
                 // What the drive balances is written as the shaft's friction, never as an effect.
                 if effect.is_friction() {

@@ -153,6 +153,7 @@ fn no_two_cells_share_their_words_and_none_is_long() {
                     site,
                     carrier,
                     growth,
+                    only: None,
                 };
                 let text = words(&effect);
                 assert!(text.split_whitespace().count() < 30, "{text}");
