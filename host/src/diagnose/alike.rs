@@ -1,7 +1,7 @@
 //! Look-alikes: what else a finding may be, fitted in its place beside everything else.
 
-use super::cells::Bank;
-use super::effect::{Effect, Growth};
+use super::cells::{self, Bank};
+use super::effect::Effect;
 use super::model::{Board, Fit};
 use super::{name, search};
 use crate::mechanism::Mechanism;
@@ -52,7 +52,7 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 rivals.push((named, fitted, effects));
             }
         }
-        for effects in grown(board, &own) {
+        for effects in cells::grown(board, &own) {
             let (effects, gain) = board.beside(&rest, &basis, &effects);
             let numbers = fit.model.numbers(group) + effects.len();
             let fitted = search::evidence(board, gain, numbers);
@@ -89,21 +89,4 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     board.fit_noise(&fit.model);
     *fit = board.fit(&fit.model);
     all
-}
-
-/// The same effect with sizes that go with time or speed, to be fitted in its place.
-fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
-    let [effect] = own else { return Vec::new() };
-    if effect.sizes() < 2 || effect.growth != Growth::Constant {
-        return Vec::new();
-    }
-    let rate = 1.0 / board.seconds();
-    [
-        Growth::Even(rate),
-        Growth::Even(-0.5 * rate),
-        Growth::Speed(1.0),
-        Growth::Speed(-1.0),
-    ]
-    .map(|growth| vec![Effect { growth, ..*effect }])
-    .into()
 }

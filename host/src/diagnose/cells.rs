@@ -1,7 +1,7 @@
 //! Cells of the map that have no frequency: few, and evaluated as they are.
 
 use super::bench::Bench;
-use super::effect::{Carrier, Effect, On, Site};
+use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::lsq::{Basis, dot};
 use super::model::{Board, Fit};
 use super::nearby::Left;
@@ -290,6 +290,23 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
         }
     }
     all
+}
+
+/// The same effect with sizes that go with time or speed, to be fitted in its place.
+pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [effect] = own else { return Vec::new() };
+    if effect.sizes() < 2 || effect.growth != Growth::Constant {
+        return Vec::new();
+    }
+    let rate = 1.0 / board.seconds();
+    [
+        Growth::Even(rate),
+        Growth::Even(-0.5 * rate),
+        Growth::Speed(1.0),
+        Growth::Speed(-1.0),
+    ]
+    .map(|growth| vec![Effect { growth, ..*effect }])
+    .into()
 }
 
 /// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.

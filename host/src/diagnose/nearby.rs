@@ -102,12 +102,18 @@ impl<'a> Left<'a> {
     #[must_use]
     pub fn best_near(&self, effect: &Effect, steps: &[f64], finest: f64) -> (Effect, f64) {
         let line = matches!(effect.carrier, Carrier::Order(_) | Carrier::Tone(_));
+        // Beside a pattern each run is dear.
+        let exact = !line && self.of_disc.is_none();
         let mut best = *effect;
         let mut nearby = self.nearby(&best);
         let mut share = 1.0;
         while share >= finest {
             let before = best;
-            let mut most = nearby.gain(&best);
+            let gain = |nearby: &Nearby<'_>, effect: &Effect| match exact {
+                true => self.gain(effect),
+                false => nearby.gain(effect),
+            };
+            let mut most = gain(&nearby, &best);
             for (knob, step) in steps.iter().enumerate() {
                 for side in [-1.0, 1.0] {
                     let mut knobs = best.knobs();
@@ -117,24 +123,19 @@ impl<'a> Left<'a> {
                     if far || !knobs[knob].is_finite() || !moved.is_possible() {
                         continue;
                     }
-                    let gain = nearby.gain(&moved);
-                    if gain > most {
-                        (best, most) = (moved, gain);
+                    let here = gain(&nearby, &moved);
+                    if here > most {
+                        (best, most) = (moved, here);
                     }
                 }
             }
             // A line's squares are the same beside it.
-            if best != before && !line {
+            if best != before && !line && !exact {
                 nearby = self.nearby(&best);
             }
             share *= 0.5;
         }
-        let gain = if line {
-            self.gain(&best)
-        } else {
-            nearby.gain(&best)
-        };
-        (best, gain)
+        (best, self.gain(&best))
     }
 }
 

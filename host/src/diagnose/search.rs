@@ -141,7 +141,20 @@ pub fn search(board: &mut Board) -> Found {
             (evidence(board, gain, candidate.numbers()), effects)
         });
         let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
-        let next = best_of(board, tried).and_then(|effects| {
+        let best = best_of(board, tried).map(|(worth, effects)| {
+            // What grows is no row of lines beside each other.
+            let grown = cells::grown(board, &effects).into_par_iter();
+            let grown = grown.map(|effects| {
+                let (effects, gain) = board.beside(&fit, &basis, &effects);
+                (evidence(board, gain, cells::numbers(&effects)), effects)
+            });
+            let grown = grown.max_by(|a, b| a.0.total_cmp(&b.0));
+            match grown {
+                Some((better, grown)) if better > worth + SURE => grown,
+                _ => effects,
+            }
+        });
+        let next = best.and_then(|effects| {
             let numbers = cells::numbers(&effects);
             if is_open(board, &effects) {
                 let mut model = fit.model.clone();
@@ -259,15 +272,14 @@ fn correction(
 
 /// The best of some effects by their evidence. What only shows in a disc that the twins do not give comes after what shows elsewhere and is
 /// about as good.
-fn best_of(board: &Board, tried: Vec<(f64, Vec<Effect>)>) -> Option<Vec<Effect>> {
+fn best_of(board: &Board, tried: Vec<(f64, Vec<Effect>)>) -> Option<(f64, Vec<Effect>)> {
     let worth = |one: &(f64, Vec<Effect>)| {
         let late = if is_open(board, &one.1) { ALIKE } else { 0.0 };
         one.0 - late
     };
-    let best = tried
+    tried
         .into_iter()
-        .max_by(|a, b| worth(a).total_cmp(&worth(b)));
-    best.map(|(_, effects)| effects)
+        .max_by(|a, b| worth(a).total_cmp(&worth(b)))
 }
 
 /// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
