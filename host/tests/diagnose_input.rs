@@ -73,7 +73,7 @@ fn what_is_no_twin_is_said_to_be_none() {
         ),
         (
             "seed.toml",
-            "quadcal: seed.toml: (top level): missing field `duration`; add it (",
+            "quadcal: seed.toml: (top level): missing field `encoder`; add it (",
         ),
     ] {
         for command in ["diagnose rig.csv --twin", "simulate -o new.csv"] {
