@@ -69,8 +69,11 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
 /// Twins as given, in the noise that was found: so that only the model differs.
 fn as_given(given: &Board, board: &Board) -> Board {
     let mut before = given.clone();
-    before.pattern = None;
     before.set_noise(board.noise);
+    for (bench, now) in before.benches.iter_mut().zip(&board.benches) {
+        bench.weights.clone_from(&now.weights);
+    }
+    before.pattern = before.pattern_given();
     before
 }
 

@@ -5,7 +5,7 @@ use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
 use super::filter::Noise;
 use super::lsq;
-use super::noise::{self, Free};
+use super::noise::{self, Free, Rest};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
 use crate::sim;
@@ -22,6 +22,8 @@ pub struct Bench {
     pub twin: Twin,
     /// Errors of its disc as the recording counts edges, rad.
     pub disc: Vec<f64>,
+    /// Standard error of an edge of that disc, rad; 0 where it counts as exact.
+    pub spread_rad: f64,
     /// What was learned of the disc on top, rad; empty where nothing was. The course goes by it.
     pub learned: Vec<f64>,
     /// Where the shaft was.
@@ -95,6 +97,7 @@ impl Bench {
             place: 0,
             record,
             disc,
+            spread_rad: 0.0,
             learned: learned.to_vec(),
             course,
             plant,
@@ -114,6 +117,14 @@ impl Bench {
         self.noise = *noise;
         self.gains = self.leaps.filter(0..self.record.len(), noise);
         self.scales = self.gains.scales();
+    }
+
+    /// Weighs each edge by the level of the noise about it, as residual angles show it.
+    pub fn level(&mut self, rest: &[f64]) {
+        let mut white = rest.to_vec();
+        self.gains.whiten(&mut white);
+        let levels = noise::levels(&white, self.record.edges as usize);
+        self.weights = levels.iter().map(|level| level.recip()).collect();
     }
 
     /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it.
@@ -289,10 +300,21 @@ impl Bench {
 /// The noise that fits several benches best beside residual angles.
 #[must_use]
 pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free) -> (Noise, f64) {
-    let leaps: Vec<&Leaps> = benches.iter().map(|bench| &bench.leaps).collect();
     let tick_s = benches
         .iter()
         .map(|bench| bench.record.tick_s)
         .fold(0.0, f64::max);
-    noise::fit(&leaps, rest, tick_s / 12_f64.sqrt(), start, free)
+    noise::fit(&rests(benches, rest), tick_s / 12_f64.sqrt(), start, free)
+}
+
+/// Residual angles with what the likelihood of their noise needs.
+#[must_use]
+pub fn rests<'a>(benches: &'a [Bench], rest: &'a [Vec<f64>]) -> Vec<Rest<'a>> {
+    let each = benches.iter().zip(rest);
+    each.map(|(bench, rest)| Rest {
+        leaps: &bench.leaps,
+        angles: rest,
+        weights: &bench.weights,
+    })
+    .collect()
 }

@@ -7,6 +7,8 @@ use super::model::{Board, Fit};
 use super::nearby::Left;
 use super::scan::{Candidate, evidence};
 
+/// How many harmonics of an order, itself included, are tried at once.
+const HARMONICS: [u32; 4] = [3, 4, 6, 8];
 /// Instants at which steps are tried.
 const INSTANTS: usize = 32;
 /// Shares of the longest recording that settling is tried with.
@@ -307,6 +309,36 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     ]
     .map(|growth| vec![Effect { growth, ..*effect }])
     .into()
+}
+
+/// The same effect with harmonics of its order: what pushes once in a part of a turn is no sine.
+pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [
+        Effect {
+            site: Site::Torque,
+            carrier: Carrier::Order(order),
+            growth: Growth::Constant,
+            ..
+        },
+    ] = own
+    else {
+        return Vec::new();
+    };
+    let effect = own[0];
+    let each = board.benches.iter().map(|bench| bench.record.edges as f64);
+    let most = 0.5 * each.fold(0.0, f64::max) / order;
+    let of = |count: u32| {
+        let each = (1..=count).map(|times| Effect {
+            carrier: Carrier::Order(order * f64::from(times)),
+            ..effect
+        });
+        each.collect()
+    };
+    let counts = HARMONICS.into_iter();
+    counts
+        .filter(|count| f64::from(*count) < most)
+        .map(of)
+        .collect()
 }
 
 /// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.

@@ -18,9 +18,7 @@ const FEW: usize = 16;
 #[must_use]
 pub fn pattern(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
     let pattern = board.pattern.as_ref()?;
-    let each = board.benches.iter().zip(rests);
-    let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
-    Some(pattern.closest(&board.benches, &white.concat()))
+    Some(pattern.closest(&board.benches, &board.with_pattern(rests)))
 }
 
 /// The same with all else of the disc that is no finding.
@@ -59,13 +57,18 @@ pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> 
     let own = board
         .pattern
         .as_ref()
-        .filter(|own| board.disc_given && own.size2 > 0.0)?;
+        .filter(|own| board.disc_given && !own.known && own.size2 > 0.0)?;
     let errors = pattern(board, &board.rest(&fit.model))?;
     let mut without = board.clone();
-    without.pattern = None;
+    without.pattern = without.pattern_given();
     let plain = without.fit(&fit.model);
     let mut sized = own.clone();
-    let worth = search::evidence(board, sized.size_up(&board.benches, &plain.left), 1);
+    let white = without.with_pattern(&without.rest(&plain.model));
+    let mut worth = sized.size_up(&board.benches, &white);
+    if let Some(given) = &mut without.pattern {
+        worth -= given.size_up(&board.benches, &white);
+    }
+    let worth = search::evidence(board, worth, 1);
     let orders = 1..=errors.len() / 2;
     let open =
         orders.clone().map(|order| own.variance(order)).sum::<f64>() / orders.count().max(1) as f64;

@@ -10,7 +10,7 @@ use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
 use super::noise::Free;
-use super::pattern::Pattern;
+use super::pattern::{LARGE, Pattern};
 use crate::sim;
 
 /// All recordings of a rig beside their twins.
@@ -72,6 +72,8 @@ const ROUNDS: usize = 5;
 /// Rounds in which pattern and noise are found at the most, and the change of a logarithm of the noise that is none.
 const SIZED: usize = 12;
 const ALIKE: f64 = 0.05;
+/// Rounds in which noise and its levels are found beside a model at the most.
+const LEVELLED: usize = 4;
 /// Sum of squares that is no gain.
 const NO_GAIN: f64 = 0.02;
 
@@ -236,11 +238,7 @@ impl Board {
         let undriven = benches
             .iter()
             .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
-        let pattern = if known {
-            None
-        } else {
-            Pattern::new(&benches, None)
-        };
+
         let mut board = Self {
             benches,
             noise,
@@ -262,11 +260,24 @@ impl Board {
             board.benches.iter_mut().for_each(Bench::decide_ties);
             board.fit_noise(&Model::default());
         }
-        board.pattern = pattern;
+        board.pattern = if known {
+            board.pattern_given()
+        } else {
+            Pattern::new(&board.benches, None)
+        };
         if board.pattern.is_some() {
             board.size_up(&Model::default());
         }
         board
+    }
+
+    /// Errors of the disc as far as the twins that give it leave them open.
+    #[must_use]
+    pub fn pattern_given(&self) -> Option<Pattern> {
+        let each = self.benches.iter().map(|bench| bench.spread_rad);
+        let spread_rad = each.fold(0.0, f64::max);
+        let given = self.disc_given && spread_rad > 0.0;
+        given.then(|| Pattern::known(&self.benches, spread_rad * spread_rad))?
     }
 
     /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave, until neither changes, as
@@ -300,6 +311,7 @@ impl Board {
                         .collect()
                 })
                 .collect();
+            self.level(&left);
             let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
             self.set_noise(noise);
             pattern.set_size(&self.benches, pattern.size2);
@@ -322,11 +334,12 @@ impl Board {
         let noise = self.noise;
         self.benches.par_iter_mut().for_each(|bench| {
             if let Ok(errors) = sim::true_errors(&bench.twin) {
-                let (record, weights, place) =
-                    (bench.record.clone(), bench.weights.clone(), bench.place);
-                *bench = Bench::about(record, &bench.twin, &errors, &learned, &noise);
-                bench.weights = weights;
-                bench.place = place;
+                let about =
+                    Bench::about(bench.record.clone(), &bench.twin, &errors, &learned, &noise);
+                let before = std::mem::replace(bench, about);
+                bench.weights = before.weights;
+                bench.place = before.place;
+                bench.spread_rad = before.spread_rad;
                 bench.decide_ties();
             }
         });
@@ -350,16 +363,18 @@ impl Board {
             .fold(0.0, f64::max)
     }
 
+    /// Angles of all recordings, white, in a row, with what the disc's pattern explains in them.
+    #[must_use]
+    pub fn with_pattern(&self, angles: &[Vec<f64>]) -> Vec<f64> {
+        let each = self.benches.par_iter().zip(angles);
+        let each: Vec<Vec<f64>> = each.map(|(bench, angles)| bench.white(angles)).collect();
+        each.concat()
+    }
+
     /// Angles of all recordings, white, in a row.
     #[must_use]
     pub fn white(&self, angles: &[Vec<f64>]) -> Vec<f64> {
-        let each: Vec<Vec<f64>> = self
-            .benches
-            .par_iter()
-            .zip(angles)
-            .map(|(bench, angles)| bench.white(angles))
-            .collect();
-        self.beside_pattern(each.concat())
+        self.beside_pattern(self.with_pattern(angles))
     }
 
     /// A white row without what the disc's pattern explains.
@@ -444,9 +459,7 @@ impl Board {
     pub fn rounded(&self, model: &Model) -> Vec<Vec<f64>> {
         let mut rest = self.rest(model);
         if let Some(pattern) = &self.pattern {
-            let each = self.benches.iter().zip(&rest);
-            let white: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
-            let errors = pattern.closest(&self.benches, &white.concat());
+            let errors = pattern.closest(&self.benches, &self.with_pattern(&rest));
             for (bench, rest) in self.benches.iter().zip(&mut rest) {
                 let each = rest.iter_mut().enumerate();
                 each.for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
@@ -559,7 +572,37 @@ impl Board {
         model.add(effects, 0);
         let before = lsq::dot(&target, &target);
         let settled = self.settled(&model, &target, basis);
-        (settled.model.effects(0), before - settled.rss)
+        let possible = self.keeps_order(&settled.model);
+        let gain = if possible { before - settled.rss } else { 0.0 };
+        (settled.model.effects(0), gain)
+    }
+
+    /// Whether all edges come in their order with what a model shifts: an edge does not pass the next one, and one of many that are off
+    /// alike does not come near it.
+    #[must_use]
+    pub fn keeps_order(&self, model: &Model) -> bool {
+        let shifts = |term: &&Term| {
+            !term.nuisance && matches!(term.effect.site, Site::Disc(_) | Site::Level(_))
+        };
+        model.terms.iter().filter(shifts).all(|term| {
+            let most = match term.effect.carrier {
+                Carrier::Order(_) | Carrier::Tone(_) | Carrier::Bump(..) => LARGE,
+                _ => 1.0,
+            };
+            self.benches.iter().all(|bench| {
+                let columns = bench.columns(&term.effect);
+                let off = |at: usize| {
+                    let each = columns.iter().zip(&term.sizes);
+                    each.map(|(column, size)| size * column[at]).sum::<f64>()
+                };
+                let place = &bench.record.place;
+                (1..bench.record.len()).all(|at| {
+                    let steps = (place[at] - place[at - 1]).abs() as f64;
+                    steps == 0.0
+                        || (off(at) - off(at - 1)).abs() < most * steps * bench.record.step_rad()
+                })
+            })
+        })
     }
 
     /// All numbers of a model, re-linearised until nothing changes; what is of the basis is taken off its columns.
@@ -687,8 +730,21 @@ impl Board {
             return self.size_up(model);
         }
         let rest = self.rest(model);
-        let (noise, _) = bench::fit_noise(&self.benches, &rest, self.noise, self.free);
-        self.set_noise(noise);
+        for _ in 0..LEVELLED {
+            self.level(&rest);
+            let before = self.noise;
+            let (noise, _) = bench::fit_noise(&self.benches, &rest, self.noise, self.free);
+            self.set_noise(noise);
+            if (noise.torque / before.torque).ln().abs() < ALIKE {
+                break;
+            }
+        }
+    }
+
+    /// Weighs edges by the level of the noise about them.
+    fn level(&mut self, rest: &[Vec<f64>]) {
+        let each = self.benches.par_iter_mut().zip(rest);
+        each.for_each(|(bench, rest)| bench.level(rest));
     }
 
     /// Goes by another noise.

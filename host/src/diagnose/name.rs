@@ -112,17 +112,19 @@ impl Fit {
     /// Numbers of a group of terms.
     #[must_use]
     pub fn numbers(&self, group: usize) -> Vec<Number> {
-        let mut all = Vec::new();
-        for (at, term) in self
-            .model
-            .terms
-            .iter()
-            .enumerate()
-            .filter(|(_, term)| term.group == group)
-        {
-            all.extend(self.numbers_of(at, term));
-        }
-        all
+        let terms = self.model.terms.iter().enumerate();
+        let own = terms.filter(|(_, term)| term.group == group);
+        let each = own.enumerate().map(|(nth, (at, term))| {
+            let mut numbers = self.numbers_of(at, term);
+            // Harmonics go by their orders.
+            if let (1.., Carrier::Order(order)) = (nth, term.effect.carrier) {
+                numbers.retain(|number| number.name != "order");
+                let named = numbers.iter_mut();
+                named.for_each(|number| number.name = format!("order_{order}.{}", number.name));
+            }
+            numbers
+        });
+        each.flatten().collect()
     }
 
     fn numbers_of(&self, at: usize, term: &Term) -> Vec<Number> {

@@ -35,9 +35,7 @@ impl<'a> Left<'a> {
         if let Some(pattern) = board.pattern.as_ref().filter(|one| one.size2 > 0.0) {
             // A product with what the pattern could explain as well is a small difference: it takes the errors as closely as can be.
             let rest = board.rest(&fit.model);
-            let each = board.benches.iter().zip(&rest);
-            let each: Vec<Vec<f64>> = each.map(|(bench, rest)| bench.white(rest)).collect();
-            white = each.concat();
+            white = board.with_pattern(&rest);
             let errors = pattern.closest(&board.benches, &white);
             let shown = pattern.unfold(&board.benches, &errors);
             white

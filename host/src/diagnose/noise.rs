@@ -5,11 +5,18 @@ use argmin::solver::neldermead::NelderMead;
 
 use super::filter::Noise;
 use super::plant::Leaps;
+use super::scan::SURE;
 
 /// Edges that the noise is fitted on at the most: parts from all over say as much.
 const EDGES_MOST: usize = 12_000;
 /// Innovations beyond so many deviations count as if they were linear: they are events, not noise.
 const FAR: f64 = 4.0;
+
+/// Edges of a stretch that has a level of its own at the least, stretches of a recording at the most, and the least square of a level
+/// over that of all.
+const STRETCH: usize = 64;
+const STRETCHES: usize = 32;
+const LEAST: f64 = 1e-6;
 
 /// Which sizes of the noise are free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,9 +29,19 @@ pub struct Free {
     pub stamp: bool,
 }
 
+/// Residual angles of one recording, with the filter's steps and the weight of each edge.
+#[derive(Clone, Copy, Debug)]
+pub struct Rest<'a> {
+    /// The steps.
+    pub leaps: &'a Leaps,
+    /// The angles, rad.
+    pub angles: &'a [f64],
+    /// The weights.
+    pub weights: &'a [f64],
+}
+
 struct Problem<'a> {
-    leaps: &'a [&'a Leaps],
-    rest: &'a [Vec<f64>],
+    rests: &'a [Rest<'a>],
     parts: Vec<(usize, std::ops::Range<usize>)>,
     start: Noise,
     least_stamp_s: f64,
@@ -63,12 +80,15 @@ impl Problem<'_> {
             .parts
             .par_iter()
             .map(|(bench, range)| {
-                let filter = self.leaps[*bench].filter(range.clone(), noise);
-                let mut white = self.rest[*bench][range.clone()].to_vec();
+                let rest = self.rests[*bench];
+                let filter = rest.leaps.filter(range.clone(), noise);
+                let mut white = rest.angles[range.clone()].to_vec();
                 filter.whiten(&mut white);
                 let scales = filter.scales();
-                let each = white.iter().zip(scales).filter(|(_, scale)| *scale > 0.0);
-                each.map(|(white, scale)| huber(*white) - 2.0 * scale.ln())
+                let weights = &rest.weights[range.clone()];
+                let each = white.iter().zip(weights).zip(scales);
+                each.filter(|(_, scale)| *scale > 0.0)
+                    .map(|((white, weight), scale)| huber(white * weight) - 2.0 * scale.ln())
                     .sum::<f64>()
             })
             .collect();
@@ -110,27 +130,21 @@ fn parts(edges: usize, most: usize) -> Vec<std::ops::Range<usize>> {
 
 /// Fits the noise to residual angles of recordings of one rig. Returns it with twice the negative logarithm of the likelihood.
 #[must_use]
-pub fn fit(
-    leaps: &[&Leaps],
-    rest: &[Vec<f64>],
-    least_stamp_s: f64,
-    start: Noise,
-    free: Free,
-) -> (Noise, f64) {
-    let edges: usize = rest.iter().map(Vec::len).sum();
-    let parts = rest.iter().enumerate().flat_map(|(bench, rest)| {
-        let most = (EDGES_MOST * rest.len() / edges.max(1)).max(600);
-        parts(rest.len(), most)
+pub fn fit(rests: &[Rest<'_>], least_stamp_s: f64, start: Noise, free: Free) -> (Noise, f64) {
+    let edges: usize = rests.iter().map(|rest| rest.angles.len()).sum();
+    let parts = rests.iter().enumerate().flat_map(|(bench, rest)| {
+        let most = (EDGES_MOST * rest.angles.len() / edges.max(1)).max(600);
+        parts(rest.angles.len(), most)
             .into_iter()
             .map(move |range| (bench, range))
     });
     let problem = Problem {
-        leaps,
-        rest,
+        rests,
         parts: parts.collect(),
         start,
         least_stamp_s,
-        turning: leaps.iter().map(|leaps| leaps.speed()).sum::<f64>() / leaps.len().max(1) as f64,
+        turning: rests.iter().map(|rest| rest.leaps.speed()).sum::<f64>()
+            / rests.len().max(1) as f64,
         free,
     };
     let over = (start.stamp_s.powi(2) - least_stamp_s.powi(2))
@@ -174,4 +188,45 @@ pub fn fit(
         }
         Err(_) => (start, f64::INFINITY),
     }
+}
+
+/// Level of the noise at each edge over that of all, by stretches of a recording; 1 throughout where that is not sure.
+#[must_use]
+pub fn levels(white: &[f64], edges_of_a_turn: usize) -> Vec<f64> {
+    let length = STRETCH.max(edges_of_a_turn).max(white.len() / STRETCHES);
+    let stretches = white.len() / length;
+    let all = square(white);
+    if stretches < 2 || all <= 0.0 {
+        return vec![1.0; white.len()];
+    }
+    let unit = all.sqrt();
+    let stretch_of = |at: usize| (at / length).min(stretches - 1);
+    let squares: Vec<f64> = (0..stretches)
+        .map(|stretch| {
+            let from = stretch * length;
+            let until = if stretch + 1 < stretches {
+                from + length
+            } else {
+                white.len()
+            };
+            let each = white[from..until].iter().map(|white| huber(white / unit));
+            (each.sum::<f64>() / (until - from) as f64).max(LEAST)
+        })
+        .collect();
+    let logs = (0..white.len()).map(|at| squares[stretch_of(at)].ln());
+    let mean = logs.sum::<f64>() / white.len() as f64;
+    let whole = squares.iter().sum::<f64>() / stretches as f64;
+    // Twice the logarithm of the likelihood that levels of their own gain, less what they would by chance.
+    let gain = white.len() as f64 * (whole.ln() - mean);
+    if gain < stretches as f64 * (white.len() as f64).ln() + SURE {
+        return vec![1.0; white.len()];
+    }
+    (0..white.len())
+        .map(|at| (0.5 * (squares[stretch_of(at)].ln() - mean)).exp())
+        .collect()
+}
+
+/// Mean square.
+fn square(white: &[f64]) -> f64 {
+    white.iter().map(|white| white * white).sum::<f64>() / white.len().max(1) as f64
 }

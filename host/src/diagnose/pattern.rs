@@ -27,7 +27,7 @@ const DENSE: usize = 1024;
 /// Factor by which what an order is worth may change before that is done anew.
 const CHANGED: f64 = 10.0;
 /// Size of an edge's error to begin with and at the most, as a part of a pitch: edges keep their order.
-const LARGE: f64 = 0.3;
+pub const LARGE: f64 = 0.3;
 /// A size that is none, rad; rounds in which it is found, and the change of its square's logarithm that is none.
 const SMALLEST: f64 = 1e-10;
 /// Orders that are too few for a middle one.
@@ -45,6 +45,8 @@ pub struct Pattern {
     pub edges: usize,
     /// Variance of an edge's error, rad^2.
     pub size2: f64,
+    /// Whether that is how well the twins know their disc, and not what fits best.
+    pub known: bool,
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
     forward: Arc<dyn RealToComplex<f64>>,
@@ -73,6 +75,7 @@ impl Pattern {
         let mut pattern = Self {
             edges,
             size2: before.map_or(0.0, |before| before.size2),
+            known: before.is_some_and(|before| before.known),
             worth: Vec::new(),
             normal: None,
             factor: None,
@@ -127,6 +130,15 @@ impl Pattern {
             }
             None => None,
         };
+        Some(pattern)
+    }
+
+    /// Of a disc whose errors are known but for a variance, rad^2.
+    #[must_use]
+    pub fn known(benches: &[Bench], size2: f64) -> Option<Self> {
+        let mut pattern = Self::new(benches, None)?;
+        pattern.known = true;
+        pattern.set_size(benches, size2);
         Some(pattern)
     }
 
@@ -207,57 +219,77 @@ impl Pattern {
     /// pattern. A few orders that stand out do not make it larger: they are told as what they are.
     pub fn size_up(&mut self, benches: &[Bench], white: &[f64]) -> f64 {
         let fold = self.fold(benches, white);
+        let worth_of = |own: &Self| {
+            dot(&fold, &own.errors_of(benches, fold.clone(), SMALL)) - own.log_volume()
+        };
+        if self.known {
+            self.set_size(benches, self.size2);
+            return worth_of(self);
+        }
         let most = (LARGE * std::f64::consts::TAU / self.edges as f64).powi(2);
-        let mut size2 = if self.size2 > 0.0 {
+        let start2 = if self.size2 > 0.0 {
             (4.0 * self.size2).min(most)
         } else {
             most
         };
-        for _ in 0..SIZED {
+        // Few orders that stand out are told from the others; few edges that do are in all orders.
+        let (mut best2, mut best) = (0.0, 0.0);
+        for of in [Self::middle, Self::mean] {
+            let mut size2 = start2;
+            for _ in 0..SIZED {
+                self.set_size(benches, size2);
+                let errors = self.errors_of(benches, fold.clone(), SMALL);
+                let next = of(&self.powers(&errors)).min(most);
+                let change = (next / size2).ln().abs();
+                size2 = next;
+                if change < SAME || size2 < SMALLEST * SMALLEST {
+                    break;
+                }
+            }
             self.set_size(benches, size2);
-            let next = self
-                .size_of(&self.errors_of(benches, fold.clone(), SMALL))
-                .min(most);
-            let change = (next / size2).ln().abs();
-            size2 = next;
-            if change < SAME || size2 < SMALLEST * SMALLEST {
-                break;
+            let worth = worth_of(self);
+            if worth > best {
+                (best2, best) = (size2, worth);
             }
         }
-        self.set_size(benches, size2);
-        let worth = dot(&fold, &self.errors_of(benches, fold.clone(), SMALL)) - self.log_volume();
-        if worth > 0.0 {
-            return worth;
-        }
-        self.set_size(benches, 0.0);
-        0.0
+        self.set_size(benches, best2);
+        best
     }
 
-    /// Variance of an edge's error that is the middle one over the orders that the recordings settle; of few orders the mean.
-    fn size_of(&self, errors: &[f64]) -> f64 {
+    /// Of each order how much of it the recordings settle, its numbers, and its power as the errors have it.
+    fn powers(&self, errors: &[f64]) -> Vec<[f64; 3]> {
         let mut row = errors.to_vec();
         let mut spectrum = self.forward.make_output_vec();
         if self.forward.process(&mut row, &mut spectrum).is_err() {
-            return 0.0;
+            return Vec::new();
         }
         let each = self.settled().zip(&spectrum[1..]).enumerate();
-        let powers: Vec<(f64, f64)> = each
-            .map(|(at, (settled, value))| {
-                let numbers = self.numbers(at + 1);
-                let share = settled / numbers;
-                (share, value.norm_sqr() / self.edges as f64)
-            })
-            .collect();
-        let mut clear: Vec<f64> = powers
-            .iter()
-            .filter(|(share, _)| *share > 0.5)
-            .map(|(share, power)| power / share)
-            .collect();
+        each.map(|(at, (settled, value))| {
+            let numbers = self.numbers(at + 1);
+            [
+                settled / numbers,
+                numbers,
+                value.norm_sqr() / self.edges as f64,
+            ]
+        })
+        .collect()
+    }
+
+    /// Mean variance of an edge's error over the orders as far as the recordings settle them.
+    fn mean(powers: &[[f64; 3]]) -> f64 {
+        let each = powers.iter();
+        let (settled, power) = each.fold((0.0, 0.0), |sum, [share, numbers, power]| {
+            (sum.0 + numbers * share, sum.1 + numbers * power)
+        });
+        power / f64::max(settled, f64::MIN_POSITIVE)
+    }
+
+    /// Variance of an edge's error that is the middle one over the orders that the recordings settle; of few orders the mean.
+    fn middle(powers: &[[f64; 3]]) -> f64 {
+        let clear = powers.iter().filter(|[share, ..]| *share > 0.5);
+        let mut clear: Vec<f64> = clear.map(|[share, _, power]| power / share).collect();
         if clear.len() < FEW {
-            let (settled, power) = powers.iter().fold((0.0, 0.0), |sum, (share, power)| {
-                (sum.0 + share, sum.1 + power)
-            });
-            return power / f64::max(settled, f64::MIN_POSITIVE);
+            return Self::mean(powers);
         }
         let middle = clear.len() / 2;
         let (_, middle, _) = clear.select_nth_unstable_by(middle, f64::total_cmp);

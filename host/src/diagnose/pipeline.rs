@@ -77,11 +77,12 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         drift: 0.0,
         angle_rad: 0.0,
     };
-    let bench = Bench::new(record, &one.twin, &errors, &noise);
-    Ok(match whole_turns(&bench) {
-        Some(record) => Bench::new(record, &one.twin, &errors, &noise),
-        None => bench,
-    })
+    let mut bench = Bench::new(record, &one.twin, &errors, &noise);
+    if let Some(record) = whole_turns(&bench) {
+        bench = Bench::new(record, &one.twin, &errors, &noise);
+    }
+    bench.spread_rad = sim::disc_spread_rad(&one.twin)?;
+    Ok(bench)
 }
 
 /// A recording of one channel whose count is whole turns off after a reversal, which its edges alone do not show: the twin's course does.

@@ -31,6 +31,9 @@ impl Candidate {
     }
 }
 
+/// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
+pub const SURE: f64 = 12.0;
+
 /// Evidence of a candidate: what it explains, less what its numbers would by chance (G. Schwarz, Annals of Statistics 6, 1978).
 #[must_use]
 pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {

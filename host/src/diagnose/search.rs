@@ -14,8 +14,8 @@ use super::name;
 use super::nearby::Left;
 use super::pattern::Pattern;
 use super::plant::Law;
-pub use super::scan::evidence;
 use super::scan::{self, Candidate};
+pub use super::scan::{SURE, evidence};
 use crate::mechanism::Mechanism;
 
 /// Findings at the most, and changes of a drive that the twins do not declare.
@@ -29,15 +29,12 @@ const TRIED: usize = 4;
 const NEARLY: f64 = 0.8;
 /// Evidence by which a new effect has to be better than a correction of what the twin declares.
 const ALIKE: f64 = 10.0;
-/// Evidence that a finding needs beyond its numbers and the cells that were looked at: twice a difference of logarithms.
-pub const SURE: f64 = 12.0;
-
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
 /// class are off.
 #[must_use]
 pub fn nuisances(board: &Board) -> Model {
     let mut model = Model::default();
-    if board.pattern.is_some() {
+    if !board.disc_given {
         model.add(&cells::classes(board), usize::MAX);
     }
     let steady = board.benches.iter().any(|bench| {
@@ -53,11 +50,17 @@ pub fn nuisances(board: &Board) -> Model {
 /// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cell. The board with
 /// such a pattern.
 fn another_disc(board: &Board, fit: &Fit, least: f64) -> Option<Board> {
-    if board.pattern.is_some() {
+    let known = board.pattern.as_ref();
+    if known.is_some_and(|pattern| !pattern.known) {
         return None;
     }
+    let white = board.with_pattern(&board.rest(&fit.model));
     let mut pattern = Pattern::new(&board.benches, None)?;
-    let worth = evidence(board, pattern.size_up(&board.benches, &fit.left), 1);
+    let mut worth = pattern.size_up(&board.benches, &white);
+    if let Some(mut known) = known.cloned() {
+        worth -= known.size_up(&board.benches, &white);
+    }
+    let worth = evidence(board, worth, 1);
     if worth < SURE.max(least) {
         return None;
     }
@@ -142,9 +145,10 @@ pub fn search(board: &mut Board) -> Found {
         });
         let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
         let best = best_of(board, tried).map(|(worth, effects)| {
-            // What grows is no row of lines beside each other.
-            let grown = cells::grown(board, &effects).into_par_iter();
-            let grown = grown.map(|effects| {
+            // What grows, or is no sine, is no row of lines beside each other.
+            let mut varied = cells::grown(board, &effects);
+            varied.extend(cells::harmonics(board, &effects));
+            let grown = varied.into_par_iter().map(|effects| {
                 let (effects, gain) = board.beside(&fit, &basis, &effects);
                 (evidence(board, gain, cells::numbers(&effects)), effects)
             });
@@ -170,7 +174,7 @@ pub fn search(board: &mut Board) -> Found {
             model.add(&effects, group);
             let next = board.fit(&model);
             let worth = evidence(board, fit.rss - next.rss, numbers);
-            (worth > SURE).then_some((worth, next))
+            (worth > SURE && board.keeps_order(&next.model)).then_some((worth, next))
         });
         // What the twin declares comes first, if it explains as much.
         let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
@@ -285,7 +289,7 @@ fn best_of(board: &Board, tried: Vec<(f64, Vec<Effect>)>) -> Option<(f64, Vec<Ef
 /// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
 /// a disc that they do not give may have any errors.
 fn is_open(board: &Board, effects: &[Effect]) -> bool {
-    let open_disc = board.pattern.is_some() && !board.disc_given;
+    let open_disc = !board.disc_given;
     effects.iter().all(|effect| {
         let changes = effect.site == Site::Torque && matches!(effect.carrier, Carrier::Window(..));
         board.free.drift && changes || open_disc && effect.is_of_disc()
@@ -357,7 +361,16 @@ fn is_spur(board: &Board, candidate: &Candidate, basis: &Basis, spurs: &[f64]) -
 fn dropped(board: &Board, fit: &Fit) -> Model {
     let mut model = fit.model.clone();
     for group in model.groups() {
-        if evidence(board, fit.loss(group), model.numbers(group)) < SURE {
+        let own = Model {
+            terms: model
+                .terms
+                .iter()
+                .filter(|term| term.group == group)
+                .cloned()
+                .collect(),
+        };
+        let worth = evidence(board, fit.loss(group), model.numbers(group));
+        if worth < SURE || !board.keeps_order(&own) {
             model.terms.retain(|term| term.group != group);
             return model;
         }

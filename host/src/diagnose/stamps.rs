@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::bench;
 use super::filter::Noise;
 use super::model::{Board, Fit};
 use super::noise::{self, Free};
-use super::plant::Leaps;
 use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
 use crate::mechanism::Mechanism;
 use crate::report::si;
@@ -18,8 +18,7 @@ const CUBED: f64 = 15.0;
 /// Jitter or latency on top of what all twins declare, or less of what they do; none where one says nothing of its noise.
 #[must_use]
 pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
-    let says =
-        |bench: &super::bench::Bench| bench.twin.noise.is_some() || bench.twin.timer.jitter_s > 0.0;
+    let says = |bench: &bench::Bench| bench.twin.noise.is_some() || bench.twin.timer.jitter_s > 0.0;
     if !board.benches.iter().all(says) || board.pattern.is_some() {
         return None;
     }
@@ -32,15 +31,14 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
         .unwrap_or(0.0);
     let declared2 = tick2 + first.twin.timer.jitter_s.powi(2) + late * late;
     let rest = board.rest(&fit.model);
-    let leaps: Vec<&Leaps> = board.benches.iter().map(|bench| &bench.leaps).collect();
+    let rests = bench::rests(&board.benches, &rest);
     let fitted = |stamp_s: f64, stamp: bool| {
         let start = Noise {
             stamp_s,
             ..board.noise
         };
         noise::fit(
-            &leaps,
-            &rest,
+            &rests,
             tick2.sqrt(),
             start,
             Free {
@@ -60,8 +58,7 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     // Curvature of the likelihood over the stamp's logarithm.
     let cost = |factor: f64| {
         noise::fit(
-            &leaps,
-            &rest,
+            &rests,
             0.0,
             Noise {
                 stamp_s: best.stamp_s * factor,

@@ -103,7 +103,9 @@ impl Card {
     /// Its number of a name.
     #[must_use]
     pub fn quantity(&self, name: &str) -> Option<&'static Quantity> {
-        self.parameters.iter().find(|one| one.name == name)
+        let of = |name: &str| self.parameters.iter().find(|one| one.name == name);
+        // That of a harmonic has its order before it.
+        of(name).or_else(|| of(name.split_once('.')?.1))
     }
 
     /// The unit of a number of its; that of a pure number where it has none of the name.

@@ -68,6 +68,40 @@ fn class_named(name: &str) -> Option<Class> {
     })
 }
 
+/// RMS of the standard errors of a list; 0 where it has none.
+pub(super) fn spread_rad(path: &Path) -> Result<f64, TwinError> {
+    let fault = |line: u64, fault: ErrorListFault| TwinError::ErrorList {
+        path: path.to_owned(),
+        line,
+        fault,
+    };
+    let mut reader = csv_file::open(path)?;
+    let header = reader.headers().map_err(|e| fault(1, e.into()))?;
+    let Some(at) = header.iter().position(|name| name == "standard_error_rad") else {
+        return Ok(0.0);
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for record in reader.records() {
+        let record =
+            record.map_err(|e| fault(e.position().map_or(1, csv::Position::line), e.into()))?;
+        let line = record.position().map_or(1, csv::Position::line);
+        let field = record.get(at).unwrap_or_default();
+        let number = |_| {
+            fault(
+                line,
+                ErrorListFault::Number(field.chars().take(40).collect()),
+            )
+        };
+        let error: f64 = field.parse().map_err(number)?;
+        if !error.is_finite() {
+            return Err(fault(line, ErrorListFault::NotFinite(error)));
+        }
+        sum += error * error;
+        count += 1.0;
+    }
+    Ok((sum / f64::max(count, 1.0)).sqrt())
+}
+
 /// e(k) of every edge of the grid, rad; those of missing teeth may be left out.
 pub(super) fn read(path: &Path, encoder: &Encoder) -> Result<Vec<f64>, TwinError> {
     let fault = |line: u64, fault: ErrorListFault| TwinError::ErrorList {

@@ -232,6 +232,15 @@ pub fn true_errors(twin: &Twin) -> Result<Vec<f64>, TwinError> {
     Ok(Disc::new(twin)?.errors().to_vec())
 }
 
+/// RMS of the standard errors with which a twin's list has the errors of its encoder, rad; 0 where it says none.
+///
+/// # Errors
+/// [`TwinError::CsvFile`] or [`TwinError::ErrorList`].
+pub fn disc_spread_rad(twin: &Twin) -> Result<f64, TwinError> {
+    twin.error_list_path()
+        .map_or(Ok(0.0), |path| error_list::spread_rad(&path))
+}
+
 impl Iterator for Simulation {
     type Item = Event;
 

@@ -34,8 +34,7 @@ pub fn find(board: &Board, model: &Model) -> Option<DiscFound> {
     let mut pattern = board.pattern.clone()?;
     let benches = &board.benches;
     let rest = board.rest(model);
-    let each = benches.iter().zip(&rest);
-    let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
+    let white = board.with_pattern(&rest);
     let evidence = pattern.size_up(benches, &white);
     if evidence < SURE || pattern.size2 <= 0.0 {
         return None;
@@ -80,8 +79,7 @@ pub fn strongest(board: &Board, model: &Model) -> Vec<usize> {
         return Vec::new();
     };
     let rest = board.rest(model);
-    let each = board.benches.iter().zip(&rest);
-    let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
+    let white = board.with_pattern(&rest);
     let errors = pattern.errors(&board.benches, &white);
     seen(board, pattern, &powers(&errors))
 }

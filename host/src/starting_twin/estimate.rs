@@ -8,7 +8,7 @@ use super::noise::{self, NoiseFound};
 use super::sensor::Found;
 use super::write::bare_text;
 use super::{Estimate, StartingError};
-use crate::diagnose::bench::{self, Bench};
+use crate::diagnose::bench::Bench;
 use crate::diagnose::edges::Edges;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::Noise;
@@ -180,7 +180,10 @@ fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
 
 /// Puts recordings beside another twin, in the noise that a board has.
 fn beside(board: &mut Board, records: &[Record], twin: &Twin) {
-    board.benches = benches(records, twin);
+    let before = std::mem::replace(&mut board.benches, benches(records, twin));
+    for (bench, before) in board.benches.iter_mut().zip(before) {
+        bench.weights = before.weights;
+    }
     board.set_noise(board.noise);
 }
 
@@ -263,14 +266,27 @@ fn settle(board: &mut Board, twin: &Twin) {
     if records.is_empty() {
         return;
     }
-    let benches = benches(&records, twin);
-    let (twice, _) = bench::fit_noise(&benches, &changes, board.noise, board.free);
+    let mut twice = Board {
+        benches: benches(&records, twin),
+        pattern: None,
+        ..board.clone()
+    };
+    for (bench, changes) in twice.benches.iter_mut().zip(changes) {
+        bench.residual = changes;
+    }
+    twice.fit_noise(&Model::default());
     let mut other = board.clone();
+    for (bench, twice) in other.benches.iter_mut().zip(&twice.benches) {
+        let before = bench.weights.len() - twice.weights.len();
+        let first = twice.weights.first().copied().unwrap_or(1.0);
+        bench.weights[..before].fill(first);
+        bench.weights[before..].copy_from_slice(&twice.weights);
+    }
     other.set_noise(Noise {
-        torque: 0.5 * twice.torque,
-        drift: 0.5 * twice.drift,
-        stamp_s: twice.stamp_s / std::f64::consts::SQRT_2,
-        ..twice
+        torque: 0.5 * twice.noise.torque,
+        drift: 0.5 * twice.noise.drift,
+        stamp_s: twice.noise.stamp_s / std::f64::consts::SQRT_2,
+        ..twice.noise
     });
     resize(&mut other, &Model::default());
     if noise::cost(&other) < noise::cost(board) {
@@ -284,8 +300,7 @@ fn resize(board: &mut Board, model: &Model) {
         return;
     };
     let rest = board.rest(model);
-    let each = board.benches.iter().zip(&rest);
-    let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
+    let white = board.with_pattern(&rest);
     pattern.size_up(&board.benches, &white);
     board.pattern = Some(pattern);
 }
@@ -369,9 +384,14 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
         return noise::fit(board, model);
     }
     let share = NOISE_EDGES as f64 / edges as f64;
-    let parts = records.iter().map(|record| middle(record, share));
+    let parts = records
+        .iter()
+        .map(|record| part(record, middle_of(record, share)));
     let parts: Vec<Record> = parts.collect();
     let mut part = board.clone();
+    for (bench, record) in part.benches.iter_mut().zip(records) {
+        bench.weights = bench.weights[middle_of(record, share)].to_vec();
+    }
     beside(&mut part, &parts, twin);
     part.pattern = board.pattern.as_ref().and_then(|whole| {
         let mut pattern = Pattern::new(&part.benches, Some(whole))?;
@@ -381,12 +401,12 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
     noise::fit(&part, model)
 }
 
-/// The middle part of a recording.
-fn middle(record: &Record, share: f64) -> Record {
+/// Edges of the middle part of a recording.
+fn middle_of(record: &Record, share: f64) -> std::ops::Range<usize> {
     let count = record.len();
     let kept = (share * count as f64) as usize;
     let from = (count - kept) / 2;
-    part(record, from..from + kept)
+    from..from + kept
 }
 
 fn part(record: &Record, range: std::ops::Range<usize>) -> Record {

@@ -107,9 +107,12 @@ impl Likelihood {
         let benches = &self.board.benches;
         let each = benches.iter().zip(&self.rest);
         let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
-        let scales = benches.iter().flat_map(|bench| &bench.scales);
+        let scales = benches.iter().flat_map(|bench| {
+            let each = bench.scales.iter().zip(&bench.weights);
+            each.map(|(scale, weight)| scale * weight)
+        });
         let spread: f64 = scales
-            .filter(|scale| **scale > 0.0)
+            .filter(|scale| *scale > 0.0)
             .map(|scale| -2.0 * scale.ln())
             .sum();
         let pattern = size2.filter(|size2| *size2 > 0.0).and_then(|size2| {
@@ -327,6 +330,8 @@ fn weigh(board: &mut Board, rest: &[Vec<f64>]) {
                 1.0
             }
         });
-        bench.weights = weights.collect();
+        let weights: Vec<f64> = weights.collect();
+        let each = bench.weights.iter_mut().zip(weights);
+        each.for_each(|(all, weight)| *all *= weight);
     }
 }

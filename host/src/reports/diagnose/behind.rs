@@ -4,7 +4,7 @@ use crate::diagnose::answer::Answer;
 use crate::diagnose::diagnosis::{Diagnosis, Finding, Parameter, RecordingFacts};
 use crate::report::{Body, Cell, si, si_digits};
 use crate::reports::diagnose::recordings::{origin, speed, table};
-use crate::reports::diagnose::words::{list, probability};
+use crate::reports::diagnose::words::{in_order, list, probability};
 
 use super::sure::{confidence, determined};
 use super::told::{self, title};
@@ -73,7 +73,7 @@ pub(super) fn numbers(answer: &Answer) -> Body {
     );
     let mut rows = Vec::new();
     for (index, finding) in findings.iter().enumerate() {
-        for (name, parameter) in &finding.parameters {
+        for (name, parameter) in in_order(&finding.parameters) {
             let unit = told::unit(finding, name, parameter, told::effects(answer, index));
             let parameter = Parameter {
                 unit,

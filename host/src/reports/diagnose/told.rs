@@ -4,7 +4,7 @@ use crate::diagnose::answer::{Answer, Sized};
 use crate::diagnose::diagnosis::{Finding, Parameter};
 use crate::mechanism::Mechanism;
 use crate::reports::diagnose::words::{
-    list_or, named, next, parameter_name, sentence, with_interval,
+    in_order, list_or, named, next, parameter_name, sentence, with_interval,
 };
 
 use super::cells::{self, cell, sizes};
@@ -108,7 +108,8 @@ fn how_much(finding: &Finding, effects: &[Sized]) -> Vec<String> {
             .map(|size| sentence(&size))
             .collect();
     }
-    let each = finding.parameters.iter().map(|(name, parameter)| {
+    let each = in_order(&finding.parameters).into_iter();
+    let each = each.map(|(name, parameter)| {
         let parameter = Parameter {
             unit: unit(finding, name, parameter, effects),
             ..parameter.clone()

@@ -5,7 +5,7 @@ mod numbers;
 use crate::diagnose::diagnosis::{Diagnosis, Evidence, Finding, NextRecording, Parameter, Verdict};
 use crate::mechanism::Mechanism;
 use crate::report::si_digits;
-pub use numbers::{parameter_name, probability, value, with_interval};
+pub use numbers::{in_order, parameter_name, probability, value, with_interval};
 
 /// The verdict's name, as in the JSON.
 #[must_use]
@@ -123,7 +123,7 @@ pub fn size(finding: &Finding) -> String {
     const NO_SIZE: [&str; 5] = ["phase_rad", "at_s", "from_s", "until_s", "phase_s"];
     let place = |name: &str| {
         let local = finding.mechanism == Mechanism::LocalDefect;
-        NO_SIZE.contains(&name) || (local && name == "angle_rad")
+        NO_SIZE.contains(&name) || name.starts_with("order_") || (local && name == "angle_rad")
     };
     let sizes = finding.parameters.iter().filter(|(name, _)| !place(name));
     let text = |(name, parameter): (&String, &Parameter)| {

@@ -1,5 +1,7 @@
 //! Numbers with their units and intervals in words.
 
+use std::collections::BTreeMap;
+
 use crate::diagnose::diagnosis::Parameter;
 use crate::report::{Cell, si, si_digits};
 
@@ -52,6 +54,21 @@ pub fn with_interval(parameter: &Parameter) -> String {
     }
 }
 
+/// Parameters as they are read: harmonics by their orders, after what has none.
+#[must_use]
+pub fn in_order(parameters: &BTreeMap<String, Parameter>) -> Vec<(&String, &Parameter)> {
+    let order = |name: &str| {
+        let (order, _) = name.strip_prefix("order_")?.rsplit_once('.')?;
+        order.parse::<f64>().ok()
+    };
+    let mut all: Vec<_> = parameters.iter().collect();
+    all.sort_by(|a, b| {
+        let [a, b] = [a, b].map(|(name, _)| order(name).unwrap_or(0.0));
+        a.total_cmp(&b)
+    });
+    all
+}
+
 /// The twin's name of a parameter as words, its unit taken off: `b.rise_less_fall_s` is `B: rise less fall`.
 #[must_use]
 pub fn parameter_name(name: &str, unit: &str) -> String {
@@ -76,6 +93,9 @@ pub fn parameter_name(name: &str, unit: &str) -> String {
             "rad/s" => "Stribeck speed".to_owned(),
             _ => "Stribeck friction".to_owned(),
         },
+        Some((order, rest)) if order.starts_with("order_") => {
+            format!("{}: {}", order.replace('_', " "), rest.replace('_', " "))
+        }
         Some((channel, rest)) => format!("{}: {}", channel.to_uppercase(), rest.replace('_', " ")),
         None => bare.replace('_', " "),
     }
