@@ -268,14 +268,6 @@ impl Bench {
         score
     }
 
-    /// The filter were each edge's own angle open by a variance of its place on the grid, rad^2.
-    #[must_use]
-    pub fn opened(&self, open: &[f64]) -> Gains {
-        let own = |at| open[self.record.slot(at)];
-        self.leaps
-            .filter_open(0..self.record.len(), &self.noise, own)
-    }
-
     /// What an effect does to each edge, rad, for unit of each size.
     #[must_use]
     pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {

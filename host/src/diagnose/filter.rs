@@ -78,9 +78,9 @@ const SETTLES: usize = 2;
 const ANYWHERE: f64 = 1e2;
 
 impl<const N: usize> Filter<N> {
-    /// The gains for a noise, and what else leaves each edge's own angle open: a variance, rad^2.
+    /// The gains for a noise.
     #[must_use]
-    pub fn new(leaps: &[Leap<N>], noise: &Noise, open: impl Fn(usize) -> f64) -> Self {
+    pub fn new(leaps: &[Leap<N>], noise: &Noise) -> Self {
         let top = leaps
             .iter()
             .map(|leap| leap.speed.abs())
@@ -125,7 +125,6 @@ impl<const N: usize> Filter<N> {
                 * leap.speed
                 * (noise.stamp_s * noise.stamp_s + leap.doubt_s * leap.doubt_s)
                 + noise.angle_rad * noise.angle_rad
-                + open(at)
                 + 1e-30;
             let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
             let gain = p[ANGLE].map(|of| of * inverse);

@@ -314,7 +314,7 @@ impl Board {
             self.level(&left);
             let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
             self.set_noise(noise);
-            pattern.set_size(&self.benches, pattern.size2);
+            pattern.set_size(pattern.size2);
             self.pattern = Some(pattern);
             if self.corrections.is_empty() {
                 self.go_by_disc(model);
@@ -344,7 +344,7 @@ impl Board {
             }
         });
         if let Some(pattern) = &mut self.pattern {
-            pattern.set_size(&self.benches, pattern.size2);
+            pattern.set_size(pattern.size2);
         }
     }
 

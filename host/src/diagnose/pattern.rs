@@ -2,21 +2,20 @@
 //!
 //! With N unknown errors e of variance s^2 beside a model, the least of |W (r - P e)|^2 + |e|^2 / s^2 over e is had by conjugate
 //! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Of few edges a
-//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner. Of many it is a run of the filter again: where
-//! every turn is alike, the inverse is that of a filter to which each edge's angle is open by the size of its error, times the turns that
-//! show it (the matrix inversion lemma on rows that repeat). The size s is that of most orders.
+//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner. Of many it is what the orders are worth: over
+//! many turns one edge shows about as well as another, so that the matrix is nearly a circulant one (R. H. Chan, M. K. Ng, SIAM Review 38,
+//! 1996). The size s is that of most evidence.
 
 use std::sync::Arc;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-use realfft::{RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::dot;
-use super::plant::Gains;
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
@@ -50,12 +49,11 @@ pub struct Pattern {
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
     forward: Arc<dyn RealToComplex<f64>>,
+    back: Arc<dyn ComplexToReal<f64>>,
     /// The normal matrix, of about the present noise, and what orders were worth then.
     normal: Option<Arc<(DMatrix<f64>, Vec<f64>)>>,
     /// The same with the pattern's size, decomposed.
     factor: Option<Arc<Cholesky<f64, Dyn>>>,
-    /// Without it: filters to which the edges' own angles are open by the pattern, one a recording.
-    open: Arc<Vec<Gains>>,
 }
 
 impl std::fmt::Debug for Pattern {
@@ -72,6 +70,7 @@ impl Pattern {
     #[must_use]
     pub fn new(benches: &[Bench], before: Option<&Self>) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
+        let mut planner = RealFftPlanner::new();
         let mut pattern = Self {
             edges,
             size2: before.map_or(0.0, |before| before.size2),
@@ -79,8 +78,8 @@ impl Pattern {
             worth: Vec::new(),
             normal: None,
             factor: None,
-            open: Arc::default(),
-            forward: RealFftPlanner::new().plan_fft_forward(edges),
+            forward: planner.plan_fft_forward(edges),
+            back: planner.plan_fft_inverse(edges),
         };
         let orders = edges / 2 + 1;
         let nodes: Vec<(f64, f64)> = (0..NODES.min(orders - 1))
@@ -138,12 +137,12 @@ impl Pattern {
     pub fn known(benches: &[Bench], size2: f64) -> Option<Self> {
         let mut pattern = Self::new(benches, None)?;
         pattern.known = true;
-        pattern.set_size(benches, size2);
+        pattern.set_size(size2);
         Some(pattern)
     }
 
     /// Sets the variance of an edge's error, rad^2.
-    pub fn set_size(&mut self, benches: &[Bench], size2: f64) {
+    pub fn set_size(&mut self, size2: f64) {
         self.size2 = size2;
         self.factor = None;
         if size2 > 0.0
@@ -156,14 +155,7 @@ impl Pattern {
                 matrix[(at, at)] += size2.recip();
             }
             self.factor = Cholesky::new(matrix).map(Arc::new);
-            return;
         }
-        let mut open = vec![0.0; self.edges];
-        for bench in benches {
-            (0..bench.record.len()).for_each(|at| open[bench.record.slot(at)] += size2);
-        }
-        let gains = benches.par_iter().map(|bench| bench.opened(&open));
-        self.open = Arc::new(gains.collect());
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
@@ -196,23 +188,28 @@ impl Pattern {
     }
 
     /// A row divided by about the normal matrix.
-    fn divided(&self, benches: &[Bench], row: &[f64]) -> Vec<f64> {
+    fn divided(&self, row: &[f64]) -> Vec<f64> {
         if let Some(factor) = &self.factor {
             let row = DVector::from_column_slice(row);
             return factor.solve(&row).as_slice().to_vec();
         }
-        let mut all: Vec<f64> = row.iter().map(|value| self.size2 * value).collect();
-        for (bench, open) in benches.iter().zip(&*self.open) {
-            let slots = || (0..bench.record.len()).map(|at| bench.record.slot(at));
-            let mut each: Vec<f64> = slots().map(|slot| row[slot]).collect();
-            open.whiten(&mut each);
-            open.transposed(&mut each);
-            let by = self.size2 * self.size2;
-            slots()
-                .zip(each)
-                .for_each(|(slot, value)| all[slot] -= by * value);
+        let mut row = row.to_vec();
+        let mut spectrum = self.forward.make_output_vec();
+        if self.forward.process(&mut row, &mut spectrum).is_err() {
+            return row;
         }
-        all
+        for (value, worth) in spectrum.iter_mut().zip(&self.worth) {
+            *value /= (worth + self.size2.recip()) * self.edges as f64;
+        }
+        // An inverse of a real row has no imaginary part at its ends.
+        spectrum[0].im = 0.0;
+        if self.edges.is_multiple_of(2) {
+            spectrum[self.edges / 2].im = 0.0;
+        }
+        if self.back.process(&mut spectrum, &mut row).is_err() {
+            row.fill(0.0);
+        }
+        row
     }
 
     /// Sets the size to the one of most orders, and returns its evidence: twice the logarithm of the likelihood over that without a
@@ -223,7 +220,7 @@ impl Pattern {
             dot(&fold, &own.errors_of(benches, fold.clone(), SMALL)) - own.log_volume()
         };
         if self.known {
-            self.set_size(benches, self.size2);
+            self.set_size(self.size2);
             return worth_of(self);
         }
         let most = (LARGE * std::f64::consts::TAU / self.edges as f64).powi(2);
@@ -237,7 +234,7 @@ impl Pattern {
         for of in [Self::middle, Self::mean] {
             let mut size2 = start2;
             for _ in 0..SIZED {
-                self.set_size(benches, size2);
+                self.set_size(size2);
                 let errors = self.errors_of(benches, fold.clone(), SMALL);
                 let next = of(&self.powers(&errors)).min(most);
                 let change = (next / size2).ln().abs();
@@ -246,13 +243,13 @@ impl Pattern {
                     break;
                 }
             }
-            self.set_size(benches, size2);
+            self.set_size(size2);
             let worth = worth_of(self);
             if worth > best {
                 (best2, best) = (size2, worth);
             }
         }
-        self.set_size(benches, best2);
+        self.set_size(best2);
         best
     }
 
@@ -346,8 +343,8 @@ impl Pattern {
         if self.size2 <= 0.0 {
             return errors;
         }
-        let start = dot(&rest, &self.divided(benches, &rest));
-        let mut step = self.divided(benches, &rest);
+        let start = dot(&rest, &self.divided(&rest));
+        let mut step = self.divided(&rest);
         let mut square = start;
         for _ in 0..STEPS {
             if square.is_nan() || square <= small * small * start {
@@ -363,7 +360,7 @@ impl Pattern {
                 errors[at] += along * step[at];
                 rest[at] -= along * product[at];
             }
-            let divided = self.divided(benches, &rest);
+            let divided = self.divided(&rest);
             let next = dot(&rest, &divided);
             let by = next / square;
             square = next;

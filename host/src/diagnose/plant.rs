@@ -692,20 +692,9 @@ impl Leaps {
     /// The filter for a noise over a range of edges.
     #[must_use]
     pub fn filter(&self, range: std::ops::Range<usize>, noise: &filter::Noise) -> Gains {
-        self.filter_open(range, noise, |_| 0.0)
-    }
-
-    /// The same where something else leaves each edge's own angle open: its variance by its place in the range, rad^2.
-    #[must_use]
-    pub fn filter_open(
-        &self,
-        range: std::ops::Range<usize>,
-        noise: &filter::Noise,
-        open: impl Fn(usize) -> f64,
-    ) -> Gains {
         match self {
-            Self::Stiff(leaps) => Gains::Stiff(filter::Filter::new(&leaps[range], noise, open)),
-            Self::Sprung(leaps) => Gains::Sprung(filter::Filter::new(&leaps[range], noise, open)),
+            Self::Stiff(leaps) => Gains::Stiff(filter::Filter::new(&leaps[range], noise)),
+            Self::Sprung(leaps) => Gains::Sprung(filter::Filter::new(&leaps[range], noise)),
         }
     }
 }

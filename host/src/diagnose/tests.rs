@@ -123,7 +123,7 @@ fn the_transposed_filter_is_the_filters_adjoint() {
         drift: 0.0,
         angle_rad: 0.0,
     };
-    let filter = Filter::new(&leaps, &noise, |_| 0.0);
+    let filter = Filter::new(&leaps, &noise);
     let wave =
         |by: f64| -> Vec<f64> { (0..record.len()).map(|at| (by * at as f64).sin()).collect() };
     let (one, other) = (wave(0.37), wave(0.011));

@@ -395,7 +395,7 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
     beside(&mut part, &parts, twin);
     part.pattern = board.pattern.as_ref().and_then(|whole| {
         let mut pattern = Pattern::new(&part.benches, Some(whole))?;
-        pattern.set_size(&part.benches, whole.size2);
+        pattern.set_size(whole.size2);
         Some(pattern)
     });
     noise::fit(&part, model)

@@ -117,7 +117,7 @@ impl Likelihood {
             .sum();
         let pattern = size2.filter(|size2| *size2 > 0.0).and_then(|size2| {
             let mut pattern = Pattern::new(benches, self.board.pattern.as_ref())?;
-            pattern.set_size(benches, size2);
+            pattern.set_size(size2);
             Some(pattern)
         });
         let (row, volume) = match pattern {
