@@ -20,14 +20,7 @@ pub const NOT_WHITE: f64 = 1e-6;
 
 /// Residual angles as given and with the model, rad.
 pub fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
-    let mut rests = board.rest(&fit.model);
-    if let Some(errors) = disc::pattern(board, &rests) {
-        for (bench, rest) in board.benches.iter().zip(&mut rests) {
-            rest.iter_mut()
-                .enumerate()
-                .for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
-        }
-    }
+    let mut rests = disc::rests(board, &fit.model);
     for (bench, rest) in board.benches.iter().zip(&mut rests) {
         bench.less_start(rest);
     }

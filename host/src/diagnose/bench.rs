@@ -9,7 +9,7 @@ use super::noise::{self, Free, Rest};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
 use crate::sim;
-use crate::twin::Twin;
+use crate::twin::{Twin, TwinError};
 
 /// One recording with its twin.
 #[derive(Clone, Debug)]
@@ -90,6 +90,7 @@ impl Bench {
         let own: Vec<f64> = (0..record.len())
             .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])
             .collect();
+        let count = record.len();
         Self {
             scales: gains.scales(),
             weights: vec![1.0; record.len()],
@@ -107,9 +108,15 @@ impl Bench {
             residual: own.clone(),
             own,
             tangents: Vec::new(),
-            tied: Vec::new(),
+            tied: vec![0.0; count],
             noise: *noise,
         }
+    }
+
+    /// The present noise.
+    #[must_use]
+    pub const fn noise(&self) -> Noise {
+        self.noise
     }
 
     /// Goes by another noise.
@@ -117,6 +124,27 @@ impl Bench {
         self.noise = *noise;
         self.gains = self.leaps.filter(0..self.record.len(), noise);
         self.scales = self.gains.scales();
+    }
+
+    /// Counts edges of the disc from another one of it on, so many before the present first one.
+    ///
+    /// # Errors
+    /// [`TwinError`] for a disc that can't be.
+    pub fn turn(&mut self, by: i64) -> Result<(), TwinError> {
+        let mut record = self.record.clone();
+        record.place.iter_mut().for_each(|place| *place += by);
+        let errors = sim::true_errors(&self.twin)?;
+        let turned = Self::new(record, &self.twin, &errors, &self.noise);
+        let before = std::mem::replace(self, turned);
+        self.stays(&before);
+        Ok(())
+    }
+
+    /// Keeps what of the same recording does not change with its twin or its course.
+    pub fn stays(&mut self, before: &Self) {
+        self.place = before.place;
+        self.spread_rad = before.spread_rad;
+        self.weights.clone_from(&before.weights);
     }
 
     /// Weighs each edge by the level of the noise about it, as residual angles show it.
@@ -127,20 +155,27 @@ impl Bench {
         self.weights = levels.iter().map(|level| level.recip()).collect();
     }
 
-    /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it.
-    pub fn decide_ties(&mut self) {
+    /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it, of residual angles
+    /// beside all that is known else.
+    pub fn decide_ties(&mut self, rest: &[f64]) {
+        // Edges after it that tell, and for how long the torque of a sample shows in the angle, in steps of the loop.
         const EDGES: usize = 12;
-        let mut white = self.own.clone();
-        self.gains.whiten(&mut white);
+        const STEPS: f64 = 3.0;
         let count = self.record.len();
-        self.tied = vec![0.0; count];
+        let mut white: Vec<f64> = rest.iter().zip(&self.tied).map(|(a, b)| a + b).collect();
+        self.gains.whiten(&mut white);
+        let mut tied = vec![0.0; count];
         for tie in self.declared.ties.clone() {
-            let after = self.course.time_s.partition_point(|time| *time <= tie.at_s);
+            let times = &self.course.time_s;
+            let after = times.partition_point(|time| *time <= tie.at_s);
             let first = after.saturating_sub(1);
             if after == 0 || after >= count {
                 continue;
             }
             let until_s = tie.at_s + tie.step_s;
+            let shown_s = tie.at_s + STEPS * tie.step_s;
+            let shown = times.partition_point(|time| *time <= shown_s);
+            let shown = shown.max(after + EDGES).min(count);
             let push = |here: Here| {
                 if here.inside_s < tie.at_s {
                     0.0
@@ -155,7 +190,7 @@ impl Bench {
                 self.plant
                     .response_over(first..until, &self.course, push, |_| 0.0, &breaks)
             };
-            let mut short = answer((after + EDGES).min(count));
+            let mut short = answer(shown);
             self.gains.whiten_from(first, &mut short);
             let here = white[first..].iter().zip(&short);
             let gain: f64 = here
@@ -163,11 +198,8 @@ impl Bench {
                 .sum();
             if gain > 0.0 {
                 let mut long = answer(count);
-                for (at, by) in (first..).zip(&long) {
-                    self.tied[at] += by;
-                    self.own[at] -= by;
-                    self.residual[at] -= by;
-                }
+                let each = tied[first..].iter_mut().zip(&long);
+                each.for_each(|(tied, by)| *tied += by);
                 self.gains.whiten_from(first, &mut long);
                 white[first..]
                     .iter_mut()
@@ -175,6 +207,12 @@ impl Bench {
                     .for_each(|(white, by)| *white -= by);
             }
         }
+        for (at, now) in tied.iter().enumerate() {
+            let by = now - self.tied[at];
+            self.own[at] -= by;
+            self.residual[at] -= by;
+        }
+        self.tied = tied;
     }
 
     /// Takes off residual angles what an unknown start makes of them: angle, speed and how that fades.

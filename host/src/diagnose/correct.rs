@@ -289,10 +289,10 @@ impl Board {
                     &bench.learned,
                     &self.noise,
                 );
-                next.place = bench.place;
-                next.weights.clone_from(&bench.weights);
+                next.stays(bench);
                 if !next.declared.ties.is_empty() {
-                    next.decide_ties();
+                    let own = next.own.clone();
+                    next.decide_ties(&own);
                 }
                 for (correction, values) in self.corrections.iter().zip(values) {
                     let count = correction.declared.len();

@@ -21,6 +21,19 @@ pub fn pattern(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
     Some(pattern.closest(&board.benches, &board.with_pattern(rests)))
 }
 
+/// Residual angles beside a model and the disc's pattern, rad, of each recording.
+#[must_use]
+pub fn rests(board: &Board, model: &Model) -> Vec<Vec<f64>> {
+    let mut rests = board.rest(model);
+    if let Some(errors) = pattern(board, &rests) {
+        for (bench, rest) in board.benches.iter().zip(&mut rests) {
+            let each = rest.iter_mut().enumerate();
+            each.for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
+        }
+    }
+    rests
+}
+
 /// The same with all else of the disc that is no finding.
 pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
     let mut errors = pattern(board, &board.rest(model))?;

@@ -6,6 +6,7 @@
 )]
 
 pub mod agreement;
+pub mod align;
 mod alike;
 pub mod answer;
 pub mod bench;

@@ -257,7 +257,7 @@ impl Board {
             .any(|bench| !bench.declared.ties.is_empty());
         board.fit_noise(&Model::default());
         if looped {
-            board.benches.iter_mut().for_each(Bench::decide_ties);
+            board.decide_ties(&Model::default());
             board.fit_noise(&Model::default());
         }
         board.pattern = if known {
@@ -337,15 +337,24 @@ impl Board {
                 let about =
                     Bench::about(bench.record.clone(), &bench.twin, &errors, &learned, &noise);
                 let before = std::mem::replace(bench, about);
-                bench.weights = before.weights;
-                bench.place = before.place;
-                bench.spread_rad = before.spread_rad;
-                bench.decide_ties();
+                bench.stays(&before);
             }
         });
         if let Some(pattern) = &mut self.pattern {
             pattern.set_size(pattern.size2);
         }
+        self.decide_ties(model);
+    }
+
+    /// Decides anew which samples of a speed loop saw which edges, beside a model.
+    pub fn decide_ties(&mut self, model: &Model) {
+        let mut benches = self.benches.iter();
+        if benches.all(|bench| bench.declared.ties.is_empty()) {
+            return;
+        }
+        let rests = disc::rests(self, model);
+        let each = self.benches.par_iter_mut().zip(&rests);
+        each.for_each(|(bench, rest)| bench.decide_ties(rest));
     }
 
     /// Edges of all recordings.

@@ -44,6 +44,8 @@ pub struct Pattern {
     pub edges: usize,
     /// Variance of an edge's error, rad^2.
     pub size2: f64,
+    /// Whether a few edges may be all that is off.
+    pub sparse: bool,
     /// Whether that is how well the twins know their disc, and not what fits best.
     pub known: bool,
     /// What a pattern of unit size of each order is worth, sum of squares.
@@ -74,6 +76,7 @@ impl Pattern {
         let mut pattern = Self {
             edges,
             size2: before.map_or(0.0, |before| before.size2),
+            sparse: before.is_none_or(|before| before.sparse),
             known: before.is_some_and(|before| before.known),
             worth: Vec::new(),
             normal: None,
@@ -231,7 +234,8 @@ impl Pattern {
         };
         // Few orders that stand out are told from the others; few edges that do are in all orders.
         let (mut best2, mut best) = (0.0, 0.0);
-        for of in [Self::middle, Self::mean] {
+        let ways = [Self::middle, Self::mean];
+        for of in &ways[..if self.sparse { 2 } else { 1 }] {
             let mut size2 = start2;
             for _ in 0..SIZED {
                 self.set_size(size2);

@@ -9,7 +9,7 @@ use super::findings::answer;
 use super::model::Board;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
-use super::{map, search};
+use super::{align, map, search};
 use crate::sim;
 
 /// Edges that a recording needs.
@@ -31,6 +31,12 @@ pub fn diagnose(
         let mut bench = bench(one)?;
         bench.place = place as u8;
         benches.push(bench);
+    }
+    let turns = align::turns(&benches);
+    for (bench, by) in benches.iter_mut().zip(turns) {
+        if by != 0 {
+            bench.turn(by)?;
+        }
     }
     let mut board = Board::new(benches);
     let given = board.clone();

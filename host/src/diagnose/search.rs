@@ -56,6 +56,8 @@ fn another_disc(board: &Board, fit: &Fit, least: f64) -> Option<Board> {
     }
     let white = board.with_pattern(&board.rest(&fit.model));
     let mut pattern = Pattern::new(&board.benches, None)?;
+    // A place of the disc is a finding of its own.
+    pattern.sparse = false;
     let mut worth = pattern.size_up(&board.benches, &white);
     if let Some(mut known) = known.cloned() {
         worth -= known.size_up(&board.benches, &white);
@@ -193,6 +195,7 @@ pub fn search(board: &mut Board) -> Found {
             let answers_alike = laws(board) == laws(&better);
             *board = better;
             fit = corrected;
+            board.decide_ties(&fit.model);
             board.fit_noise(&fit.model);
             fit = board.fit(&fit.model);
             if !answers_alike {
@@ -207,6 +210,7 @@ pub fn search(board: &mut Board) -> Found {
             } else {
                 findings += 1;
             }
+            board.decide_ties(&next.model);
             board.fit_noise(&next.model);
             fit = board.fit(&next.model);
         } else {

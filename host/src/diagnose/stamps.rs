@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::bench;
 use super::filter::Noise;
 use super::model::{Board, Fit};
 use super::noise::{self, Free};
+use super::{agreement, bench};
 use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
 use crate::mechanism::Mechanism;
 use crate::report::si;
@@ -19,7 +19,10 @@ const CUBED: f64 = 15.0;
 #[must_use]
 pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     let says = |bench: &bench::Bench| bench.twin.noise.is_some() || bench.twin.timer.jitter_s > 0.0;
-    if !board.benches.iter().all(says) || board.pattern.is_some() {
+    // Where something is left, or noise has levels, its size says nothing of the stamps.
+    let level = |bench: &bench::Bench| bench.weights.iter().all(|weight| *weight == 1.0);
+    let told = board.pattern.is_none() && board.benches.iter().all(level);
+    if !told || !board.benches.iter().all(says) || !agreement::is_white(board, fit) {
         return None;
     }
     let first = board.benches.first()?;

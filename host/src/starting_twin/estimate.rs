@@ -8,6 +8,7 @@ use super::noise::{self, NoiseFound};
 use super::sensor::Found;
 use super::write::bare_text;
 use super::{Estimate, StartingError};
+use crate::diagnose::align;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::edges::Edges;
 use crate::diagnose::effect::{Carrier, Effect, Site};
@@ -121,6 +122,10 @@ pub fn estimate(
     }
     progress(0.05, "Fitting the noise");
     let speed_r_min = speeds(&records);
+    let turns = align::turns(&benches(&records, &twin));
+    for (record, by) in records.iter_mut().zip(turns) {
+        record.place.iter_mut().for_each(|place| *place += by);
+    }
     let mut board = Board::new(benches(&records, &twin));
     settle(&mut board, &twin);
     renoise(&mut board, &records, &twin, &Model::default());
