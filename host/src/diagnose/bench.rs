@@ -8,6 +8,7 @@ use super::lsq;
 use super::noise::{self, Free, Rest};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
+use super::speed_loop;
 use crate::sim;
 use crate::twin::{Twin, TwinError};
 
@@ -161,11 +162,15 @@ impl Bench {
         // Edges after it that tell, and for how long the torque of a sample shows in the angle, in steps of the loop.
         const EDGES: usize = 12;
         const STEPS: f64 = 3.0;
+        let Some(looped) = self.twin.speed_loop() else {
+            return;
+        };
+        let along = speed_loop::along(&looped, &self.record, &self.twin, self.noise.stamp_s);
         let count = self.record.len();
         let mut white: Vec<f64> = rest.iter().zip(&self.tied).map(|(a, b)| a + b).collect();
         self.gains.whiten(&mut white);
         let mut tied = vec![0.0; count];
-        for tie in self.declared.ties.clone() {
+        for tie in along.ties {
             let times = &self.course.time_s;
             let after = times.partition_point(|time| *time <= tie.at_s);
             let first = after.saturating_sub(1);

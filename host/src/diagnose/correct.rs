@@ -290,10 +290,8 @@ impl Board {
                     &self.noise,
                 );
                 next.stays(bench);
-                if !next.declared.ties.is_empty() {
-                    let own = next.own.clone();
-                    next.decide_ties(&own);
-                }
+                let own = next.own.clone();
+                next.decide_ties(&own);
                 for (correction, values) in self.corrections.iter().zip(values) {
                     let count = correction.declared.len();
                     let some = if bench.tangents[correction.first].is_empty() {

@@ -6,7 +6,7 @@ use super::course::Course;
 use super::effect::{Carrier, Effect, On, Scene, Site};
 use super::plant::{Here, Law, Plant, sign};
 use super::record::Record;
-use super::speed_loop::{self, Tie};
+use super::speed_loop;
 use crate::twin::{Bearing, CaptureLatency, Channel, Drive, Ripple, SpeedDrift, Twin};
 
 /// What a twin says of a recording.
@@ -16,8 +16,6 @@ pub struct Declared {
     pub off: Vec<f64>,
     /// What drive, torques and friction do to the angle, rad, less a straight way.
     pub response: Vec<f64>,
-    /// Samples of a speed loop that may have seen an edge or not.
-    pub ties: Vec<Tie>,
 }
 
 /// The twin's disc: errors of all edges of the grid as the recording counts them, rad.
@@ -278,7 +276,7 @@ impl Declared {
         let mut off: Vec<f64> = (0..record.len())
             .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
             .collect();
-        let (mut response, ties) = drive(twin, &scene);
+        let mut response = drive(twin, &scene);
         for (effect, sizes) in effects(twin) {
             let into = match effect.site {
                 Site::Torque | Site::Drive => &mut response,
@@ -291,11 +289,7 @@ impl Declared {
             }
         }
         late(twin, course, &mut off);
-        Self {
-            off,
-            response,
-            ties,
-        }
+        Self { off, response }
     }
 }
 
@@ -375,7 +369,7 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, f64)> {
 }
 
 /// What drive and friction do to the angle.
-fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
+fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<f64> {
     let law = &scene.plant.law;
     let mut breaks = knots(twin);
     breaks.extend(&scene.course.reversals_s);
@@ -386,7 +380,7 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
         slope * here.speed - at
     };
     if let Some(looped) = twin.speed_loop() {
-        let samples = speed_loop::along(&looped, scene.record, twin);
+        let samples = speed_loop::along(&looped, scene.record, twin, 0.0);
         let rate_hz = looped.rate_hz;
         let until = scene.course.time_s.last().copied().unwrap_or(0.0);
         breaks.extend(
@@ -405,13 +399,10 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
                 .unwrap_or(0.0)
                 + friction(here)
         };
-        return (
-            scene.plant.response(scene.course, push, |_| 0.0, &breaks),
-            samples.ties,
-        );
+        return scene.plant.response(scene.course, push, |_| 0.0, &breaks);
     }
     if twin.drive == Drive::Unknown {
-        return (vec![0.0; scene.record.len()], Vec::new());
+        return vec![0.0; scene.record.len()];
     }
     if let Drive::Torque(torque) = &twin.drive {
         let points: Vec<(f64, f64)> = torque
@@ -424,10 +415,7 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
             follows: false,
         };
         let push = |here: Here| given.at(here.time_s, here.inside_s).0 + friction(here);
-        return (
-            scene.plant.response(scene.course, push, |_| 0.0, &breaks),
-            Vec::new(),
-        );
+        return scene.plant.response(scene.course, push, |_| 0.0, &breaks);
     }
     let push = |here: Here| {
         let mut push = friction(here);
@@ -444,8 +432,5 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> (Vec<f64>, Vec<Tie>) {
         }
         push
     };
-    (
-        scene.plant.response(scene.course, push, |_| 0.0, &breaks),
-        Vec::new(),
-    )
+    scene.plant.response(scene.course, push, |_| 0.0, &breaks)
 }

@@ -72,6 +72,8 @@ const ROUNDS: usize = 5;
 /// Rounds in which pattern and noise are found at the most, and the change of a logarithm of the noise that is none.
 const SIZED: usize = 12;
 const ALIKE: f64 = 0.05;
+/// Rounds in which noise and what a speed loop saw are found, as each bears on the other.
+const TIED: usize = 2;
 /// Rounds in which noise and its levels are found beside a model at the most.
 const LEVELLED: usize = 4;
 /// Sum of squares that is no gain.
@@ -254,11 +256,13 @@ impl Board {
         let looped = board
             .benches
             .iter()
-            .any(|bench| !bench.declared.ties.is_empty());
+            .any(|bench| bench.twin.speed_loop().is_some());
         board.fit_noise(&Model::default());
         if looped {
-            board.decide_ties(&Model::default());
-            board.fit_noise(&Model::default());
+            for _ in 0..TIED {
+                board.decide_ties(&Model::default());
+                board.fit_noise(&Model::default());
+            }
         }
         board.pattern = if known {
             board.pattern_given()
@@ -349,7 +353,7 @@ impl Board {
     /// Decides anew which samples of a speed loop saw which edges, beside a model.
     pub fn decide_ties(&mut self, model: &Model) {
         let mut benches = self.benches.iter();
-        if benches.all(|bench| bench.declared.ties.is_empty()) {
+        if benches.all(|bench| bench.twin.speed_loop().is_none()) {
             return;
         }
         let rests = disc::rests(self, model);

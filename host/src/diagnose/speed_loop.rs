@@ -30,14 +30,14 @@ pub struct Tie {
 /// Deviations of a stamp within which a sample may have missed an edge.
 const NEAR: f64 = 4.0;
 
-/// A loop along the edges that it saw.
+/// A loop along the edges that it saw, whose stamps have an RMS error.
 #[must_use]
-pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin) -> Along {
+pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin, stamp_s: f64) -> Along {
     let clock_hz = twin.timer.clock_hz as f64;
     let mut seen = SeenSpeed::new(clock_hz, record.step_rad(), own.timeout_s, Some(0));
     let until = record.time_s.last().copied().unwrap_or(0.0);
     let count = (until * own.rate_hz).floor() as usize + 1;
-    let late_s = NEAR * twin.timer.jitter_s;
+    let late_s = NEAR * twin.timer.jitter_s.max(stamp_s);
     let mut integral = own.start;
     let mut edge = 0;
     let mut last: Option<i64> = None;
