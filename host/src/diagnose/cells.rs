@@ -433,9 +433,17 @@ fn kinds_of_bumps(board: &Board) -> Vec<(On, f64, f64)> {
     kinds
         .into_par_iter()
         .map(|(on, width)| {
-            // A unit one is worth the same wherever it is.
+            // A unit one is worth the same on each of its edges.
+            let classes = first.record.classes;
+            let here = |slot: &i64| {
+                let class = slot.rem_euclid(classes) as usize;
+                on.has(super::record::change(class, classes))
+            };
+            let middle = first.record.edges / 2;
+            let own = (middle..middle + classes).find(here).unwrap_or(middle);
+            let angle = own as f64 * first.record.step_rad();
             let column = board
-                .columns(&Effect::new(Site::Disc(on), Carrier::Bump(3.0, width)))
+                .columns(&Effect::new(Site::Disc(on), Carrier::Bump(angle, width)))
                 .swap_remove(0);
             (on, width, dot(&column, &column))
         })
