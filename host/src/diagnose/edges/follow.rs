@@ -387,11 +387,12 @@ impl Follower<'_> {
         let mut innovation = f64::NAN;
         match from.speed {
             _ if forward != from.forward => {
-                // To turn back, a shaft has to halve its speed first.
+                // To turn back, a shaft has to halve its speed first, or to take as long for the way there and back.
                 to.score -= cost::REVERSAL;
                 to.score += from.speed.map_or(BROAD, |[log_speed, _, variance]| {
-                    let halved = LN_2.powi(2) / (2.0 * variance);
-                    broad(log_speed + log_interval) - halved.min(cost::ABRUPT)
+                    let longer = log_speed + log_interval;
+                    let halved = (LN_2 - longer).clamp(0.0, LN_2).powi(2) / (2.0 * variance);
+                    broad(longer) - halved.min(cost::ABRUPT)
                 });
                 to.speed = None;
             }
