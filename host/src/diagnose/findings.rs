@@ -5,7 +5,7 @@ use super::alike::Alike;
 use super::answer::{Answer, Map, Sized};
 use super::bench::Bench;
 use super::effect::{Carrier, Site};
-use super::judge::Parts;
+use super::judge::{self, Parts};
 use super::model::{Board, Fit};
 use super::rig::Recorded;
 use super::{correct, disc, events, name, search, stamps};
@@ -14,8 +14,6 @@ use crate::diagnose::diagnosis::{
 };
 use crate::mechanism::Mechanism;
 
-/// Part of what a finding shows on some turns that the others have to foretell.
-const FORETELLS: f64 = 0.6;
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
 
@@ -70,7 +68,7 @@ pub fn answer(
         };
         let mut mechanism = board.mechanism(&effects);
         let sideband = name::sideband_of(board, &effects);
-        if sideband.is_some() || !once && (worse || foretold < FORETELLS * shown - search::SURE) {
+        if sideband.is_some() || !once && (worse || !judge::foretells(foretold, shown)) {
             mechanism = Mechanism::Unknown;
         }
         let others: &[(Mechanism, f64)] = alike

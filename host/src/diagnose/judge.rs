@@ -4,6 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::lsq::dot;
 use super::model::{Board, Fit};
+use super::scan::SURE;
 
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 4;
@@ -11,6 +12,8 @@ const BLOCKS: usize = 4;
 const ONCE: f64 = 0.7;
 /// Weight of what all blocks say in a fit to some of them.
 const KEPT: f64 = 0.01;
+/// Part of what a finding shows that other turns have to foretell of it.
+const FORETELLS: f64 = 0.6;
 /// Share of each recording that is held out for the figures of the fit: its last part.
 pub const HELD_OUT: f64 = 0.3;
 
@@ -46,6 +49,19 @@ fn parts(board: &Board, bounds: &[f64]) -> Vec<Vec<std::ops::Range<usize>>> {
         from += count;
     }
     all
+}
+
+/// Whether so much of what shows is foretold that it is said.
+#[must_use]
+pub fn foretells(foretold: f64, shown: f64) -> bool {
+    foretold >= FORETELLS * shown - SURE
+}
+
+/// Whether a group of a fit is foretold on turns that it was not fitted on.
+#[must_use]
+pub fn is_foretold(board: &Board, fit: &Fit, group: usize) -> bool {
+    let (foretold, shown) = Parts::blocks(board, fit).foretold(fit, group);
+    foretells(foretold, shown)
 }
 
 impl Parts {

@@ -8,6 +8,7 @@ use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::identify;
+use super::judge;
 use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
@@ -43,8 +44,26 @@ pub fn nuisances(board: &Board) -> Model {
     if steady {
         model.add(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
     }
+    if board.free.drift {
+        model.add(&turns_back(board), usize::MAX);
+    }
     model.terms.iter_mut().for_each(|term| term.nuisance = true);
     model
+}
+
+/// A drive that the twins do not declare may turn back as suddenly as it likes, which looks like friction; where it does so often, only
+/// friction does every time.
+fn turns_back(board: &Board) -> Vec<Effect> {
+    let several = board.benches.len() > 1;
+    let each = board.benches.iter().flat_map(|bench| {
+        let at = bench.course.reversals_s.iter();
+        at.map(move |at_s| Effect {
+            only: several.then_some(bench.place),
+            ..Effect::new(Site::Torque, Carrier::Window(*at_s, f64::INFINITY))
+        })
+    });
+    let all: Vec<Effect> = each.collect();
+    if all.len() > CHANGES { Vec::new() } else { all }
 }
 
 /// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cell. The board with
@@ -162,20 +181,28 @@ pub fn search(board: &mut Board) -> Found {
         });
         let next = best.and_then(|effects| {
             let numbers = cells::numbers(&effects);
-            if is_open(board, &effects) {
+            let as_open = |effects: &[Effect]| {
                 let mut model = fit.model.clone();
-                model.add(&effects, usize::MAX - 2 - changes);
+                model.add(effects, usize::MAX - 2 - changes);
                 let added = model.terms.iter_mut().rev().take(effects.len());
                 added.for_each(|term| term.nuisance = true);
                 let next = board.fit(&model);
                 let worth = evidence(board, fit.rss - next.rss, numbers);
-                return (worth > SURE).then_some((worth, next));
+                (worth > SURE).then_some((worth, next))
+            };
+            if is_open(board, &effects) {
+                return as_open(&effects);
             }
+            let drags = board.free.drift && effects.iter().all(Effect::is_friction);
             let (group, rest, effects) = joined(&fit.model, group, effects, cells::channels(board));
             let mut model = rest;
             model.add(&effects, group);
             let next = board.fit(&model);
             let worth = evidence(board, fit.rss - next.rss, numbers);
+            if drags && !judge::is_foretold(board, &next, group) {
+                // What a drive that nobody declared did there.
+                return as_open(&effects);
+            }
             (worth > SURE && board.keeps_order(&next.model)).then_some((worth, next))
         });
         // What the twin declares comes first, if it explains as much.
