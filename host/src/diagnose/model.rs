@@ -22,6 +22,8 @@ pub struct Board {
     pub noise: Noise,
     /// What of the noise is not said.
     pub free: Free,
+    /// Whether noise has levels of its own in stretches of a recording: a misfit has them as well.
+    pub levels: bool,
     /// The disc's pattern, where it is part of what is fitted.
     pub pattern: Option<Pattern>,
     /// Whether the twins give the disc, so that another one is a finding.
@@ -216,6 +218,16 @@ impl Board {
     /// Of recordings beside their twins, in the noise that fits them so.
     #[must_use]
     pub fn new(benches: Vec<Bench>) -> Self {
+        Self::with(benches, false)
+    }
+
+    /// The same where noise has levels by stretches: of recordings of which nothing is known, so that nothing is missing.
+    #[must_use]
+    pub fn levelled(benches: Vec<Bench>) -> Self {
+        Self::with(benches, true)
+    }
+
+    fn with(benches: Vec<Bench>, levels: bool) -> Self {
         let tick_s = benches
             .iter()
             .map(|bench| bench.record.tick_s)
@@ -249,6 +261,7 @@ impl Board {
                 drift: undriven,
                 stamp: true,
             },
+            levels,
             pattern: None,
             disc_given: known,
             corrections: Vec::new(),
@@ -756,6 +769,9 @@ impl Board {
 
     /// Weighs edges by the level of the noise about them.
     fn level(&mut self, rest: &[Vec<f64>]) {
+        if !self.levels {
+            return;
+        }
         let each = self.benches.par_iter_mut().zip(rest);
         each.for_each(|(bench, rest)| bench.level(rest));
     }

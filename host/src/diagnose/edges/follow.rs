@@ -380,6 +380,10 @@ impl Follower<'_> {
         to.skipped = false;
         let lost = steps - 1;
         if lost > 0 {
+            if from.skipped && self.grid.reversible {
+                // One too many and then one lost may be one edge with a stamp that is far off: that they come together saves nothing.
+                to.trouble = 0.0;
+            }
             let more = self.price(cost::LOST_MORE) * (lost - 1) as f64;
             to.disturb(cost::LOST, more);
         }

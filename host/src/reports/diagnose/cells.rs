@@ -29,12 +29,34 @@ pub fn words(effect: &Effect) -> String {
 /// All effects of a finding in a line; empty where there are none.
 #[must_use]
 pub fn cell(effects: &[Sized]) -> String {
+    if let Some(harmonics) = harmonics(effects) {
+        return harmonics;
+    }
     let each = effects.iter().take(WRITTEN);
     let mut all: Vec<String> = each.map(|sized| words(&sized.effect)).collect();
     if let more @ 1.. = effects.len().saturating_sub(WRITTEN) {
         all.push(format!("{more} more"));
     }
     all.join("; ")
+}
+
+/// An order with its harmonics at one site: `torque at orders 3, 6, 9, constant`; none where effects are anything else.
+fn harmonics(effects: &[Sized]) -> Option<String> {
+    let [first, _, ..] = effects else { return None };
+    let alike = |sized: &Sized| {
+        Effect {
+            carrier: first.effect.carrier,
+            ..sized.effect
+        } == first.effect
+    };
+    let orders = effects.iter().map(|sized| match sized.effect.carrier {
+        Carrier::Order(order) if alike(sized) => Some(number(order, "")),
+        _ => None,
+    });
+    let orders: Option<Vec<String>> = orders.collect();
+    let orders = orders?.join(", ");
+    let (site, growth) = (site(&first.effect.site), growth(&first.effect));
+    Some(format!("{site} at orders {orders}{growth}"))
 }
 
 /// What an effect changes, as a noun.
