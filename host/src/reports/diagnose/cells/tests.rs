@@ -207,6 +207,18 @@ fn the_size_of_a_phase_is_its_amplitude_with_a_prefix_only_before_plain_units() 
         cell(&all),
         "torque at order 3, constant; torque against the motion, proportional to speed (viscous)"
     );
-    let many = vec![all[0].clone(); 6];
+    let many = vec![all[1].clone(); 6];
     assert!(cell(&many).ends_with("; 2 more"));
+}
+
+#[test]
+fn an_order_and_its_harmonics_are_one_clause() {
+    let sized = |order: f64| Sized {
+        effect: Effect::new(Site::Torque, Carrier::Order(order)),
+        sizes: vec![3e-3, 4e-3],
+    };
+    assert_eq!(
+        cell(&[3.0, 6.0, 9.0].map(sized)),
+        "torque at orders 3, 6, 9, constant"
+    );
 }
