@@ -86,7 +86,7 @@ impl Bench {
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
         let mut leaps = Leaps::of(&plant, &course);
-        leaps.jolt(&declared::jolts(&record, twin, &course, &plant));
+        leaps.jolt(&declared::jolts(twin, &course, &plant));
         let gains = leaps.filter(0..record.len(), noise);
         let own: Vec<f64> = (0..record.len())
             .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])
@@ -271,7 +271,7 @@ impl Bench {
             .for_each(|(rest, by)| *rest -= by);
         if let Some(plant) = &other {
             let mut leaps = Leaps::of(plant, &self.course);
-            leaps.jolt(&declared::jolts(&self.record, twin, &self.course, plant));
+            leaps.jolt(&declared::jolts(twin, &self.course, plant));
             let gains = leaps.filter(0..rest.len(), &self.noise);
             gains.whiten(&mut rest);
             let scales = gains.scales().into_iter().zip(&self.scales);

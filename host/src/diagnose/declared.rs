@@ -332,7 +332,7 @@ const SUDDEN: f64 = 0.3;
 /// Changes of the speed, rad/s, that the torques' size leaves open where the course within an interval is not known: at a reversal, and
 /// wherever the speed changes much from edge to edge.
 #[must_use]
-pub fn jolts(record: &Record, twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, f64)> {
+pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, f64)> {
     let law = &plant.law;
     let waves: Vec<(f64, f64)> = effects(twin)
         .into_iter()
@@ -345,12 +345,6 @@ pub fn jolts(record: &Record, twin: &Twin, course: &Course, plant: &Plant) -> Ve
         .collect();
     let mut jolts = Vec::new();
     for at in 1..course.len() {
-        // One channel does not show how often the shaft turned round before this edge: it starts anew.
-        let unseen = record.channels() < 2 && at > 1 && record.way[at - 1] != record.way[at - 2];
-        if unseen {
-            jolts.push((at, 2.0 * course.speed[at].abs()));
-            continue;
-        }
         let (v0, v1) = (course.speed[at - 1], course.speed[at]);
         let h = course.time_s[at] - course.time_s[at - 1];
         if (v1 - v0).abs() < SUDDEN * v0.abs().max(v1.abs()) {

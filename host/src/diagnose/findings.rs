@@ -47,7 +47,7 @@ pub fn answer(
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
         let worth = search::evidence(board, loss, fit.model.numbers(group));
-        let (foretold, shown) = parts.foretold(fit, group);
+        let foretold = parts.foretold(fit, group);
         // What comes once, or once along the course, can't be foretold from elsewhere.
         let once = effects.iter().any(|effect| {
             matches!(
@@ -68,7 +68,9 @@ pub fn answer(
         };
         let mut mechanism = board.mechanism(&effects);
         let sideband = name::sideband_of(board, &effects);
-        if sideband.is_some() || !once && (worse || !judge::foretells(foretold, shown)) {
+        if sideband.is_some()
+            || !once && (worse || !judge::foretells(foretold.fall, foretold.shown))
+        {
             mechanism = Mechanism::Unknown;
         }
         let others: &[(Mechanism, f64)] = alike
@@ -107,7 +109,6 @@ pub fn answer(
         if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
             place.speed_exponent = Some(f64::from(exponent));
         }
-        let ratio = (1.0 - foretold / (fit.rss + loss)).max(0.0).sqrt();
         let finding = Finding {
             mechanism,
             text: match sideband {
@@ -130,7 +131,7 @@ pub fn answer(
             evidence: Evidence {
                 delta_bic: worth,
                 p_value: (-0.5 * worth).exp().min(1.0),
-                held_out_rms_ratio: (!once).then_some(ratio),
+                held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),
                 runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
                     mechanism: *mechanism,
                     delta_bic: *apart,

@@ -51,6 +51,26 @@ fn parts(board: &Board, bounds: &[f64]) -> Vec<Vec<std::ops::Range<usize>>> {
     all
 }
 
+/// What a group does on turns that no term was fitted on.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Foretold {
+    /// By how much the sum of squares falls with it.
+    pub fall: f64,
+    /// By how much it falls on the same turns where all are fitted on all: what the group shows there.
+    pub shown: f64,
+    /// The sum of squares without it.
+    without: f64,
+}
+
+impl Foretold {
+    /// RMS with the group over RMS without it.
+    #[must_use]
+    pub fn rms_ratio(&self) -> f64 {
+        let without = self.without.max(f64::MIN_POSITIVE);
+        (1.0 - self.fall / without).max(0.0).sqrt()
+    }
+}
+
 /// Whether so much of what shows is foretold that it is said.
 #[must_use]
 pub fn foretells(foretold: f64, shown: f64) -> bool {
@@ -60,8 +80,9 @@ pub fn foretells(foretold: f64, shown: f64) -> bool {
 /// Whether a group of a fit is foretold on turns that it was not fitted on.
 #[must_use]
 pub fn is_foretold(board: &Board, fit: &Fit, group: usize) -> bool {
-    let (foretold, shown) = Parts::blocks(board, fit).foretold(fit, group);
-    foretells(foretold, shown)
+    let parts = Parts::blocks(board, fit);
+    let Foretold { fall, shown, .. } = parts.foretold(fit, group);
+    foretells(fall, shown)
 }
 
 impl Parts {
@@ -173,22 +194,24 @@ impl Parts {
         (0..self.of.len()).filter(|&at| of(self.of[at].0)).collect()
     }
 
-    /// By how much the sum of squares falls with a group on turns that no term was fitted on, each block foretold by the others, and on
-    /// the same turns where all are fitted on all: what it shows there. A disc of which nothing is known may have taken the rest.
+    /// What a group does on turns that no term was fitted on, each block foretold by the others. A disc of which nothing is known may have
+    /// taken the rest.
     #[must_use]
-    pub fn foretold(&self, fit: &Fit, group: usize) -> (f64, f64) {
+    pub fn foretold(&self, fit: &Fit, group: usize) -> Foretold {
         let all = self.columns(|_| true);
         let others = self.columns(|term| fit.model.terms[term].group != group);
-        let fall = |block: usize, on: &dyn Fn(usize) -> bool| {
-            let (with, without) = (self.fitted(on, &all), self.fitted(on, &others));
-            self.left(block, &without) - self.left(block, &with)
+        let left = |columns: &[usize], block: usize, on: &dyn Fn(usize) -> bool| {
+            self.left(block, &self.fitted(on, columns))
         };
-        let blocks = 0..self.parts.len();
-        let foretold = blocks.clone().map(|block| fall(block, &|at| at != block));
-        (
-            foretold.sum(),
-            blocks.map(|block| fall(block, &|_| true)).sum(),
-        )
+        let mut foretold = Foretold::default();
+        for block in 0..self.parts.len() {
+            let elsewhere = |at: usize| at != block;
+            let without = left(&others, block, &elsewhere);
+            foretold.without += without;
+            foretold.fall += without - left(&all, block, &elsewhere);
+            foretold.shown += left(&others, block, &|_| true) - left(&all, block, &|_| true);
+        }
+        foretold
     }
 
     /// Whether a group shows in one part of the recordings alone, so that no other part foretells it.

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use number::{Number, Sloped};
 
+/// Steepest power of the speed that a size goes with: no loss of a machine grows faster than the cube of the speed.
+pub const STEEPEST: f64 = 3.0;
+
 /// What changes at an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Change {
@@ -309,13 +312,18 @@ impl Effect {
     /// Whether it can be evaluated at all.
     #[must_use]
     pub fn is_possible(&self) -> bool {
-        match self.carrier {
-            Carrier::Order(a) | Carrier::Tone(a) | Carrier::Stribeck(a) => a > 0.0,
-            Carrier::Bump(_, sigma) => sigma > 1e-9 && sigma < 1.5,
-            Carrier::Settling(_, tau) => tau > 0.0,
-            Carrier::Window(from, until) => until > from,
+        let grows = match self.growth {
+            Growth::Speed(power) => power.abs() <= STEEPEST,
             _ => true,
-        }
+        };
+        grows
+            && match self.carrier {
+                Carrier::Order(a) | Carrier::Tone(a) | Carrier::Stribeck(a) => a > 0.0,
+                Carrier::Bump(_, sigma) => sigma > 1e-9 && sigma < 1.5,
+                Carrier::Settling(_, tau) => tau > 0.0,
+                Carrier::Window(from, until) => until > from,
+                _ => true,
+            }
     }
 }
 
