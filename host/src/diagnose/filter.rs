@@ -7,8 +7,12 @@
 
 /// Numbers of a state.
 pub const STATES: usize = 6;
-/// Of a stiff shaft the last two are left out.
+/// Of a stiff shaft the last two are left out, without a noise grid the held torque too, and without a drift that as well.
 pub const STIFF: usize = 4;
+/// Angle, speed and drift.
+pub const DRIFTING: usize = 3;
+/// Angle and speed.
+pub const PLAIN: usize = 2;
 /// Places in a state.
 pub const ANGLE: usize = 0;
 /// Speed of the near side.
@@ -57,6 +61,37 @@ pub struct Leap<const N: usize> {
     pub doubt_s: f64,
 }
 
+impl<const N: usize> Leap<N> {
+    /// The same of the first states alone.
+    #[must_use]
+    pub fn first<const M: usize>(&self) -> Leap<M> {
+        let part = |whole: &Square<N>| {
+            let mut part = [[0.0; M]; M];
+            for (part, whole) in part.iter_mut().zip(whole) {
+                part.copy_from_slice(&whole[..M]);
+            }
+            part
+        };
+        Leap {
+            way: part(&self.way),
+            torque: part(&self.torque),
+            drift: part(&self.drift),
+            jolt: self.jolt,
+            speed: self.speed,
+            fresh: self.fresh,
+            doubt_s: self.doubt_s,
+        }
+    }
+}
+
+impl Leap<STIFF> {
+    /// Whether a held torque pushes.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.way[ANGLE][HELD] != 0.0 || self.way[SPEED][HELD] != 0.0
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Gain<const N: usize> {
     way: Square<N>,
@@ -89,7 +124,7 @@ impl<const N: usize> Filter<N> {
         let mut start = [[0.0; N]; N];
         start[ANGLE][ANGLE] = ANYWHERE;
         start[SPEED][SPEED] = top * top;
-        if noise.drift > 0.0 {
+        if N > DRIFT && noise.drift > 0.0 {
             // As fast as any speed of the recording in a hundredth of it.
             start[DRIFT][DRIFT] = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
         }

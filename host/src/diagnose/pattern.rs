@@ -2,20 +2,20 @@
 //!
 //! With N unknown errors e of variance s^2 beside a model, the least of |W (r - P e)|^2 + |e|^2 / s^2 over e is had by conjugate
 //! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Of few edges a
-//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner. Of many it is what the orders are worth: over
-//! many turns one edge shows about as well as another, so that the matrix is nearly a circulant one (R. H. Chan, M. K. Ng, SIAM Review 38,
-//! 1996). The size s is that of most evidence.
+//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner; of many it is the same filter for edges that are
+//! blurred by the errors themselves. The size s is that of most evidence.
 
 use std::sync::Arc;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
-
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{RealFftPlanner, RealToComplex};
 
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
+use super::filter::Noise;
 use super::lsq::dot;
+use super::plant::Gains;
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
@@ -25,6 +25,8 @@ const STEPS: usize = 40;
 const DENSE: usize = 1024;
 /// Factor by which what an order is worth may change before that is done anew.
 const CHANGED: f64 = 10.0;
+/// Variance of a disc's error over that of what the recordings leave of it, from which on differences are lost in rounding.
+const CLEAR: f64 = 1e9;
 /// Size of an edge's error to begin with and at the most, as a part of a pitch: edges keep their order.
 pub const LARGE: f64 = 0.3;
 /// A size that is none, rad; rounds in which it is found, and the change of its square's logarithm that is none.
@@ -33,8 +35,10 @@ const SMALLEST: f64 = 1e-10;
 const FEW: usize = 8;
 const SIZED: usize = 20;
 const SAME: f64 = 0.02;
+/// Share of the change before that a change is taken for at the most.
+const FADES: f64 = 0.8;
 /// Part of the first residual that is small enough, and what is as small as numbers allow.
-const SMALL: f64 = 1e-4;
+const SMALL: f64 = 1e-7;
 const SMALLER: f64 = 1e-9;
 
 /// A pattern of a size.
@@ -51,11 +55,21 @@ pub struct Pattern {
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
     forward: Arc<dyn RealToComplex<f64>>,
-    back: Arc<dyn ComplexToReal<f64>>,
     /// The normal matrix, of about the present noise, and what orders were worth then.
     normal: Option<Arc<(DMatrix<f64>, Vec<f64>)>>,
-    /// The same with the pattern's size, decomposed.
-    factor: Option<Arc<Cholesky<f64, Dyn>>>,
+    /// What stands for the normal matrix with the pattern's size.
+    divisor: Divisor,
+}
+
+/// What a row is divided by.
+#[derive(Clone)]
+enum Divisor {
+    /// Nothing yet.
+    None,
+    /// The normal matrix, decomposed.
+    Dense(Arc<Cholesky<f64, Dyn>>),
+    /// The recordings' filters for edges that are blurred, and the variance by which, rad^2.
+    Blurred(Arc<Vec<Gains>>, f64),
 }
 
 impl std::fmt::Debug for Pattern {
@@ -80,9 +94,8 @@ impl Pattern {
             known: before.is_some_and(|before| before.known),
             worth: Vec::new(),
             normal: None,
-            factor: None,
+            divisor: Divisor::None,
             forward: planner.plan_fft_forward(edges),
-            back: planner.plan_fft_inverse(edges),
         };
         let orders = edges / 2 + 1;
         let nodes: Vec<(f64, f64)> = (0..NODES.min(orders - 1))
@@ -132,6 +145,9 @@ impl Pattern {
             }
             None => None,
         };
+        if pattern.size2 > 0.0 {
+            pattern.set_size(benches, pattern.size2);
+        }
         Some(pattern)
     }
 
@@ -140,25 +156,47 @@ impl Pattern {
     pub fn known(benches: &[Bench], size2: f64) -> Option<Self> {
         let mut pattern = Self::new(benches, None)?;
         pattern.known = true;
-        pattern.set_size(size2);
+        pattern.set_size(benches, size2);
         Some(pattern)
     }
 
     /// Sets the variance of an edge's error, rad^2.
-    pub fn set_size(&mut self, size2: f64) {
+    pub fn set_size(&mut self, benches: &[Bench], size2: f64) {
         self.size2 = size2;
-        self.factor = None;
-        if size2 > 0.0
-            && let Some(normal) = &self.normal
-        {
-            let (matrix, worth) = &**normal;
-            let scale = self.worth.iter().sum::<f64>() / worth.iter().sum::<f64>();
-            let mut matrix = matrix * scale;
-            for at in 0..self.edges {
-                matrix[(at, at)] += size2.recip();
+        self.divisor = match &self.normal {
+            _ if size2 <= 0.0 => Divisor::None,
+            Some(normal) => {
+                let (matrix, worth) = &**normal;
+                let scale = self.worth.iter().sum::<f64>() / worth.iter().sum::<f64>();
+                let mut matrix = matrix * scale;
+                for at in 0..self.edges {
+                    matrix[(at, at)] += size2.recip();
+                }
+                match Cholesky::new(matrix) {
+                    Some(factor) => Divisor::Dense(Arc::new(factor)),
+                    None => self.blurred(benches),
+                }
             }
-            self.factor = Cholesky::new(matrix).map(Arc::new);
+            None => self.blurred(benches),
+        };
+    }
+
+    /// Filters for edges that are blurred by the errors of the disc.
+    fn blurred(&self, benches: &[Bench]) -> Divisor {
+        let most = self.worth.iter().copied().fold(0.0, f64::max);
+        let size2 = self.size2.min(CLEAR / most);
+        let mut hits = vec![0_u32; self.edges];
+        for bench in benches {
+            (0..bench.record.len()).for_each(|at| hits[bench.record.slot(at)] += 1);
         }
+        let turns = f64::from(hits.into_iter().max().unwrap_or(0));
+        let each = benches.par_iter().map(|bench| {
+            let noise = bench.noise();
+            let angle_rad = noise.angle_rad.hypot((turns * size2).sqrt());
+            let noise = Noise { angle_rad, ..noise };
+            bench.leaps.filter(0..bench.record.len(), &noise)
+        });
+        Divisor::Blurred(Arc::new(each.collect()), size2)
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
@@ -190,29 +228,31 @@ impl Pattern {
         each.concat()
     }
 
-    /// A row divided by about the normal matrix.
-    fn divided(&self, row: &[f64]) -> Vec<f64> {
-        if let Some(factor) = &self.factor {
-            let row = DVector::from_column_slice(row);
-            return factor.solve(&row).as_slice().to_vec();
+    /// A row divided by about the normal matrix: with C the covariance of what the recordings leave of an edge's error, 1 / (1 / C + 1 / s^2) is
+    /// s^2 - s^4 / (C + s^2), whose last term is the normal matrix itself of edges that are blurred by the error of the disc.
+    fn divided(&self, benches: &[Bench], row: &[f64]) -> Vec<f64> {
+        match &self.divisor {
+            Divisor::None => row.to_vec(),
+            Divisor::Dense(factor) => {
+                let row = DVector::from_column_slice(row);
+                factor.solve(&row).as_slice().to_vec()
+            }
+            Divisor::Blurred(filters, size2) => {
+                let mut fold = vec![0.0; self.edges];
+                for (bench, filter) in benches.iter().zip(filters.iter()) {
+                    let slots = || (0..bench.record.len()).map(|at| bench.record.slot(at));
+                    let mut white: Vec<f64> = slots().map(|slot| row[slot]).collect();
+                    filter.whiten(&mut white);
+                    filter.transposed(&mut white);
+                    slots()
+                        .zip(white)
+                        .for_each(|(slot, score)| fold[slot] += score);
+                }
+                let each = row.iter().zip(fold);
+                each.map(|(row, fold)| size2 * (row - size2 * fold))
+                    .collect()
+            }
         }
-        let mut row = row.to_vec();
-        let mut spectrum = self.forward.make_output_vec();
-        if self.forward.process(&mut row, &mut spectrum).is_err() {
-            return row;
-        }
-        for (value, worth) in spectrum.iter_mut().zip(&self.worth) {
-            *value /= (worth + self.size2.recip()) * self.edges as f64;
-        }
-        // An inverse of a real row has no imaginary part at its ends.
-        spectrum[0].im = 0.0;
-        if self.edges.is_multiple_of(2) {
-            spectrum[self.edges / 2].im = 0.0;
-        }
-        if self.back.process(&mut spectrum, &mut row).is_err() {
-            row.fill(0.0);
-        }
-        row
     }
 
     /// Sets the size to the one of most orders, and returns its evidence: twice the logarithm of the likelihood over that without a
@@ -223,7 +263,7 @@ impl Pattern {
             dot(&fold, &own.errors_of(benches, fold.clone(), SMALL)) - own.log_volume()
         };
         if self.known {
-            self.set_size(self.size2);
+            self.set_size(benches, self.size2);
             return worth_of(self);
         }
         let most = (LARGE * std::f64::consts::TAU / self.edges as f64).powi(2);
@@ -237,23 +277,32 @@ impl Pattern {
         let ways = [Self::middle, Self::mean];
         for of in &ways[..if self.sparse { 2 } else { 1 }] {
             let mut size2 = start2;
+            let mut before = 0.0;
             for _ in 0..SIZED {
-                self.set_size(size2);
+                self.set_size(benches, size2);
                 let errors = self.errors_of(benches, fold.clone(), SMALL);
-                let next = of(&self.powers(&errors)).min(most);
-                let change = (next / size2).ln().abs();
-                size2 = next;
-                if change < SAME || size2 < SMALLEST * SMALLEST {
+                let next = of(&self.powers(&errors)).clamp(SMALLEST * SMALLEST, most);
+                let change = (next / size2).ln();
+                // Changes that shrink alike add up to this (A. C. Aitken, Proc. R. Soc. Edinburgh 46, 1926).
+                let share: f64 = if before == 0.0 { 0.0 } else { change / before };
+                let whole = if share > 0.0 {
+                    change / (1.0 - share.min(FADES))
+                } else {
+                    change
+                };
+                before = if share > 0.0 { 0.0 } else { change };
+                size2 = (size2 * whole.exp()).min(most);
+                if whole.abs() < SAME || size2 <= SMALLEST * SMALLEST {
                     break;
                 }
             }
-            self.set_size(size2);
+            self.set_size(benches, size2);
             let worth = worth_of(self);
             if worth > best {
                 (best2, best) = (size2, worth);
             }
         }
-        self.set_size(best2);
+        self.set_size(benches, best2);
         best
     }
 
@@ -347,8 +396,8 @@ impl Pattern {
         if self.size2 <= 0.0 {
             return errors;
         }
-        let start = dot(&rest, &self.divided(&rest));
-        let mut step = self.divided(&rest);
+        let start = dot(&rest, &self.divided(benches, &rest));
+        let mut step = self.divided(benches, &rest);
         let mut square = start;
         for _ in 0..STEPS {
             if square.is_nan() || square <= small * small * start {
@@ -364,7 +413,7 @@ impl Pattern {
                 errors[at] += along * step[at];
                 rest[at] -= along * product[at];
             }
-            let divided = self.divided(&rest);
+            let divided = self.divided(benches, &rest);
             let next = dot(&rest, &divided);
             let by = next / square;
             square = next;
@@ -427,11 +476,8 @@ impl Pattern {
 
 /// Whether orders are worth about the same, but for a common factor.
 fn alike(one: &[f64], other: &[f64]) -> bool {
-    let ratios = one
-        .iter()
-        .zip(other)
-        .skip(1)
-        .map(|(one, other)| one / other);
+    let each = one.iter().zip(other).skip(1);
+    let ratios = each.map(|(one, other)| one / other);
     let (least, most) = ratios.fold((f64::INFINITY, 0.0_f64), |(least, most), ratio| {
         (least.min(ratio), most.max(ratio))
     });

@@ -7,7 +7,9 @@
 use std::f64::consts::TAU;
 
 use super::course::Course;
-use super::filter::{self, ANGLE, DRIFT, HELD, Leap, SPEED, STATES, STIFF, SWING, SWINGS, Square};
+use super::filter::{
+    self, ANGLE, DRIFT, DRIFTING, HELD, Leap, PLAIN, SPEED, STATES, STIFF, SWING, SWINGS, Square,
+};
 pub use crate::effect::Here;
 use crate::twin::{Drive, Noise as TwinNoise, Twin};
 
@@ -639,6 +641,10 @@ fn stir(x: f64) -> [f64; 3] {
 /// The filter of either shaft.
 #[derive(Clone, Debug)]
 pub enum Gains {
+    /// Stiff, without drift and noise grid.
+    Plain(filter::Filter<PLAIN>),
+    /// Stiff, without a noise grid.
+    Drifting(filter::Filter<DRIFTING>),
     /// Stiff.
     Stiff(filter::Filter<STIFF>),
     /// With a mode.
@@ -693,16 +699,32 @@ impl Leaps {
     #[must_use]
     pub fn filter(&self, range: std::ops::Range<usize>, noise: &filter::Noise) -> Gains {
         match self {
-            Self::Stiff(leaps) => Gains::Stiff(filter::Filter::new(&leaps[range], noise)),
+            Self::Stiff(leaps) => {
+                let leaps = &leaps[range];
+                // Fewer states take less time.
+                match (leaps.iter().any(Leap::is_held), noise.drift > 0.0) {
+                    (true, _) => Gains::Stiff(filter::Filter::new(leaps, noise)),
+                    (false, true) => Gains::Drifting(first(leaps, noise)),
+                    (false, false) => Gains::Plain(first(leaps, noise)),
+                }
+            }
             Self::Sprung(leaps) => Gains::Sprung(filter::Filter::new(&leaps[range], noise)),
         }
     }
+}
+
+/// The filter of the first states.
+fn first<const M: usize>(leaps: &[Leap<STIFF>], noise: &filter::Noise) -> filter::Filter<M> {
+    let leaps: Vec<Leap<M>> = leaps.iter().map(Leap::first).collect();
+    filter::Filter::new(&leaps, noise)
 }
 
 impl Gains {
     /// See [`filter::Filter::whiten`].
     pub fn whiten(&self, angles: &mut [f64]) {
         match self {
+            Self::Plain(filter) => filter.whiten(angles),
+            Self::Drifting(filter) => filter.whiten(angles),
             Self::Stiff(filter) => filter.whiten(angles),
             Self::Sprung(filter) => filter.whiten(angles),
         }
@@ -711,6 +733,8 @@ impl Gains {
     /// See [`filter::Filter::whiten_from`].
     pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
         match self {
+            Self::Plain(filter) => filter.whiten_from(first, angles),
+            Self::Drifting(filter) => filter.whiten_from(first, angles),
             Self::Stiff(filter) => filter.whiten_from(first, angles),
             Self::Sprung(filter) => filter.whiten_from(first, angles),
         }
@@ -719,6 +743,8 @@ impl Gains {
     /// See [`filter::Filter::colour`].
     pub fn colour(&self, white: &mut [f64]) {
         match self {
+            Self::Plain(filter) => filter.colour(white),
+            Self::Drifting(filter) => filter.colour(white),
             Self::Stiff(filter) => filter.colour(white),
             Self::Sprung(filter) => filter.colour(white),
         }
@@ -727,6 +753,8 @@ impl Gains {
     /// See [`filter::Filter::transposed`].
     pub fn transposed(&self, white: &mut [f64]) {
         match self {
+            Self::Plain(filter) => filter.transposed(white),
+            Self::Drifting(filter) => filter.transposed(white),
             Self::Stiff(filter) => filter.transposed(white),
             Self::Sprung(filter) => filter.transposed(white),
         }
@@ -736,6 +764,8 @@ impl Gains {
     #[must_use]
     pub fn scales(&self) -> Vec<f64> {
         match self {
+            Self::Plain(filter) => filter.scales().collect(),
+            Self::Drifting(filter) => filter.scales().collect(),
             Self::Stiff(filter) => filter.scales().collect(),
             Self::Sprung(filter) => filter.scales().collect(),
         }

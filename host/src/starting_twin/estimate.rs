@@ -398,11 +398,8 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
         bench.weights = bench.weights[middle_of(record, share)].to_vec();
     }
     beside(&mut part, &parts, twin);
-    part.pattern = board.pattern.as_ref().and_then(|whole| {
-        let mut pattern = Pattern::new(&part.benches, Some(whole))?;
-        pattern.set_size(whole.size2);
-        Some(pattern)
-    });
+    let whole = board.pattern.as_ref();
+    part.pattern = whole.and_then(|whole| Pattern::new(&part.benches, Some(whole)));
     noise::fit(&part, model)
 }
 

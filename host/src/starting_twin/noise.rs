@@ -102,7 +102,6 @@ impl Likelihood {
     /// Twice the negative logarithm of the likelihood.
     fn cost(&mut self, logs: &[f64]) -> f64 {
         let noise = self.noise(logs);
-        let size2 = self.board.pattern.as_ref().map(|pattern| pattern.size2);
         self.board.set_noise(noise);
         let benches = &self.board.benches;
         let each = benches.iter().zip(&self.rest);
@@ -115,11 +114,9 @@ impl Likelihood {
             .filter(|scale| *scale > 0.0)
             .map(|scale| -2.0 * scale.ln())
             .sum();
-        let pattern = size2.filter(|size2| *size2 > 0.0).and_then(|size2| {
-            let mut pattern = Pattern::new(benches, self.board.pattern.as_ref())?;
-            pattern.set_size(size2);
-            Some(pattern)
-        });
+        let before = self.board.pattern.as_ref();
+        let before = before.filter(|before| before.size2 > 0.0);
+        let pattern = before.and_then(|before| Pattern::new(benches, Some(before)));
         let (row, volume) = match pattern {
             Some(pattern) => {
                 let volume = pattern.log_volume();
