@@ -1,5 +1,7 @@
 //! Cells of the map that have no frequency: few, and evaluated as they are.
 
+use std::f64::consts::TAU;
+
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::lsq::{Basis, dot};
@@ -19,6 +21,8 @@ const STRIBECK: [f64; 5] = [0.05, 0.1, 0.2, 0.35, 0.6];
 const BUMPS: usize = 2;
 /// Widths of bumps, edges.
 const WIDTHS: [f64; 10] = [0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0, 384.0];
+/// Spread of the speed, as a share of it, from which on a size that grows with it can be told from one that does not.
+const SPEEDS: f64 = 0.05;
 
 /// White columns of the cells that are always tried: they hang on the noise alone, so they are worked out once for many looks.
 #[derive(Clone, Debug)]
@@ -294,6 +298,46 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     all
 }
 
+/// The same frequency at other sites, along the angle as well as along the time, of constant size.
+pub fn elsewhere(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [effect] = own else { return Vec::new() };
+    let speed = board.benches.iter().map(|bench| bench.course.mean());
+    let turns_a_s = speed.fold(0.0, f64::max) / TAU;
+    let (order, tone) = match effect.carrier {
+        Carrier::Order(order) => (order, order * turns_a_s),
+        Carrier::Tone(tone) => (tone / turns_a_s, tone),
+        _ => return Vec::new(),
+    };
+    let whole = order.round();
+    let reach = board.reach(&Effect::new(Site::Torque, Carrier::Order(order)))[0];
+    let order = if whole > 0.0 && (order - whole).abs() < reach {
+        whole
+    } else {
+        order
+    };
+    let mut all = vec![
+        (Site::Torque, Carrier::Order(order)),
+        (Site::Disc(On::ALL), Carrier::Order(order)),
+        (Site::Torque, Carrier::Tone(tone)),
+    ];
+    if board.benches.iter().any(|bench| bench.record.classes > 1) {
+        all.push((Site::Level(On::ALL), Carrier::Tone(tone)));
+    }
+    let of = |(site, carrier): (Site, Carrier)| Effect {
+        site,
+        carrier,
+        growth: Growth::Constant,
+        ..*effect
+    };
+    let same = |other: &Effect| {
+        other.site == effect.site
+            && other.growth == effect.growth
+            && std::mem::discriminant(&other.carrier) == std::mem::discriminant(&effect.carrier)
+    };
+    let others = all.into_iter().map(of).filter(|other| !same(other));
+    others.map(|effect| vec![effect]).collect()
+}
+
 /// The same effect with sizes that go with time or speed, to be fitted in its place.
 pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     let [effect] = own else { return Vec::new() };
@@ -301,14 +345,13 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
         return Vec::new();
     }
     let rate = 1.0 / board.seconds();
-    [
-        Growth::Even(rate),
-        Growth::Even(-0.5 * rate),
-        Growth::Speed(1.0),
-        Growth::Speed(-1.0),
-    ]
-    .map(|growth| vec![Effect { growth, ..*effect }])
-    .into()
+    let mut growths = vec![Growth::Even(rate), Growth::Even(-0.5 * rate)];
+    if board.speed_spread() > SPEEDS {
+        growths.extend([Growth::Speed(1.0), Growth::Speed(-1.0)]);
+    }
+    let each = growths.into_iter();
+    each.map(|growth| vec![Effect { growth, ..*effect }])
+        .collect()
 }
 
 /// The same effect with harmonics of its order: what pushes once in a part of a turn is no sine.

@@ -331,7 +331,7 @@ impl Board {
             self.level(&left);
             let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
             self.set_noise(noise);
-            pattern.set_size(pattern.size2);
+            pattern.set_size(&self.benches, pattern.size2);
             self.pattern = Some(pattern);
             if self.corrections.is_empty() {
                 self.go_by_disc(model);
@@ -358,7 +358,7 @@ impl Board {
             }
         });
         if let Some(pattern) = &mut self.pattern {
-            pattern.set_size(pattern.size2);
+            pattern.set_size(&self.benches, pattern.size2);
         }
         self.decide_ties(model);
     }
@@ -387,6 +387,17 @@ impl Board {
             .iter()
             .map(|bench| bench.record.seconds())
             .fold(0.0, f64::max)
+    }
+
+    /// Spread of the speed in all recordings as a share of its mean, swings within half a turn left out.
+    #[must_use]
+    pub fn speed_spread(&self) -> f64 {
+        let each = self.benches.iter().flat_map(|bench| &bench.course.steady);
+        let speeds: Vec<f64> = each.map(|speed| speed.abs()).collect();
+        let count = speeds.len().max(1) as f64;
+        let mean = speeds.iter().sum::<f64>() / count;
+        let off = speeds.iter().map(|speed| (speed - mean).powi(2));
+        (off.sum::<f64>() / count).sqrt() / mean.max(f64::MIN_POSITIVE)
     }
 
     /// Angles of all recordings, white, in a row, with what the disc's pattern explains in them.
@@ -765,6 +776,36 @@ impl Board {
                 break;
             }
         }
+    }
+
+    /// A model beside the noise that it leaves: the board, the fit, and its [`Self::lost`].
+    #[must_use]
+    pub fn at_its_noise(&self, model: &Model) -> (Self, Fit, f64) {
+        let mut board = self.clone();
+        let mut fit = board.fit(model);
+        for _ in 0..LEVELLED {
+            let before = board.noise.torque;
+            board.fit_noise(&fit.model);
+            fit = board.fit(&fit.model);
+            // A pattern is sized up until neither changes.
+            if board.pattern.is_some() || (board.noise.torque / before).ln().abs() < ALIKE {
+                break;
+            }
+        }
+        let lost = board.lost(&fit);
+        (board, fit, lost)
+    }
+
+    /// Twice the negative logarithm of the likelihood of a fit, with what its numbers would gain by chance.
+    #[must_use]
+    pub fn lost(&self, fit: &Fit) -> f64 {
+        let scales = self.benches.iter().flat_map(|bench| &bench.scales);
+        let scales = scales.filter(|scale| **scale > 0.0);
+        let volume = self.pattern.as_ref().map_or(0.0, Pattern::log_volume);
+        let groups = fit.model.groups().into_iter();
+        let numbers: usize = groups.map(|group| fit.model.numbers(group)).sum();
+        let chance = numbers as f64 * (self.edges() as f64).ln();
+        fit.rss + volume + chance - 2.0 * scales.map(|scale| scale.ln()).sum::<f64>()
     }
 
     /// Weighs edges by the level of the noise about them.

@@ -30,6 +30,10 @@ const TRIED: usize = 4;
 const NEARLY: f64 = 0.8;
 /// Evidence by which a new effect has to be better than a correction of what the twin declares.
 const ALIKE: f64 = 10.0;
+/// Part of what counts as noise that has to be explained for the noise to be another one without it.
+const LOUD: f64 = 0.05;
+/// Findings that are put elsewhere at the most, after one has been added.
+const EXCHANGES: usize = 4;
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
 /// class are off.
 #[must_use]
@@ -66,9 +70,9 @@ fn turns_back(board: &Board) -> Vec<Effect> {
     if all.len() > CHANGES { Vec::new() } else { all }
 }
 
-/// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cell. The board with
-/// such a pattern.
-fn another_disc(board: &Board, fit: &Fit, least: f64) -> Option<Board> {
+/// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cells together. The
+/// board with such a pattern.
+fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Option<Board> {
     let known = board.pattern.as_ref();
     if known.is_some_and(|pattern| !pattern.known) {
         return None;
@@ -82,13 +86,36 @@ fn another_disc(board: &Board, fit: &Fit, least: f64) -> Option<Board> {
         worth -= known.size_up(&board.benches, &white);
     }
     let worth = evidence(board, worth, 1);
-    if worth < SURE.max(least) {
+    if worth < SURE || together(board, bank, fit, cells, worth) >= worth {
         return None;
     }
     let mut other = board.clone();
     other.pattern = Some(pattern);
     other.size_up(&fit.model);
     Some(other)
+}
+
+/// Evidence that some cells have together, each beside those before it, up to what is enough: what a few effects explain needs no disc.
+fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) -> f64 {
+    let mut fit = fit.clone();
+    let mut sum = 0.0;
+    for group in 0..cells {
+        let found = candidates(board, bank, &fit);
+        let Some(best) = found.first() else { break };
+        let mut model = fit.model.clone();
+        model.add(&best.effects, usize::MAX - 2 - group);
+        let next = board.fit(&model);
+        let worth = evidence(board, fit.rss - next.rss, best.numbers());
+        if worth < SURE {
+            break;
+        }
+        sum += worth;
+        fit = next;
+        if sum >= enough {
+            break;
+        }
+    }
+    sum
 }
 
 /// All candidates beside a fit, strongest first.
@@ -136,7 +163,7 @@ pub fn search(board: &mut Board) -> Found {
             .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
         let first_or_last = fit.model.groups().is_empty() || most < SURE;
         if let Some(other) = first_or_last
-            .then(|| another_disc(board, &fit, most))
+            .then(|| another_disc(board, &bank, &fit, FINDINGS - findings))
             .flatten()
         {
             *board = other;
@@ -165,7 +192,7 @@ pub fn search(board: &mut Board) -> Found {
             (evidence(board, gain, candidate.numbers()), effects)
         });
         let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
-        let best = best_of(board, tried).map(|(worth, effects)| {
+        let best = best_of(board, &fit, tried).map(|(worth, effects)| {
             // What grows, or is no sine, is no row of lines beside each other.
             let mut varied = cells::grown(board, &effects);
             varied.extend(cells::harmonics(board, &effects));
@@ -240,6 +267,7 @@ pub fn search(board: &mut Board) -> Found {
             board.decide_ties(&next.model);
             board.fit_noise(&next.model);
             fit = board.fit(&next.model);
+            exchange(board, &mut fit);
         } else {
             break;
         }
@@ -259,6 +287,47 @@ pub fn search(board: &mut Board) -> Found {
         fit,
         bank,
         not_identifiable,
+    }
+}
+
+/// Puts each finding of one frequency where it explains most beside the others: what was taken for it while they were still missing may be
+/// another site's, or an order's where it is a frequency.
+fn exchange(board: &mut Board, fit: &mut Fit) {
+    for _ in 0..EXCHANGES {
+        let groups = fit.model.groups();
+        let each = groups.into_par_iter().flat_map(|group| {
+            let rest = fit.without(group);
+            let basis = rest.basis();
+            let worth = evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
+            let rivals = cells::elsewhere(board, &fit.model.effects(group));
+            let fitted = rivals.into_par_iter().map(|effects| {
+                let (effects, gain) = board.beside(&rest, &basis, &effects);
+                let mut model = fit.model.without(group);
+                model.add(&effects, group);
+                if is_open(board, &effects) {
+                    let added = model.terms.iter_mut().rev().take(effects.len());
+                    added.for_each(|term| term.nuisance = true);
+                }
+                (
+                    evidence(board, gain, cells::numbers(&effects)) / worth,
+                    model,
+                )
+            });
+            fitted.collect::<Vec<_>>()
+        });
+        let mut near: Vec<(f64, Model)> = each.filter(|(share, _)| *share > NEARLY).collect();
+        near.sort_by(|a, b| b.0.total_cmp(&a.0));
+        near.truncate(TRIED);
+        let now = board.lost(fit);
+        let rivals = near
+            .into_par_iter()
+            .map(|(_, model)| board.at_its_noise(&model));
+        let rivals: Vec<(Board, Fit, f64)> = rivals.collect();
+        let best = rivals.into_iter().min_by(|a, b| a.2.total_cmp(&b.2));
+        match best.filter(|best| best.2 < now - SURE) {
+            Some(best) => (*board, *fit, _) = best,
+            None => break,
+        }
     }
 }
 
@@ -306,15 +375,31 @@ fn correction(
 }
 
 /// The best of some effects by their evidence. What only shows in a disc that the twins do not give comes after what shows elsewhere and is
-/// about as good.
-fn best_of(board: &Board, tried: Vec<(f64, Vec<Effect>)>) -> Option<(f64, Vec<Effect>)> {
+/// about as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
+fn best_of(
+    board: &Board,
+    fit: &Fit,
+    mut tried: Vec<(f64, Vec<Effect>)>,
+) -> Option<(f64, Vec<Effect>)> {
     let worth = |one: &(f64, Vec<Effect>)| {
         let late = if is_open(board, &one.1) { ALIKE } else { 0.0 };
         one.0 - late
     };
-    tried
-        .into_iter()
-        .max_by(|a, b| worth(a).total_cmp(&worth(b)))
+    tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    let most = tried.first()?.0;
+    let mut near = tried.clone();
+    near.retain(|one| one.0 > NEARLY * most);
+    if near.len() > 1 && most > LOUD * fit.rss {
+        let group = usize::MAX - 1;
+        let each = near.into_par_iter().map(|one| {
+            let mut model = fit.model.clone();
+            model.add(&one.1, group);
+            let (_, _, lost) = board.at_its_noise(&model);
+            (lost, one)
+        });
+        return each.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one);
+    }
+    tried.into_iter().next()
 }
 
 /// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
