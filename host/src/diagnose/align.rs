@@ -1,6 +1,6 @@
 //! Recordings of one disc that begin at any of its lines: turned by whole lines until their discs agree.
 //!
-//! Without an index, and where the twin does not say at which angle it starts, a recording's edges are numbered from its first one. The
+//! Without an index a recording's edges are numbered from its first one, by the angle at which the twin says that the shaft starts. The
 //! disc that it shows by itself is held against another recording's, or against the one that the twin gives: the turn of most likelihood
 //! is the peak of their correlation.
 
@@ -96,11 +96,9 @@ impl Shown {
 #[must_use]
 pub fn turns(benches: &[Bench]) -> Vec<i64> {
     let mut all = vec![0; benches.len()];
+    // Where a twin says at which angle the shaft starts, an error of the disc that it lacks may have moved other edges there.
     let free: Vec<usize> = (0..benches.len())
-        .filter(|&at| {
-            let bench = &benches[at];
-            !bench.record.anchored && bench.twin.shaft.initial_angle_rad == 0.0
-        })
+        .filter(|&at| !benches[at].record.anchored)
         .collect();
     let Some(first) = benches.first() else {
         return all;

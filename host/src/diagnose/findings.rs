@@ -358,18 +358,45 @@ fn open(finding: &Finding) -> bool {
         .any(|one| !told_by_rig.contains(one))
 }
 
+/// The order or frequency that a finding has, in words.
+fn rhythm(finding: &Finding) -> Option<String> {
+    let place = &finding.place;
+    match (&place.orders[..], &place.frequencies_hz[..]) {
+        ([order, ..], _) => Some(format!("order {}", digits(*order))),
+        ([], [hz, ..]) => Some(format!("{} Hz", digits(*hz))),
+        ([], []) => None,
+    }
+}
+
+/// A number with as many digits as a headline needs.
+fn digits(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// The verdict in words; `corrects` says which findings are other values of what the twin declares.
 fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String {
     let list = |start: &str, corrected: bool| {
-        let each = findings.iter().zip(corrects);
-        let names: Vec<&str> = each
-            .filter(|(_, corrects)| **corrects == corrected)
-            .map(|(finding, _)| match (corrected, finding.mechanism) {
+        let mut names: Vec<(&str, Vec<String>)> = Vec::new();
+        for (finding, corrects) in findings.iter().zip(corrects) {
+            if *corrects != corrected {
+                continue;
+            }
+            let name = match (corrected, finding.mechanism) {
                 (true, Mechanism::Unknown) => finding.text.as_str(),
                 _ => finding.mechanism.title(),
-            })
-            .collect();
-        (!names.is_empty()).then(|| format!("{start}: {}.", names.join("; ")))
+            };
+            match names.iter_mut().find(|(other, _)| *other == name) {
+                Some((_, rhythms)) => rhythms.extend(rhythm(finding)),
+                None => names.push((name, rhythm(finding).into_iter().collect())),
+            }
+        }
+        let each = names.iter().map(|(name, rhythms)| match rhythms.len() {
+            0 => (*name).to_owned(),
+            _ => format!("{name} at {}", rhythms.join(" and ")),
+        });
+        let each: Vec<String> = each.collect();
+        (!each.is_empty()).then(|| format!("{start}: {}.", each.join("; ")))
     };
     let said = [
         list("The twin has other numbers than the rig", true),

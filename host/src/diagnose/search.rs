@@ -100,18 +100,25 @@ fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) ->
     let mut fit = fit.clone();
     let mut sum = 0.0;
     for group in 0..cells {
-        let found = candidates(board, bank, &fit);
-        let Some(best) = found.first() else { break };
+        let basis = fit.basis();
+        let mut clear = fit.clone();
+        basis.clear(&mut clear.left);
+        let mut found = bank.candidates(&clear, &basis);
+        found.extend(scan::spectra(&Left::of(board, &clear, &basis), &fit.model));
+        let best = found.iter().max_by(|a, b| {
+            let worth = |one: &Candidate| evidence(board, one.gain, one.numbers());
+            worth(a).total_cmp(&worth(b))
+        });
+        let Some(best) = best else { break };
         let mut model = fit.model.clone();
         model.add(&best.effects, usize::MAX - 2 - group);
         let next = board.fit(&model);
         let worth = evidence(board, fit.rss - next.rss, best.numbers());
-        if worth < SURE {
-            break;
-        }
-        sum += worth;
+        sum += worth.max(0.0);
         fit = next;
-        if sum >= enough {
+        // Those to come are worth less each.
+        let most = sum + worth * (cells - 1 - group) as f64;
+        if worth < SURE || sum >= enough || most < enough {
             break;
         }
     }
