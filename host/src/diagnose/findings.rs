@@ -358,14 +358,15 @@ fn open(finding: &Finding) -> bool {
         .any(|one| !told_by_rig.contains(one))
 }
 
-/// The order or frequency that a finding has, in words.
-fn rhythm(finding: &Finding) -> Option<String> {
+/// The orders or frequencies that a finding has, in words.
+fn rhythms(finding: &Finding) -> Vec<String> {
     let place = &finding.place;
-    match (&place.orders[..], &place.frequencies_hz[..]) {
-        ([order, ..], _) => Some(format!("order {}", digits(*order))),
-        ([], [hz, ..]) => Some(format!("{} Hz", digits(*hz))),
-        ([], []) => None,
-    }
+    let orders = place.orders.iter();
+    let orders = orders.map(|order| format!("order {}", digits(*order)));
+    let tones = place.frequencies_hz.iter();
+    orders
+        .chain(tones.map(|hz| format!("{} Hz", digits(*hz))))
+        .collect()
 }
 
 /// A number with as many digits as a headline needs.
@@ -387,13 +388,14 @@ fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String 
                 _ => finding.mechanism.title(),
             };
             match names.iter_mut().find(|(other, _)| *other == name) {
-                Some((_, rhythms)) => rhythms.extend(rhythm(finding)),
-                None => names.push((name, rhythm(finding).into_iter().collect())),
+                Some((_, all)) => all.extend(rhythms(finding)),
+                None => names.push((name, rhythms(finding))),
             }
         }
-        let each = names.iter().map(|(name, rhythms)| match rhythms.len() {
-            0 => (*name).to_owned(),
-            _ => format!("{name} at {}", rhythms.join(" and ")),
+        let each = names.iter().map(|(name, rhythms)| match &rhythms[..] {
+            [] => (*name).to_owned(),
+            [one] => format!("{name} at {one}"),
+            [first @ .., last] => format!("{name} at {} and {last}", first.join(", ")),
         });
         let each: Vec<String> = each.collect();
         (!each.is_empty()).then(|| format!("{start}: {}.", each.join("; ")))
