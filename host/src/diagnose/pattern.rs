@@ -38,7 +38,7 @@ const SAME: f64 = 0.02;
 /// Share of the change before that a change is taken for at the most.
 const FADES: f64 = 0.8;
 /// Part of the first residual that is small enough, and what is as small as numbers allow.
-const SMALL: f64 = 1e-7;
+const SMALL: f64 = 1e-5;
 const SMALLER: f64 = 1e-9;
 
 /// A pattern of a size.
@@ -68,8 +68,18 @@ enum Divisor {
     None,
     /// The normal matrix, decomposed.
     Dense(Arc<Cholesky<f64, Dyn>>),
-    /// The recordings' filters for edges that are blurred, and the variance by which, rad^2.
-    Blurred(Arc<Vec<Gains>>, f64),
+    /// Filters for edges that are blurred.
+    Blurred(Arc<Blurred>),
+}
+
+/// Filters for edges that are blurred by the errors of the disc.
+struct Blurred {
+    /// Of each recording.
+    filters: Vec<Gains>,
+    /// Variance of an edge's error, rad^2.
+    size2: f64,
+    /// Root of how often the most frequent edge comes over how often each does.
+    rare: Vec<f64>,
 }
 
 impl std::fmt::Debug for Pattern {
@@ -185,18 +195,30 @@ impl Pattern {
     fn blurred(&self, benches: &[Bench]) -> Divisor {
         let most = self.worth.iter().copied().fold(0.0, f64::max);
         let size2 = self.size2.min(CLEAR / most);
-        let mut hits = vec![0_u32; self.edges];
+        let mut hits = vec![0.0; self.edges];
         for bench in benches {
-            (0..bench.record.len()).for_each(|at| hits[bench.record.slot(at)] += 1);
+            (0..bench.record.len()).for_each(|at| hits[bench.record.slot(at)] += 1.0);
         }
-        let turns = f64::from(hits.into_iter().max().unwrap_or(0));
+        let turns = hits.iter().copied().fold(0.0, f64::max);
+        let rare = hits.into_iter();
+        let rare = rare.map(|hits: f64| {
+            if hits > 0.0 {
+                (turns / hits).sqrt()
+            } else {
+                0.0
+            }
+        });
         let each = benches.par_iter().map(|bench| {
             let noise = bench.noise();
             let angle_rad = noise.angle_rad.hypot((turns * size2).sqrt());
             let noise = Noise { angle_rad, ..noise };
             bench.leaps.filter(0..bench.record.len(), &noise)
         });
-        Divisor::Blurred(Arc::new(each.collect()), size2)
+        Divisor::Blurred(Arc::new(Blurred {
+            filters: each.collect(),
+            size2,
+            rare: rare.collect(),
+        }))
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
@@ -237,19 +259,24 @@ impl Pattern {
                 let row = DVector::from_column_slice(row);
                 factor.solve(&row).as_slice().to_vec()
             }
-            Divisor::Blurred(filters, size2) => {
+            Divisor::Blurred(blurred) => {
+                let Blurred {
+                    filters,
+                    size2,
+                    rare,
+                } = &**blurred;
                 let mut fold = vec![0.0; self.edges];
-                for (bench, filter) in benches.iter().zip(filters.iter()) {
+                for (bench, filter) in benches.iter().zip(filters) {
                     let slots = || (0..bench.record.len()).map(|at| bench.record.slot(at));
-                    let mut white: Vec<f64> = slots().map(|slot| row[slot]).collect();
+                    let mut white: Vec<f64> = slots().map(|slot| rare[slot] * row[slot]).collect();
                     filter.whiten(&mut white);
                     filter.transposed(&mut white);
                     slots()
                         .zip(white)
                         .for_each(|(slot, score)| fold[slot] += score);
                 }
-                let each = row.iter().zip(fold);
-                each.map(|(row, fold)| size2 * (row - size2 * fold))
+                let each = row.iter().zip(fold.iter().zip(rare));
+                each.map(|(row, (fold, rare))| size2 * (row - size2 * rare * fold))
                     .collect()
             }
         }
