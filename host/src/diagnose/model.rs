@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::bench::{self, Bench};
 use super::correct::Correction;
 use super::disc;
-use super::effect::{Carrier, Effect, Growth, Site};
+use super::effect::{Carrier, Effect, Growth, Here, Site};
 use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
 use super::noise::Free;
@@ -78,6 +78,9 @@ const ALIKE: f64 = 0.05;
 const TIED: usize = 2;
 /// Rounds in which noise and its levels are found beside a model at the most.
 const LEVELLED: usize = 4;
+/// Speeds at which friction is seen, and part of its largest that errors of its numbers may make push.
+const SPEEDS: u32 = 8;
+const FREE: f64 = 0.05;
 /// Sum of squares that is no gain.
 const NO_GAIN: f64 = 0.02;
 
@@ -609,15 +612,56 @@ impl Board {
         model.add(effects, 0);
         let before = lsq::dot(&target, &target);
         let settled = self.settled(&model, &target, basis);
-        let possible = self.keeps_order(&settled.model);
+        let possible = self.can_be(&settled.model);
         let gain = if possible { before - settled.rss } else { 0.0 };
         (settled.model.effects(0), gain)
+    }
+
+    /// Whether a machine can be so.
+    #[must_use]
+    pub fn can_be(&self, model: &Model) -> bool {
+        self.keeps_order(model) && self.dissipates(model)
+    }
+
+    /// Whether all friction together, declared and found, takes energy from the shaft at every speed that it has.
+    fn dissipates(&self, model: &Model) -> bool {
+        let own = |term: &&Term| term.effect.is_friction() && term.effect.site == Site::Torque;
+        let found: Vec<&Term> = model.terms.iter().filter(own).collect();
+        if found.is_empty() {
+            return true;
+        }
+        self.benches.iter().all(|bench| {
+            let law = &bench.plant.law;
+            let steady = bench.course.steady.iter().map(|speed| speed.abs());
+            let (least, most) = steady.fold((f64::INFINITY, 0.0_f64), |(least, most), speed| {
+                (least.min(speed), most.max(speed))
+            });
+            let pushes = (0..=SPEEDS).map(|at| {
+                let speed = least + (most - least) * f64::from(at) / f64::from(SPEEDS);
+                let here = Here {
+                    time_s: 0.0,
+                    inside_s: 0.0,
+                    angle: 0.0,
+                    speed,
+                    way: 1.0,
+                };
+                let each = found.iter();
+                let each = each.map(|term| term.effect.sized(&term.sizes, here));
+                let declared = law.inertia * (law.friction(speed).0 + law.viscous * speed);
+                each.sum::<f64>() - declared
+            });
+            let pushes: Vec<f64> = pushes.collect();
+            let largest = pushes
+                .iter()
+                .fold(0.0_f64, |most, push| most.max(push.abs()));
+            pushes.into_iter().all(|push| push <= FREE * largest)
+        })
     }
 
     /// Whether all edges come in their order with what a model shifts: an edge does not pass the next one, and one of many that are off
     /// alike does not come near it.
     #[must_use]
-    pub fn keeps_order(&self, model: &Model) -> bool {
+    fn keeps_order(&self, model: &Model) -> bool {
         let shifts = |term: &&Term| {
             !term.nuisance && matches!(term.effect.site, Site::Disc(_) | Site::Level(_))
         };

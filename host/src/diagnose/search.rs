@@ -184,21 +184,34 @@ pub fn search(board: &mut Board) -> Found {
         let precision = board.precision();
         let mut spurs = board.spurs(&fit.model);
         basis.clear(&mut spurs);
-        let told = found
+        let mut told = found
             .iter()
             .filter(|candidate| candidate.gain > precision)
-            .filter(|candidate| !is_spur(board, candidate, &basis, &spurs))
-            .take(TRIED)
-            .filter(|candidate| {
-                let here = evidence(board, candidate.gain, candidate.numbers());
+            .filter(|candidate| !is_spur(board, candidate, &basis, &spurs));
+        let mut tried: Vec<(f64, Vec<Effect>)> = Vec::new();
+        // Those that no machine can have leave it to the next ones.
+        for _ in 0..TRIED {
+            let few: Vec<&Candidate> = told.by_ref().take(TRIED).collect();
+            let worth = |one: &Candidate| evidence(board, one.gain, one.numbers());
+            let most = few.first().map_or(0.0, |best| worth(best));
+            let few = few.into_par_iter().filter(|candidate| {
+                let here = worth(candidate);
                 here >= 0.7 * SURE && here >= NEARLY * most
             });
-        let told: Vec<&Candidate> = told.collect();
-        let tried = told.par_iter().map(|candidate| {
-            let (effects, gain) = board.beside(&fit, &basis, &candidate.effects);
-            (evidence(board, gain, candidate.numbers()), effects)
-        });
-        let tried: Vec<(f64, Vec<Effect>)> = tried.collect();
+            let fitted = few.map(|candidate| {
+                let (effects, gain) = board.beside(&fit, &basis, &candidate.effects);
+                (evidence(board, gain, candidate.numbers()), gain, effects)
+            });
+            let fitted: Vec<(f64, f64, Vec<Effect>)> = fitted.collect();
+            let possible = fitted.iter().any(|(_, gain, _)| *gain > 0.0);
+            tried = fitted
+                .into_iter()
+                .map(|(worth, _, effects)| (worth, effects))
+                .collect();
+            if possible || tried.is_empty() {
+                break;
+            }
+        }
         let best = best_of(board, &fit, tried).map(|(worth, effects)| {
             // What grows, or is no sine, is no row of lines beside each other.
             let mut varied = cells::grown(board, &effects);
@@ -237,7 +250,7 @@ pub fn search(board: &mut Board) -> Found {
                 // What a drive that nobody declared did there.
                 return as_open(&effects);
             }
-            (worth > SURE && board.keeps_order(&next.model)).then_some((worth, next))
+            (worth > SURE && board.can_be(&next.model)).then_some((worth, next))
         });
         // What the twin declares comes first, if it explains as much.
         let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
@@ -493,7 +506,7 @@ fn dropped(board: &Board, fit: &Fit) -> Model {
                 .collect(),
         };
         let worth = evidence(board, fit.loss(group), model.numbers(group));
-        if worth < SURE || !board.keeps_order(&own) {
+        if worth < SURE || !board.can_be(&own) {
             model.terms.retain(|term| term.group != group);
             return model;
         }
