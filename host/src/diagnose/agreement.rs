@@ -36,6 +36,7 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let scales = board.benches.iter().flat_map(|bench| &bench.scales);
     let deviation = rms(scales.copied().filter(|scale| *scale > 0.0)).map(f64::recip);
     let scale = deviation.unwrap_or(0.0);
+    let rest = [rests(&before, &plain), rests(board, fit)];
     let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
     let [none, early, late] = Parts::held_out(board, fit).judged(fit);
     let found = !fit.model.groups().is_empty();
@@ -48,8 +49,10 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
         rms_before_rad: to_rad(plain.rss, edges),
         rms_after_rad: to_rad(fit.rss.min(plain.rss), edges),
         floor_rad: deviation,
-        whiteness_p_before: Some(whiteness(&before, &rests(&before, &plain))),
-        whiteness_p: Some(whiteness(board, &rests(board, fit))),
+        whiteness_p_before: Some(whiteness(&before, &rest[0])),
+        whiteness_p: Some(whiteness(board, &rest[1])),
+        correlated_before: Some(correlated(&before, &rest[0])),
+        correlated: Some(correlated(board, &rest[1])),
         held_out: HeldOut {
             rms_before_rad: to_rad(none, held),
             rms_after_rad: to_rad(if found { early.min(none) } else { none }, held),
@@ -65,6 +68,7 @@ fn as_given(given: &Board, board: &Board) -> Board {
     before.set_noise(board.noise);
     for (bench, now) in before.benches.iter_mut().zip(&board.benches) {
         bench.weights.clone_from(&now.weights);
+        bench.tails.clone_from(&now.tails);
     }
     before.pattern = before.pattern_given();
     before
@@ -92,10 +96,37 @@ pub fn is_white(board: &Board, fit: &Fit) -> bool {
     whiteness(board, &rests(board, fit)) >= NOT_WHITE
 }
 
+/// Whether innovations are far out more often than normal noise lets them be, and not at one place alone.
+#[must_use]
+pub fn heavy_tails(fit: &Fit) -> bool {
+    // Deviations that are far, the share of normal noise beyond them, and how many times as many are too many.
+    const FAR: f64 = 3.5;
+    const SHARE: f64 = 4.65e-4;
+    const TIMES: f64 = 4.0;
+    const LEAST: f64 = 12.0;
+    const BLOCKS: usize = 20;
+    let count = fit.left.len();
+    let mut far = [0.0; BLOCKS];
+    for (at, white) in fit.left.iter().enumerate() {
+        if white.abs() > FAR {
+            far[at * BLOCKS / count] += 1.0;
+        }
+    }
+    let all: f64 = far.iter().sum();
+    let most = far.iter().copied().fold(0.0, f64::max);
+    all > TIMES * SHARE * count as f64 + LEAST && most < 0.5 * all
+}
+
 /// Probability that noise alone leaves innovations that hang together so (G. M. Ljung, G. E. P. Box, Biometrika 65, 1978).
 pub fn whiteness(board: &Board, rests: &[Vec<f64>]) -> f64 {
     let (sum, lags) = correlation(board, rests);
     ChiSquared::new(lags).map_or(1.0, |chi| chi.sf(sum))
+}
+
+/// Share of the variance of the innovations that those before foretell, less what noise would have of it.
+pub fn correlated(board: &Board, rests: &[Vec<f64>]) -> f64 {
+    let (sum, lags) = correlation(board, rests);
+    ((sum - lags) / board.edges() as f64).clamp(0.0, 1.0)
 }
 
 /// Sum of squares that the innovations before an edge foretell of its own, and over how many lags.

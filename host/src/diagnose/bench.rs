@@ -5,7 +5,7 @@ use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
 use super::filter::Noise;
 use super::lsq;
-use super::noise::{self, Free, Rest};
+use super::noise::{self, Free, Rest, Tails};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
 use super::speed_loop;
@@ -39,8 +39,10 @@ pub struct Bench {
     pub gains: Gains,
     /// 1 / deviation of each innovation, 1/rad.
     pub scales: Vec<f64>,
-    /// Weight of each edge: less where it is far out.
+    /// Weight of each edge: less where the noise is more.
     pub weights: Vec<f64>,
+    /// Weight of each edge on top: less where it is far out of noise with long tails.
+    pub tails: Vec<f64>,
     /// Grid angles less all that the twin says, rad.
     pub own: Vec<f64>,
     /// The same as far as the twin was given: numbers that are corrected count as declared.
@@ -95,6 +97,7 @@ impl Bench {
         Self {
             scales: gains.scales(),
             weights: vec![1.0; record.len()],
+            tails: vec![1.0; record.len()],
             twin: twin.clone(),
             place: 0,
             record,
@@ -146,6 +149,7 @@ impl Bench {
         self.place = before.place;
         self.spread_rad = before.spread_rad;
         self.weights.clone_from(&before.weights);
+        self.tails.clone_from(&before.tails);
     }
 
     /// Weighs each edge by the level of the noise about it, as residual angles show it.
@@ -154,6 +158,16 @@ impl Bench {
         self.gains.whiten(&mut white);
         let levels = noise::levels(&white, self.record.edges as usize);
         self.weights = levels.iter().map(|level| level.recip()).collect();
+    }
+
+    /// Weighs each edge by how far out it is, as residual angles show it.
+    pub fn weigh(&mut self, rest: &[f64], tails: Tails) {
+        let mut white = rest.to_vec();
+        self.gains.whiten(&mut white);
+        let each = white.iter().zip(&self.weights);
+        self.tails = each
+            .map(|(white, weight)| tails.weight(white * weight))
+            .collect();
     }
 
     /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it, of residual angles
@@ -294,8 +308,8 @@ impl Bench {
         self.gains.whiten(&mut white);
         white
             .iter_mut()
-            .zip(&self.weights)
-            .for_each(|(white, weight)| *white *= weight);
+            .zip(self.weights.iter().zip(&self.tails))
+            .for_each(|(white, (weight, tail))| *white *= weight * tail);
         white
     }
 
@@ -304,8 +318,8 @@ impl Bench {
     pub fn score(&self, white: &[f64]) -> Vec<f64> {
         let mut score: Vec<f64> = white
             .iter()
-            .zip(&self.weights)
-            .map(|(white, weight)| white * weight)
+            .zip(self.weights.iter().zip(&self.tails))
+            .map(|(white, (weight, tail))| white * weight * tail)
             .collect();
         self.gains.transposed(&mut score);
         score

@@ -313,6 +313,24 @@ impl Board {
         Some(next)
     }
 
+    /// The board beside twins as they are declared but for the corrections of a model.
+    #[must_use]
+    pub fn declaring(&self, model: &Model) -> Self {
+        let has = |own: &Correction| {
+            let mut terms = model.terms.iter();
+            terms.any(|term| own.effects().contains(&term.effect))
+        };
+        let each = self.corrections.iter();
+        let values: Vec<Vec<f64>> = each
+            .map(|own| if has(own) { &own.now } else { &own.declared }.clone())
+            .collect();
+        let mut each = self.corrections.iter().zip(&values);
+        if each.all(|(own, values)| own.now == *values) {
+            return self.clone();
+        }
+        self.taken(&values).unwrap_or_else(|| self.clone())
+    }
+
     /// Twice the negative logarithm of the likelihood, but for a constant, with the corrections as the board's twins have them and all
     /// else fitted.
     fn cost(&self, fit: &Fit) -> f64 {

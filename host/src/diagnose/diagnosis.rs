@@ -81,6 +81,10 @@ pub struct Fit {
     pub whiteness_p_before: Option<f64>,
     /// The same with them.
     pub whiteness_p: Option<f64>,
+    /// Share of the residual's variance that the edges before foretell, before the findings: what noise has none of.
+    pub correlated_before: Option<f64>,
+    /// The same with them.
+    pub correlated: Option<f64>,
     /// Fitted on the turns before, judged on the last ones of each recording.
     pub held_out: HeldOut,
 }

@@ -38,6 +38,8 @@ pub struct Noise {
     pub stamp_s: f64,
     /// Density of the drift of the acceleration, (rad/s^3)^2 s.
     pub drift: f64,
+    /// How fast a drift fades, 1/s: 0 where it goes wherever it likes.
+    pub fade: f64,
     /// RMS error of an edge's angle that is none of the others, rad.
     pub angle_rad: f64,
 }
@@ -84,6 +86,23 @@ impl<const N: usize> Leap<N> {
     }
 }
 
+impl<const N: usize> Leap<N> {
+    /// The transition where the drift fades, and what scales its covariance (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
+    fn fading(&self, noise: &Noise) -> (Square<N>, f64) {
+        let mut way = self.way;
+        let faded = noise.fade * way[ANGLE][SPEED];
+        if N <= DRIFT || noise.drift <= 0.0 || faded <= 0.0 {
+            return (way, noise.drift);
+        }
+        let mean = -(-faded).exp_m1() / faded;
+        for row in [ANGLE, SPEED] {
+            way[row][DRIFT] *= mean;
+        }
+        way[DRIFT][DRIFT] = (-faded).exp();
+        (way, noise.drift * -(-2.0 * faded).exp_m1() / (2.0 * faded))
+    }
+}
+
 impl Leap<STIFF> {
     /// Whether a held torque pushes.
     #[must_use]
@@ -107,8 +126,8 @@ pub struct Filter<const N: usize> {
     gains: Vec<Gain<N>>,
 }
 
-/// Edges after a fresh start that only set the filter.
-const SETTLES: usize = 2;
+/// Edges after a fresh start that only set the filter, with or without a drift: likelihoods of both are compared.
+const SETTLES: usize = 3;
 /// Variance of an angle of which nothing is known, rad^2.
 const ANYWHERE: f64 = 1e2;
 
@@ -126,7 +145,14 @@ impl<const N: usize> Filter<N> {
         start[SPEED][SPEED] = top * top;
         if N > DRIFT && noise.drift > 0.0 {
             // As fast as any speed of the recording in a hundredth of it.
-            start[DRIFT][DRIFT] = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
+            let most = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
+            // One that fades is no torque that was always there.
+            let faded = span.min(0.5 / noise.fade);
+            start[DRIFT][DRIFT] = if noise.fade > 0.0 {
+                most.min(noise.drift * faded)
+            } else {
+                most
+            };
         }
         if N > SWINGS {
             start[SWINGS][SWINGS] = 1e-2 * top * top;
@@ -135,16 +161,17 @@ impl<const N: usize> Filter<N> {
         let mut p = start;
         let mut settling = 0;
         let gains = leaps.iter().enumerate().map(|(at, leap)| {
+            let (way, drift_size) = leap.fading(noise);
             let fresh = at == 0 || leap.fresh;
             if fresh {
                 p = start;
-                settling = SETTLES + usize::from(noise.drift > 0.0);
+                settling = SETTLES;
             } else {
-                p = through(&leap.way, &p);
+                p = through(&way, &p);
                 for (row, (torque, drift)) in p.iter_mut().zip(leap.torque.iter().zip(&leap.drift))
                 {
                     for (p, (torque, drift)) in row.iter_mut().zip(torque.iter().zip(drift)) {
-                        *p += noise.torque * torque + noise.drift * drift;
+                        *p += noise.torque * torque + drift_size * drift;
                     }
                 }
             }
@@ -181,7 +208,7 @@ impl<const N: usize> Filter<N> {
                 inverse.sqrt()
             };
             Gain {
-                way: leap.way,
+                way,
                 gain,
                 scale,
                 fresh,

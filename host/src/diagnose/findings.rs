@@ -6,16 +6,23 @@ use super::answer::{Answer, Map, Sized};
 use super::bench::Bench;
 use super::effect::{Carrier, Site};
 use super::judge::{self, Parts};
+use super::lsq::dot;
 use super::model::{Board, Fit};
+use super::noise::Tails;
 use super::rig::Recorded;
+use super::scan::SURE;
 use super::{correct, disc, events, name, search, stamps};
 use crate::diagnose::diagnosis::{
     Diagnosis, Evidence, Finding, NextRecording, Place, RunnerUp, Verdict,
 };
 use crate::mechanism::Mechanism;
+use crate::report::si;
 
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
+
+/// Share of what is left that has to be foretold by the edges before to be more than noise whose shape is not known so closely.
+const LEFT: f64 = 0.03;
 
 /// The answer of a fit; its map is still empty.
 #[must_use]
@@ -25,6 +32,8 @@ pub fn answer(
     board: &Board,
     fit: &Fit,
     alike: &[Alike],
+    worths: &[(usize, f64)],
+    noise: f64,
 ) -> Answer {
     let parts = Parts::blocks(board, fit);
     let [none, early, _] = Parts::held_out(board, fit).judged(fit);
@@ -47,6 +56,9 @@ pub fn answer(
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
         let worth = search::evidence(board, loss, fit.model.numbers(group));
+        // In noise of any kind it may be worth less.
+        let judged = worths.iter().find(|(of, _)| *of == group);
+        let worth = judged.map_or(worth, |(_, judged)| worth.min(*judged));
         let foretold = parts.foretold(fit, group);
         // What comes once, or once along the course, can't be foretold from elsewhere.
         let once = effects.iter().any(|effect| {
@@ -159,17 +171,15 @@ pub fn answer(
         || stamps
             .as_ref()
             .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
-    if !late && heavy_tails(fit) {
-        let text =
-            "innovations come in bursts or with heavy tails: noise that is not the same throughout";
-        findings.push((
-            Finding {
-                text: text.to_owned(),
-                ..unknown()
-            },
-            Vec::new(),
-            None,
-        ));
+    // Of a twin that says nothing of its noise none is another one.
+    let declares = |bench: &Bench| bench.twin.noise.is_some();
+    let other_noise = noise > SURE && board.benches.iter().all(declares);
+    let other_noise = other_noise.then(|| other_noise_of(board)).flatten();
+    if let Some(text) = other_noise.filter(|_| !late) {
+        let mut unknown = unknown();
+        unknown.text = text;
+        unknown.evidence.delta_bic = noise;
+        findings.push((unknown, Vec::new(), None));
     } else if let Some(stamps) = stamps {
         findings.push((stamps, Vec::new(), None));
     }
@@ -186,11 +196,18 @@ pub fn answer(
     };
     let noisy = findings.iter().any(|(finding, ..)| of_stamps(finding));
     let fitted = agreement::agreement(given, board, fit);
-    // Rounding to ticks hangs together where the course is quiet.
-    let spurs = agreement::correlation(board, &board.rounded(&fit.model)).0;
-    let left = agreement::correlation(board, &agreement::rests(board, fit)).0;
-    let left_over =
-        fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE) && !noisy && left > ROUNDED * spurs;
+    // Rounding to ticks hangs together where the course is quiet, and counts as far as it is what is left.
+    let (rounded, rests) = (board.rounded(&fit.model), agreement::rests(board, fit));
+    let square = |angles: &[Vec<f64>]| {
+        let white = board.with_pattern(angles);
+        dot(&white, &white).max(f64::MIN_POSITIVE)
+    };
+    let share = square(&rounded) / square(&rests);
+    let spurs = share * share * agreement::correlation(board, &rounded).0;
+    let left = agreement::correlation(board, &rests).0;
+    let correlated = fitted.correlated.unwrap_or(0.0) > LEFT;
+    let not_white = correlated && fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE);
+    let left_over = not_white && !noisy && left > ROUNDED * spurs;
     if left_over && !findings.iter().any(nameless) {
         let mut unknown = unknown();
         unknown.evidence.delta_bic = left;
@@ -259,24 +276,23 @@ pub fn answer(
     }
 }
 
-/// Whether innovations are far out more often than normal noise lets them be, and not at one place alone.
-fn heavy_tails(fit: &Fit) -> bool {
-    // Deviations that are far, the share of normal noise beyond them, and how many times as many are too many.
-    const FAR: f64 = 3.5;
-    const SHARE: f64 = 4.65e-4;
-    const TIMES: f64 = 4.0;
-    const LEAST: f64 = 12.0;
-    const BLOCKS: usize = 20;
-    let count = fit.left.len();
-    let mut far = [0.0; BLOCKS];
-    for (at, white) in fit.left.iter().enumerate() {
-        if white.abs() > FAR {
-            far[at * BLOCKS / count] += 1.0;
-        }
+/// How the noise is not as twins declare it, in words: white, normal and the same throughout.
+fn other_noise_of(board: &Board) -> Option<String> {
+    let noise = board.noise;
+    let level = |bench: &Bench| bench.weights.iter().all(|weight| *weight == 1.0);
+    let wanders = noise.fade > 0.0 && noise.drift > noise.torque * noise.fade * noise.fade;
+    if wanders {
+        let hz = noise.fade / std::f64::consts::TAU;
+        return Some(format!(
+            "a torque that wanders more slowly than {}, and follows no carrier",
+            si(hz, "Hz")
+        ));
     }
-    let all: f64 = far.iter().sum();
-    let most = far.iter().copied().fold(0.0, f64::max);
-    all > TIMES * SHARE * count as f64 + LEAST && most < 0.5 * all
+    if !board.benches.iter().all(level) {
+        return Some("noise whose level changes along the recording".to_owned());
+    }
+    (board.free.tails == Tails::Student)
+        .then(|| "innovations that are far out more often than normal noise has them".to_owned())
 }
 
 /// Something that is none of the cells.

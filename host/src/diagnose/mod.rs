@@ -23,6 +23,7 @@ pub mod filter;
 mod findings;
 pub mod identify;
 pub mod judge;
+mod jury;
 pub mod lsq;
 pub mod map;
 pub mod model;

@@ -9,7 +9,7 @@ use super::disc;
 use super::effect::{Carrier, Effect, Growth, Here, Site};
 use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
-use super::noise::Free;
+use super::noise::{Free, Tails};
 use super::pattern::{LARGE, Pattern};
 use crate::sim;
 
@@ -22,6 +22,8 @@ pub struct Board {
     pub noise: Noise,
     /// What of the noise is not said.
     pub free: Free,
+    /// Whether the twins do not say how the shaft is driven.
+    pub undriven: bool,
     /// Whether noise has levels of its own in stretches of a recording: a misfit has them as well.
     pub levels: bool,
     /// The disc's pattern, where it is part of what is fitted.
@@ -81,6 +83,8 @@ const LEVELLED: usize = 4;
 /// Speeds at which friction is seen, and part of its largest that errors of its numbers may make push.
 const SPEEDS: u32 = 8;
 const FREE: f64 = 0.05;
+/// Density of a torque that wanders over that of torque noise, to begin with.
+const WANDERS: f64 = 3.0;
 /// Sum of squares that is no gain.
 const NO_GAIN: f64 = 0.02;
 
@@ -124,6 +128,12 @@ impl Model {
             }
         }
         groups
+    }
+
+    /// A group that no finding has yet.
+    #[must_use]
+    pub fn unused(&self) -> usize {
+        self.groups().into_iter().max().map_or(0, |group| group + 1)
     }
 
     /// What is no finding.
@@ -246,6 +256,7 @@ impl Board {
             } else {
                 0.0
             },
+            fade: 0.0,
             angle_rad: 0.0,
         };
         let known = benches.iter().all(|bench| {
@@ -262,8 +273,12 @@ impl Board {
             free: Free {
                 torque: true,
                 drift: undriven,
+                fast: false,
+                fade: false,
                 stamp: true,
+                tails: Tails::Normal,
             },
+            undriven,
             levels,
             pattern: None,
             disc_given: known,
@@ -845,20 +860,92 @@ impl Board {
     pub fn lost(&self, fit: &Fit) -> f64 {
         let scales = self.benches.iter().flat_map(|bench| &bench.scales);
         let scales = scales.filter(|scale| **scale > 0.0);
+        let weights = self.benches.iter().flat_map(|bench| &bench.weights);
+        let weights: f64 = weights.map(|weight| weight.ln()).sum();
         let volume = self.pattern.as_ref().map_or(0.0, Pattern::log_volume);
         let groups = fit.model.groups().into_iter();
         let numbers: usize = groups.map(|group| fit.model.numbers(group)).sum();
         let chance = numbers as f64 * (self.edges() as f64).ln();
-        fit.rss + volume + chance - 2.0 * scales.map(|scale| scale.ln()).sum::<f64>()
+        let scales: f64 = scales.map(|scale| scale.ln()).sum();
+        self.squares(fit) + volume + chance - 2.0 * (scales + weights)
     }
 
-    /// Weighs edges by the level of the noise about them.
-    fn level(&mut self, rest: &[Vec<f64>]) {
-        if !self.levels {
-            return;
+    /// Twice the negative logarithm of how likely innovations of a fit are, over their deviations.
+    fn squares(&self, fit: &Fit) -> f64 {
+        let tails = self.free.tails;
+        if tails == Tails::Normal {
+            return fit.rss;
         }
+        let (edges, disc) = fit.left.split_at(self.edges());
+        let scales = self.benches.iter().flat_map(|bench| &bench.scales);
+        let weights = self.benches.iter().flat_map(|bench| &bench.tails);
+        let each = edges.iter().zip(weights).zip(scales);
+        let shown = each.filter(|(_, scale)| **scale > 0.0);
+        shown
+            .map(|((white, weight), _)| tails.cost(white / weight))
+            .sum::<f64>()
+            + lsq::dot(disc, disc)
+    }
+
+    /// Weighs edges by the level of the noise about them, and by how far out they are.
+    fn level(&mut self, rest: &[Vec<f64>]) {
+        let (levels, tails) = (self.levels, self.free.tails);
         let each = self.benches.par_iter_mut().zip(rest);
-        each.for_each(|(bench, rest)| bench.level(rest));
+        each.for_each(|(bench, rest)| {
+            if levels {
+                bench.level(rest);
+            }
+            bench.weigh(rest, tails);
+        });
+    }
+
+    /// The same board in white and normal noise.
+    #[must_use]
+    pub fn in_plain_noise(&self) -> Self {
+        let mut board = self.clone();
+        board.levels = false;
+        board.free = Free {
+            drift: board.undriven,
+            fast: false,
+            fade: false,
+            tails: Tails::Normal,
+            ..board.free
+        };
+        for bench in &mut board.benches {
+            bench.weights.fill(1.0);
+            bench.tails.fill(1.0);
+        }
+        if !board.undriven {
+            board.noise.drift = 0.0;
+            board.noise.fade = 0.0;
+        }
+        board.set_noise(board.noise);
+        board
+    }
+
+    /// The same board in noise as rigs have it: with a torque that wanders, with levels and, as asked for, with long tails.
+    #[must_use]
+    pub fn in_any_noise(&self, tails: Tails) -> Self {
+        let mut board = self.clone();
+        board.levels = true;
+        board.free = Free {
+            drift: true,
+            fast: true,
+            fade: !board.undriven,
+            tails,
+            ..board.free
+        };
+        if board.noise.drift <= 0.0 {
+            let speed = board.benches.iter().map(|bench| bench.leaps.speed());
+            let turning = speed.fold(0.0, f64::max);
+            // Some times as dense as the torque noise, to once a turn.
+            board.set_noise(Noise {
+                drift: WANDERS * board.noise.torque * turning * turning,
+                fade: if board.free.fade { turning } else { 0.0 },
+                ..board.noise
+            });
+        }
+        board
     }
 
     /// Goes by another noise.

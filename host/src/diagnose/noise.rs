@@ -18,15 +18,64 @@ const STRETCH: usize = 64;
 const STRETCHES: usize = 32;
 const LEAST: f64 = 1e-6;
 
-/// Which sizes of the noise are free.
+/// Which sizes of the noise are free, and how far out it comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Free {
     /// Torque noise.
     pub torque: bool,
     /// Drift of the acceleration.
     pub drift: bool,
+    /// Whether what comes and goes within a turn may be drift.
+    pub fast: bool,
+    /// How fast a drift fades.
+    pub fade: bool,
     /// Stamps.
     pub stamp: bool,
+    /// How far out innovations come.
+    pub tails: Tails,
+}
+
+/// How often innovations are far out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tails {
+    /// As normal noise is.
+    #[default]
+    Normal,
+    /// As Student's distribution of a few degrees has it (Student, Biometrika 6, 1908).
+    Student,
+}
+
+/// Degrees of freedom of Student's distribution: its tails, no longer, are those of impulses on a line or of a busy interrupt.
+const DEGREES: f64 = 4.0;
+
+impl Tails {
+    /// Twice the negative logarithm of the density of an innovation over its deviation, beside that of normal noise at 0.
+    #[must_use]
+    pub fn cost(self, white: f64) -> f64 {
+        /// Twice the logarithm by which the density of Student's distribution at 0 is below the normal one: 3/8 over 1/sqrt(2 pi).
+        const LOWER: f64 = 0.123_781_4;
+        match self {
+            Self::Normal => white * white,
+            Self::Student => (DEGREES + 1.0) * (white * white / DEGREES).ln_1p() + LOWER,
+        }
+    }
+
+    /// Weight of an innovation in least squares, whose square makes them stationary where the density is.
+    #[must_use]
+    pub fn weight(self, white: f64) -> f64 {
+        match self {
+            Self::Normal => 1.0,
+            Self::Student => ((DEGREES + 1.0) / (DEGREES + white * white)).sqrt(),
+        }
+    }
+
+    /// What counts in a fit of the noise: what is far out of normal noise is an event.
+    fn fitted(self, white: f64) -> f64 {
+        match self {
+            Self::Normal => huber(white),
+            Self::Student => self.cost(white),
+        }
+    }
 }
 
 /// Residual angles of one recording, with the filter's steps and the weight of each edge.
@@ -66,10 +115,15 @@ impl Problem<'_> {
         if self.free.stamp {
             noise.stamp_s = self.least_stamp_s.hypot(over);
         }
+        // Of one that fades, its density far below where it does.
         noise.drift = next(self.free.drift, noise.drift);
-        if self.free.drift {
+        if self.free.drift && !self.free.fast {
             // What comes and goes within a turn is no drift of the drive.
             noise.drift = noise.drift.min(noise.torque * self.turning * self.turning);
+        }
+        if self.free.fade {
+            noise.fade = next(true, noise.fade);
+            noise.drift *= noise.fade * noise.fade;
         }
         noise
     }
@@ -88,7 +142,9 @@ impl Problem<'_> {
                 let weights = &rest.weights[range.clone()];
                 let each = white.iter().zip(weights).zip(scales);
                 each.filter(|(_, scale)| *scale > 0.0)
-                    .map(|((white, weight), scale)| huber(white * weight) - 2.0 * scale.ln())
+                    .map(|((white, weight), scale)| {
+                        self.free.tails.fitted(white * weight) - 2.0 * scale.ln()
+                    })
                     .sum::<f64>()
             })
             .collect();
@@ -158,7 +214,11 @@ pub fn fit(rests: &[Rest<'_>], least_stamp_s: f64, start: Noise, free: Free) -> 
         first.push(over.ln());
     }
     if free.drift {
-        first.push(start.drift.max(1e-30).ln());
+        let slow = if free.fade { start.fade.powi(2) } else { 1.0 };
+        first.push((start.drift / slow).max(1e-30).ln());
+    }
+    if free.fade {
+        first.push(start.fade.ln());
     }
     if first.is_empty() {
         let cost = problem.cost_of(&start);

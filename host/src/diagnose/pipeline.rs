@@ -45,11 +45,13 @@ pub fn diagnose(
         mut fit,
         bank,
         not_identifiable,
+        worth,
+        noise,
     } = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
     let alike = swapped(&mut board, &bank, &mut fit);
     progress(0.85, "Judging");
-    let mut answer = answer(rig, &given, &board, &fit, &alike);
+    let mut answer = answer(rig, &given, &board, &fit, &alike, &worth, noise);
     answer.not_identifiable = not_identifiable;
     let nuisances = fit.model.nuisances();
     let before = board.fit(&nuisances);
@@ -81,6 +83,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         torque: 1.0,
         stamp_s: record.tick_s,
         drift: 0.0,
+        fade: 0.0,
         angle_rad: 0.0,
     };
     let mut bench = Bench::new(record, &one.twin, &errors, &noise);

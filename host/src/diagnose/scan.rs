@@ -296,7 +296,7 @@ impl Scores<'_> {
             }
         }
         // Fewer than two cycles are no rhythm.
-        let slowest = if board.free.drift {
+        let slowest = if board.undriven {
             let turn = match over {
                 Over::Angle => 1.0,
                 Over::Time => {

@@ -9,6 +9,7 @@ use super::correct::{self, Slopes};
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::identify;
 use super::judge;
+use super::jury;
 use super::lsq::Basis;
 use super::model::{Board, Fit, Model};
 use super::name;
@@ -19,6 +20,8 @@ use super::scan::{self, Candidate};
 pub use super::scan::{SURE, evidence};
 use crate::mechanism::Mechanism;
 
+/// How often a search goes on in other noise at the most.
+const TRIALS: usize = 3;
 /// Findings at the most, and changes of a drive that the twins do not declare.
 const FINDINGS: usize = 7;
 const CHANGES: usize = 16;
@@ -48,7 +51,7 @@ pub fn nuisances(board: &Board) -> Model {
     if steady {
         model.add(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
     }
-    if board.free.drift {
+    if board.undriven {
         model.add(&turns_back(board), usize::MAX);
     }
     model.terms.iter_mut().for_each(|term| term.nuisance = true);
@@ -151,162 +154,189 @@ pub struct Found {
     pub bank: Bank,
     /// What the twins declare and the recordings do not determine, in words.
     pub not_identifiable: Vec<String>,
+    /// Evidence of each group in noise of any kind.
+    pub worth: Vec<(usize, f64)>,
+    /// Evidence that the noise is not white, normal and the same throughout.
+    pub noise: f64,
 }
 
-/// Searches until nothing is left that is worth its numbers.
+/// Searches until nothing is left that is worth its numbers, in noise of any kind.
 #[must_use]
 pub fn search(board: &mut Board) -> Found {
-    let mut bank = Bank::new(board);
-    // Worked out where something is left that they may explain.
-    let mut slopes: Option<Vec<Slopes>> = None;
-    let mut fit = board.fit(&nuisances(board));
-    let (mut findings, mut changes) = (0, 0);
-    while findings < FINDINGS && changes < CHANGES {
-        let group = findings;
-        let found = candidates(board, &bank, &fit);
-        // The best one as fitted with everything else, of those that look nearly as good.
-        let most = found
-            .first()
-            .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
-        let first_or_last = fit.model.groups().is_empty() || most < SURE;
-        if let Some(other) = first_or_last
-            .then(|| another_disc(board, &bank, &fit, FINDINGS - findings))
-            .flatten()
-        {
-            *board = other;
-            bank = Bank::new(board);
-            fit = board.fit(&fit.model);
-            let model = dropped(board, &fit);
-            fit = board.fit(&model);
-            continue;
-        }
-        let basis = fit.basis();
-        let precision = board.precision();
-        let mut spurs = board.spurs(&fit.model);
-        basis.clear(&mut spurs);
-        let mut told = found
-            .iter()
-            .filter(|candidate| candidate.gain > precision)
-            .filter(|candidate| !is_spur(board, candidate, &basis, &spurs));
-        let mut tried: Vec<(f64, Vec<Effect>)> = Vec::new();
-        // Those that no machine can have leave it to the next ones.
-        for _ in 0..TRIED {
-            let few: Vec<&Candidate> = told.by_ref().take(TRIED).collect();
-            let worth = |one: &Candidate| evidence(board, one.gain, one.numbers());
-            let most = few.first().map_or(0.0, |best| worth(best));
-            let few = few.into_par_iter().filter(|candidate| {
-                let here = worth(candidate);
-                here >= 0.7 * SURE && here >= NEARLY * most
-            });
-            let fitted = few.map(|candidate| {
-                let (effects, gain) = board.beside(&fit, &basis, &candidate.effects);
-                (evidence(board, gain, candidate.numbers()), gain, effects)
-            });
-            let fitted: Vec<(f64, f64, Vec<Effect>)> = fitted.collect();
-            let possible = fitted.iter().any(|(_, gain, _)| *gain > 0.0);
-            tried = fitted
-                .into_iter()
-                .map(|(worth, _, effects)| (worth, effects))
-                .collect();
-            if possible || tried.is_empty() {
-                break;
-            }
-        }
-        let best = best_of(board, &fit, tried).map(|(worth, effects)| {
-            // What grows, or is no sine, is no row of lines beside each other.
-            let mut varied = cells::grown(board, &effects);
-            varied.extend(cells::harmonics(board, &effects));
-            let grown = varied.into_par_iter().map(|effects| {
-                let (effects, gain) = board.beside(&fit, &basis, &effects);
-                (evidence(board, gain, cells::numbers(&effects)), effects)
-            });
-            let grown = grown.max_by(|a, b| a.0.total_cmp(&b.0));
-            match grown {
-                Some((better, grown)) if better > worth + SURE => grown,
-                _ => effects,
-            }
-        });
-        let next = best.and_then(|effects| {
-            let numbers = cells::numbers(&effects);
-            let as_open = |effects: &[Effect]| {
-                let mut model = fit.model.clone();
-                model.add(effects, usize::MAX - 2 - changes);
-                let added = model.terms.iter_mut().rev().take(effects.len());
-                added.for_each(|term| term.nuisance = true);
-                let next = board.fit(&model);
-                let worth = evidence(board, fit.rss - next.rss, numbers);
-                (worth > SURE).then_some((worth, next))
-            };
-            if is_open(board, &effects) {
-                return as_open(&effects);
-            }
-            let drags = board.free.drift && effects.iter().all(Effect::is_friction);
-            let (group, rest, effects) = joined(&fit.model, group, effects, cells::channels(board));
-            let mut model = rest;
-            model.add(&effects, group);
-            let next = board.fit(&model);
-            let worth = evidence(board, fit.rss - next.rss, numbers);
-            if drags && !judge::is_foretold(board, &next, group) {
-                // What a drive that nobody declared did there.
-                return as_open(&effects);
-            }
-            (worth > SURE && board.can_be(&next.model)).then_some((worth, next))
-        });
-        // What the twin declares comes first, if it explains as much.
-        let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
-        let left = next.is_some() || !agreement::is_white(board, &fit);
-        let declared = left.then(|| slopes.get_or_insert_with(|| correct::all(board)));
-        let told = |gain: f64, columns: &[Vec<f64>]| {
-            gain > precision && basis.gain(columns, &spurs) < SPUR * gain
-        };
-        let corrected =
-            declared.and_then(|slopes| correction(board, slopes, &fit, group, least, &told));
-        if let Some((better, corrected)) = corrected {
-            let laws = |board: &Board| -> Vec<Law> {
-                let each = board.benches.iter();
-                each.map(|bench| bench.plant.law.clone()).collect()
-            };
-            let answers_alike = laws(board) == laws(&better);
-            *board = better;
-            fit = corrected;
-            board.decide_ties(&fit.model);
-            board.fit_noise(&fit.model);
-            fit = board.fit(&fit.model);
-            if !answers_alike {
-                bank = Bank::new(board);
-                slopes = None;
-            }
-            findings += 1;
-        } else if let Some((_, next)) = next {
-            let before = fit.model.nuisances().terms.len();
-            if next.model.nuisances().terms.len() > before {
-                changes += 1;
-            } else {
-                findings += 1;
-            }
-            board.decide_ties(&next.model);
-            board.fit_noise(&next.model);
-            fit = board.fit(&next.model);
-            exchange(board, &mut fit);
-        } else {
+    let mut found = Found {
+        bank: Bank::new(board),
+        fit: board.fit(&nuisances(board)),
+        not_identifiable: Vec::new(),
+        worth: Vec::new(),
+        noise: 0.0,
+    };
+    for trial in 1..=TRIALS {
+        found.add(board);
+        let judged = jury::judge(board, &mut found.fit, trial < TRIALS);
+        found.worth = judged.worth;
+        found.noise += judged.noise;
+        if !judged.changed {
             break;
         }
-        // What another one has made superfluous.
-        let model = dropped(board, &fit);
-        if model.terms.len() < fit.model.terms.len() {
-            fit = board.fit(&model);
-        }
+        found.bank = Bank::new(board);
     }
-    // What does not show goes by the noise as it was found.
-    let plain = board.fit(&fit.model.nuisances());
-    let not_identifiable = match slopes {
-        Some(slopes) => identify::open(board, &slopes, &plain),
-        None => Vec::new(),
-    };
-    Found {
-        fit,
-        bank,
-        not_identifiable,
+    found
+}
+
+impl Found {
+    /// Adds findings until nothing is left that is worth its numbers.
+    fn add(&mut self, board: &mut Board) {
+        let Self {
+            bank,
+            fit,
+            not_identifiable,
+            ..
+        } = self;
+        // Worked out where something is left that they may explain.
+        let mut slopes: Option<Vec<Slopes>> = None;
+        let (mut findings, mut changes) = (fit.model.groups().len(), 0);
+        while findings < FINDINGS && changes < CHANGES {
+            let group = fit.model.unused();
+            let found = candidates(board, bank, fit);
+            // The best one as fitted with everything else, of those that look nearly as good.
+            let most = found
+                .first()
+                .map_or(0.0, |best| evidence(board, best.gain, best.numbers()));
+            let first_or_last = fit.model.groups().is_empty() || most < SURE;
+            if let Some(other) = first_or_last
+                .then(|| another_disc(board, bank, fit, FINDINGS - findings))
+                .flatten()
+            {
+                *board = other;
+                *bank = Bank::new(board);
+                *fit = board.fit(&fit.model);
+                let model = dropped(board, fit);
+                *fit = board.fit(&model);
+                continue;
+            }
+            let basis = fit.basis();
+            let precision = board.precision();
+            let mut spurs = board.spurs(&fit.model);
+            basis.clear(&mut spurs);
+            let mut told = found
+                .iter()
+                .filter(|candidate| candidate.gain > precision)
+                .filter(|candidate| !is_spur(board, candidate, &basis, &spurs));
+            let mut tried: Vec<(f64, Vec<Effect>)> = Vec::new();
+            // Those that no machine can have leave it to the next ones.
+            for _ in 0..TRIED {
+                let few: Vec<&Candidate> = told.by_ref().take(TRIED).collect();
+                let worth = |one: &Candidate| evidence(board, one.gain, one.numbers());
+                let most = few.first().map_or(0.0, |best| worth(best));
+                let few = few.into_par_iter().filter(|candidate| {
+                    let here = worth(candidate);
+                    here >= 0.7 * SURE && here >= NEARLY * most
+                });
+                let fitted = few.map(|candidate| {
+                    let (effects, gain) = board.beside(fit, &basis, &candidate.effects);
+                    (evidence(board, gain, candidate.numbers()), gain, effects)
+                });
+                let fitted: Vec<(f64, f64, Vec<Effect>)> = fitted.collect();
+                let possible = fitted.iter().any(|(_, gain, _)| *gain > 0.0);
+                tried = fitted
+                    .into_iter()
+                    .map(|(worth, _, effects)| (worth, effects))
+                    .collect();
+                if possible || tried.is_empty() {
+                    break;
+                }
+            }
+            let best = best_of(board, fit, tried).map(|(worth, effects)| {
+                // What grows, or is no sine, is no row of lines beside each other.
+                let mut varied = cells::grown(board, &effects);
+                varied.extend(cells::harmonics(board, &effects));
+                let grown = varied.into_par_iter().map(|effects| {
+                    let (effects, gain) = board.beside(fit, &basis, &effects);
+                    (evidence(board, gain, cells::numbers(&effects)), effects)
+                });
+                let grown = grown.max_by(|a, b| a.0.total_cmp(&b.0));
+                match grown {
+                    Some((better, grown)) if better > worth + SURE => grown,
+                    _ => effects,
+                }
+            });
+            let next = best.and_then(|effects| {
+                let numbers = cells::numbers(&effects);
+                let as_open = |effects: &[Effect]| {
+                    let mut model = fit.model.clone();
+                    model.add(effects, usize::MAX - 2 - changes);
+                    let added = model.terms.iter_mut().rev().take(effects.len());
+                    added.for_each(|term| term.nuisance = true);
+                    let next = board.fit(&model);
+                    let worth = evidence(board, fit.rss - next.rss, numbers);
+                    (worth > SURE).then_some((worth, next))
+                };
+                if is_open(board, &effects) {
+                    return as_open(&effects);
+                }
+                let drags = board.undriven && effects.iter().all(Effect::is_friction);
+                let (group, rest, effects) =
+                    joined(&fit.model, group, effects, cells::channels(board));
+                let mut model = rest;
+                model.add(&effects, group);
+                let next = board.fit(&model);
+                let worth = evidence(board, fit.rss - next.rss, numbers);
+                if drags && !judge::is_foretold(board, &next, group) {
+                    // What a drive that nobody declared did there.
+                    return as_open(&effects);
+                }
+                (worth > SURE && board.can_be(&next.model)).then_some((worth, next))
+            });
+            // What the twin declares comes first, if it explains as much.
+            let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
+            let left = next.is_some() || !agreement::is_white(board, fit);
+            let declared = left.then(|| slopes.get_or_insert_with(|| correct::all(board)));
+            let told = |gain: f64, columns: &[Vec<f64>]| {
+                gain > precision && basis.gain(columns, &spurs) < SPUR * gain
+            };
+            let corrected =
+                declared.and_then(|slopes| correction(board, slopes, fit, group, least, &told));
+            if let Some((better, corrected)) = corrected {
+                let laws = |board: &Board| -> Vec<Law> {
+                    let each = board.benches.iter();
+                    each.map(|bench| bench.plant.law.clone()).collect()
+                };
+                let answers_alike = laws(board) == laws(&better);
+                *board = better;
+                *fit = corrected;
+                board.decide_ties(&fit.model);
+                board.fit_noise(&fit.model);
+                *fit = board.fit(&fit.model);
+                if !answers_alike {
+                    *bank = Bank::new(board);
+                    slopes = None;
+                }
+                findings += 1;
+            } else if let Some((_, next)) = next {
+                let before = fit.model.nuisances().terms.len();
+                if next.model.nuisances().terms.len() > before {
+                    changes += 1;
+                } else {
+                    findings += 1;
+                }
+                board.decide_ties(&next.model);
+                board.fit_noise(&next.model);
+                *fit = board.fit(&next.model);
+                exchange(board, fit);
+            } else {
+                break;
+            }
+            // What another one has made superfluous.
+            let model = dropped(board, fit);
+            if model.terms.len() < fit.model.terms.len() {
+                *fit = board.fit(&model);
+            }
+        }
+        // What does not show goes by the noise as it was found.
+        let plain = board.fit(&fit.model.nuisances());
+        if let Some(slopes) = slopes {
+            *not_identifiable = identify::open(board, &slopes, &plain);
+        }
     }
 }
 
@@ -428,7 +458,7 @@ fn is_open(board: &Board, effects: &[Effect]) -> bool {
     let open_disc = !board.disc_given;
     effects.iter().all(|effect| {
         let changes = effect.site == Site::Torque && matches!(effect.carrier, Carrier::Window(..));
-        board.free.drift && changes || open_disc && effect.is_of_disc()
+        board.undriven && changes || open_disc && effect.is_of_disc()
     })
 }
 

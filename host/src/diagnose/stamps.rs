@@ -22,7 +22,13 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     // Where something is left, or noise has levels, its size says nothing of the stamps.
     let level = |bench: &bench::Bench| bench.weights.iter().all(|weight| *weight == 1.0);
     let told = board.pattern.is_none() && board.benches.iter().all(level);
-    if !told || !board.benches.iter().all(says) || !agreement::is_white(board, fit) {
+    if !told || !board.benches.iter().all(says) {
+        return None;
+    }
+    // A latency is told by its tails, which are of the noise here.
+    let (board, fit, _) = board.in_plain_noise().at_its_noise(&fit.model);
+    let (board, fit) = (&board, &fit);
+    if !agreement::is_white(board, fit) {
         return None;
     }
     let first = board.benches.first()?;
@@ -48,6 +54,7 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
                 torque: true,
                 drift: false,
                 stamp,
+                ..board.free
             },
         )
     };
@@ -71,6 +78,7 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
                 torque: false,
                 drift: false,
                 stamp: false,
+                ..board.free
             },
         )
         .1

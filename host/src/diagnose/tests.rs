@@ -121,6 +121,7 @@ fn the_transposed_filter_is_the_filters_adjoint() {
         torque: 1e-4,
         stamp_s: 1e-8,
         drift: 0.0,
+        fade: 0.0,
         angle_rad: 0.0,
     };
     let filter = Filter::new(&leaps, &noise);

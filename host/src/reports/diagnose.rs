@@ -83,8 +83,8 @@ pub fn text(answer: &Answer) -> Vec<(String, String)> {
         };
         add(&name, fit::line(part, found));
     }
-    if let Some(noise) = fit::noise(&diagnosis.fit, found) {
-        add("  is noise, probability", noise);
+    if let Some(shares) = fit::correlated(&diagnosis.fit, found) {
+        add("  still foretold by edges before", shares);
     }
     let map = &answer.map;
     let mut strongest = Strongest::of(map, &map.before).map(|cell| cell.words());

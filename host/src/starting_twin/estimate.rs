@@ -176,6 +176,7 @@ fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
             torque: 1.0,
             stamp_s: record.tick_s,
             drift: 0.0,
+            fade: 0.0,
             angle_rad: 0.0,
         };
         Bench::new(record.clone(), twin, &[], &noise)

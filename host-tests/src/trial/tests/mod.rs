@@ -71,6 +71,8 @@ fn answer(verdict: Verdict, findings: Vec<Finding>) -> Answer {
             floor_rad: Some(1.0),
             whiteness_p_before: Some(0.0),
             whiteness_p: Some(0.5),
+            correlated_before: Some(0.42),
+            correlated: Some(0.0),
             held_out: HeldOut {
                 rms_before_rad: Some(2.0),
                 rms_after_rad: Some(1.0),

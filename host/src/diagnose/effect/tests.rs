@@ -45,6 +45,7 @@ fn bench(real: &Twin, given: &Twin) -> Option<Bench> {
         torque: 1e-6,
         stamp_s: 1e-8,
         drift: 0.0,
+        fade: 0.0,
         angle_rad: 0.0,
     };
     edges

@@ -259,6 +259,8 @@ pub(crate) fn full() -> Answer {
             floor_rad: Some(5.8e-6),
             whiteness_p_before: Some(0.0),
             whiteness_p: Some(0.31),
+            correlated_before: Some(0.42),
+            correlated: Some(0.0),
             held_out: HeldOut {
                 rms_before_rad: Some(2.25e-4),
                 rms_after_rad: Some(6.3e-6),
@@ -330,6 +332,7 @@ pub(crate) fn complete() -> Answer {
     diagnosis.next_recording = None;
     diagnosis.fit.rms_before_rad = diagnosis.fit.floor_rad;
     diagnosis.fit.whiteness_p_before = Some(0.31);
+    diagnosis.fit.correlated_before = Some(0.0);
     diagnosis.fit.held_out = HeldOut {
         rms_before_rad: Some(5.9e-6),
         floor_rad: Some(5.8e-6),

@@ -4,7 +4,7 @@ use crate::diagnose::answer::Answer;
 use crate::diagnose::diagnosis::Fit;
 use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Body, Cell, Colour, si};
-use crate::reports::diagnose::words::{probability, removed};
+use crate::reports::diagnose::words::removed;
 
 /// One part of the residual: its name and its RMS before, after and of noise alone, rad.
 pub(super) struct Part {
@@ -61,12 +61,21 @@ fn dash() -> String {
     "–".to_owned()
 }
 
-/// Whether the residual is noise, before and after.
-pub(super) fn noise(fit: &Fit, found: bool) -> Option<String> {
-    let before = probability(fit.whiteness_p_before?);
-    match fit.whiteness_p.filter(|_| found) {
-        Some(after) => Some(format!("{before} before, {} after", probability(after))),
+/// How much of the residual is no white noise, before and after.
+pub(super) fn correlated(fit: &Fit, found: bool) -> Option<String> {
+    let before = share(fit.correlated_before?);
+    match fit.correlated.filter(|_| found) {
+        Some(after) => Some(format!("{before} before, {} after", share(after))),
         None => Some(before),
+    }
+}
+
+/// A share in per cent.
+fn share(value: f64) -> String {
+    match 100.0 * value {
+        percent if percent < 0.1 => "under 0.1 %".to_owned(),
+        percent if percent < 10.0 => format!("{percent:.1} %"),
+        percent => format!("{percent:.0} %"),
     }
 }
 
@@ -77,8 +86,10 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
     let mut text = "The residual is the innovation: how far each edge comes from where the twin, the edges before it and the noise of \
                     the shaft let it expect."
         .to_owned();
-    if let Some(noise) = noise(fit, found) {
-        text += &format!(" Probability that noise alone leaves as much: {noise}.");
+    if let Some(shares) = correlated(fit, found) {
+        text += &format!(
+            " Share of its variance that the edges before foretell, of which noise has none: {shares}."
+        );
     }
     if let Some(percent) = removed(&answer.diagnosis) {
         text += &format!(

@@ -1,0 +1,74 @@
+//! Whether findings stay worth their numbers in noise as rigs have it: with a torque that wanders, levels that change and innovations that
+//! are far out now and then. What such noise explains as well is not said.
+
+use rayon::prelude::*;
+
+use super::agreement;
+use super::model::{Board, Fit, Model};
+use super::noise::Tails;
+use super::scan::SURE;
+
+/// Numbers of such noise: density and corner of a wander, levels and tails.
+const NUMBERS: f64 = 4.0;
+
+/// What was judged.
+#[derive(Clone, Debug, Default)]
+pub struct Judged {
+    /// Evidence of each group beside the noise that explains most without it.
+    pub worth: Vec<(usize, f64)>,
+    /// Evidence of another noise than the one before.
+    pub noise: f64,
+    /// Whether the search may find something else now: some were not worth it, or the noise is another one.
+    pub changed: bool,
+}
+
+/// Takes off a fit what noise explains as well, one after the other or all at once, and goes by the noise that explains most then.
+pub fn judge(board: &mut Board, fit: &mut Fit, at_once: bool) -> Judged {
+    let mut judged = Judged::default();
+    let quiet = agreement::is_white(board, fit) && !agreement::heavy_tails(fit);
+    if quiet && fit.model.groups().is_empty() {
+        return judged;
+    }
+    loop {
+        let plain = board.lost(fit);
+        let any = likeliest(board, &fit.model);
+        let with = any.2.min(plain);
+        let gain = plain - any.2 - NUMBERS * (board.edges() as f64).ln();
+        judged.noise += gain.max(0.0);
+        let groups = fit.model.groups().into_par_iter().map(|group| {
+            let without = likeliest(&any.0, &fit.model.without(group));
+            (group, without.2 - with)
+        });
+        judged.worth = groups.collect();
+        judged.worth.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut weak: Vec<usize> = judged
+            .worth
+            .iter()
+            .filter(|one| one.1 < SURE)
+            .map(|one| one.0)
+            .collect();
+        weak.truncate(if at_once { weak.len() } else { 1 });
+        let Some(_) = weak.first() else {
+            if gain > SURE {
+                judged.changed |= board.free != any.0.free;
+                (*board, *fit, _) = any;
+            }
+            return judged;
+        };
+        judged.changed = true;
+        let rest = weak
+            .into_iter()
+            .fold(fit.model.clone(), |model, group| model.without(group));
+        (*board, *fit, _) = likeliest(&any.0, &rest);
+    }
+}
+
+/// A model in the noise that makes it most likely.
+fn likeliest(board: &Board, model: &Model) -> (Board, Fit, f64) {
+    let board = board.declaring(model);
+    let each = [Tails::Normal, Tails::Student].into_par_iter();
+    let each = each.map(|tails| board.in_any_noise(tails).at_its_noise(model));
+    let mut each: Vec<_> = each.collect();
+    each.sort_by(|a, b| a.2.total_cmp(&b.2));
+    each.swap_remove(0)
+}
