@@ -9,12 +9,16 @@ use super::effect::Site;
 use super::judge::{self, Parts};
 use super::model::{Board, Fit, Model};
 use super::rig::Recorded;
+use super::scan::SURE;
 use crate::diagnose::diagnosis::{Fit as Agreement, HeldOut, RecordingFacts};
+use crate::twin::Noise;
 
 /// Lags that whiteness is tested over.
 const LAGS: usize = 24;
 /// Points of a curve.
 const POINTS: usize = 300;
+/// How many times as dense as declared torque noise is more, and no step of a grid.
+const MORE: f64 = 1.5;
 /// Probability of whiteness below which something is left.
 pub const NOT_WHITE: f64 = 1e-6;
 
@@ -115,6 +119,36 @@ pub fn heavy_tails(fit: &Fit) -> bool {
     let all: f64 = far.iter().sum();
     let most = far.iter().copied().fold(0.0, f64::max);
     all > TIMES * SHARE * count as f64 + LEAST && most < 0.5 * all
+}
+
+/// How many times as dense as all twins declare it the torque noise is, in words, where that is sure, and its evidence.
+#[must_use]
+pub fn more_noise(board: &Board, fit: &Fit) -> Option<(String, f64)> {
+    let declared = |bench: &Bench| match bench.twin.noise {
+        Some(Noise::White { psd_n2_m2_s, .. }) => {
+            Some(psd_n2_m2_s / bench.twin.shaft.inertia_kg_m2.powi(2))
+        }
+        _ => None,
+    };
+    let each: Option<Vec<f64>> = board.benches.iter().map(declared).collect();
+    let torque = each?.into_iter().fold(0.0, f64::max);
+    if board.pattern.is_some() || board.undriven || torque <= 0.0 {
+        return None;
+    }
+    let plain = board.in_plain_noise();
+    let (found, _, least) = plain.at_its_noise(&fit.model);
+    let times = found.noise.torque / torque;
+    let mut as_declared = plain;
+    as_declared.free.torque = false;
+    as_declared.set_noise(super::filter::Noise {
+        torque,
+        ..found.noise
+    });
+    let worth = as_declared.at_its_noise(&fit.model).2 - least;
+    (times > MORE && worth > SURE).then(|| {
+        let text = format!("torque noise {times:.1} times as dense as the twin declares");
+        (text, worth)
+    })
 }
 
 /// Probability that noise alone leaves innovations that hang together so (G. M. Ljung, G. E. P. Box, Biometrika 65, 1978).

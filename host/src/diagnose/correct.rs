@@ -64,6 +64,12 @@ const FARTHEST: f64 = 30.0;
 const SAME: f64 = 1e-2;
 
 impl Correction {
+    /// Whether values are not so far from the declared ones that they are another thing.
+    fn is_near(&self, values: &[f64]) -> bool {
+        let size = |values: &[f64]| values.iter().fold(0.0, |sum: f64, value| sum.hypot(*value));
+        size(values) < FARTHEST * size(&self.declared)
+    }
+
     /// Effects of its values.
     #[must_use]
     pub fn effects(&self) -> Vec<Effect> {
@@ -412,10 +418,19 @@ impl Board {
     /// Whether the twins can be, and no number is so far from the declared one that it is another thing.
     #[must_use]
     pub fn is_possible(&self) -> bool {
-        let size = |values: &[f64]| values.iter().fold(0.0, |sum: f64, value| sum.hypot(*value));
-        let near = |own: &Correction| size(&own.now) < FARTHEST * size(&own.declared);
         let mut benches = self.benches.iter();
-        self.corrections.iter().all(near) && benches.all(|bench| bench.twin.check().is_ok())
+        let mut corrections = self.corrections.iter();
+        corrections.all(|own| own.is_near(&own.now))
+            && benches.all(|bench| bench.twin.check().is_ok())
+    }
+
+    /// Whether what a group of a model corrects is still about what the twins declare.
+    #[must_use]
+    pub fn is_near(&self, model: &Model, group: usize) -> bool {
+        let effects = model.effects(group);
+        let has = |own: &Correction| own.effects().iter().any(|one| effects.contains(one));
+        let mut each = self.corrections.iter().zip(self.values(model));
+        each.all(|(own, values)| !has(own) || own.is_near(&values))
     }
 
     /// Whether the values that a fit wants are those that the twins have.

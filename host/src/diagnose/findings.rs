@@ -21,7 +21,7 @@ use crate::report::si;
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
 
-/// Share of what is left that has to be foretold by the edges before to be more than noise whose shape is not known so closely.
+/// Share of what is left that has to be foretold by the edges before to be more than noise of which the twins do not say how it is.
 const LEFT: f64 = 0.03;
 
 /// The answer of a fit; its map is still empty.
@@ -173,12 +173,15 @@ pub fn answer(
             .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
     // Of a twin that says nothing of its noise none is another one.
     let declares = |bench: &Bench| bench.twin.noise.is_some();
-    let other_noise = noise > SURE && board.benches.iter().all(declares);
+    let told_noise = board.benches.iter().all(declares);
+    let other_noise = told_noise && noise > SURE;
     let other_noise = other_noise.then(|| other_noise_of(board)).flatten();
-    if let Some(text) = other_noise.filter(|_| !late) {
+    let other_noise = other_noise.filter(|_| !late).map(|text| (text, noise));
+    let more_noise = || agreement::more_noise(board, fit);
+    if let Some((text, worth)) = other_noise.or_else(more_noise) {
         let mut unknown = unknown();
         unknown.text = text;
-        unknown.evidence.delta_bic = noise;
+        unknown.evidence.delta_bic = worth;
         findings.push((unknown, Vec::new(), None));
     } else if let Some(stamps) = stamps {
         findings.push((stamps, Vec::new(), None));
@@ -205,7 +208,7 @@ pub fn answer(
     let share = square(&rounded) / square(&rests);
     let spurs = share * share * agreement::correlation(board, &rounded).0;
     let left = agreement::correlation(board, &rests).0;
-    let correlated = fitted.correlated.unwrap_or(0.0) > LEFT;
+    let correlated = told_noise || fitted.correlated.unwrap_or(0.0) > LEFT;
     let not_white = correlated && fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE);
     let left_over = not_white && !noisy && left > ROUNDED * spurs;
     if left_over && !findings.iter().any(nameless) {

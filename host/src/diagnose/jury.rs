@@ -37,7 +37,8 @@ pub fn judge(board: &mut Board, fit: &mut Fit, at_once: bool) -> Judged {
         judged.noise += gain.max(0.0);
         let groups = fit.model.groups().into_par_iter().map(|group| {
             let without = likeliest(&any.0, &fit.model.without(group));
-            (group, without.2 - with)
+            let near = board.is_near(&fit.model, group);
+            (group, if near { without.2 - with } else { 0.0 })
         });
         judged.worth = groups.collect();
         judged.worth.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -30,6 +30,8 @@ pub struct Board {
     pub pattern: Option<Pattern>,
     /// Whether the twins give the disc, so that another one is a finding.
     pub disc_given: bool,
+    /// Rounds in which pattern and noise are found at the most.
+    pub rounds: usize,
     /// Numbers that the twins declare and that are fitted, in the order of [`Site::Declared`].
     pub corrections: Vec<Correction>,
 }
@@ -73,8 +75,9 @@ pub struct Fit {
 
 /// Rounds of re-linearisation at the most.
 const ROUNDS: usize = 5;
-/// Rounds in which pattern and noise are found at the most, and the change of a logarithm of the noise that is none.
+/// Rounds in which pattern and noise are found at the most, and where likelihoods of models alike are compared, and the change of a logarithm of the noise that is none.
 const SIZED: usize = 12;
+const COMPARED: usize = 2;
 const ALIKE: f64 = 0.05;
 /// Rounds in which noise and what a speed loop saw are found, as each bears on the other.
 const TIED: usize = 2;
@@ -281,6 +284,7 @@ impl Board {
             undriven,
             levels,
             pattern: None,
+            rounds: SIZED,
             disc_given: known,
             corrections: Vec::new(),
         };
@@ -319,7 +323,7 @@ impl Board {
     /// each bears on the other.
     pub fn size_up(&mut self, model: &Model) {
         let mut model = model.clone();
-        for _ in 0..SIZED {
+        for _ in 0..self.rounds {
             let before = self.noise;
             if self.pattern.is_some() {
                 model = self.fit(&model).model;
@@ -904,6 +908,7 @@ impl Board {
     pub fn in_plain_noise(&self) -> Self {
         let mut board = self.clone();
         board.levels = false;
+        board.rounds = SIZED;
         board.free = Free {
             drift: board.undriven,
             fast: false,
@@ -928,6 +933,7 @@ impl Board {
     pub fn in_any_noise(&self, tails: Tails) -> Self {
         let mut board = self.clone();
         board.levels = true;
+        board.rounds = COMPARED;
         board.free = Free {
             drift: true,
             fast: true,
