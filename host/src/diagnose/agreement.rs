@@ -5,6 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::answer::Curve;
 use super::bench::Bench;
 use super::disc;
+use super::edges::Unused;
 use super::effect::Site;
 use super::judge::{self, Parts};
 use super::model::{Board, Fit, Model};
@@ -204,6 +205,13 @@ pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
         start_rad: one.start_rad(),
         stamp_rms_s: Some(board.noise.stamp_s),
         disturbed_s: one.edges.events.iter().map(|event| event.time_s).collect(),
+        either_way_s: {
+            let unused = one.edges.unused.iter();
+            let either = unused.filter(|stretch| stretch.why == Unused::EitherWay);
+            either
+                .map(|stretch| [stretch.from_s, stretch.until_s])
+                .collect()
+        },
     }
 }
 

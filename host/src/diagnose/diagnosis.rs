@@ -65,6 +65,8 @@ pub struct RecordingFacts {
     pub stamp_rms_s: Option<f64>,
     /// Times at which the count of edges was disturbed, s.
     pub disturbed_s: Vec<f64>,
+    /// Starts and ends of what was left out, s, where the shaft stopped and one channel does not show which way it went on.
+    pub either_way_s: Vec<[f64; 2]>,
 }
 
 /// Agreement: the RMS of innovations, how far each edge comes from where the twin, the edges before it and the noise of the shaft let it

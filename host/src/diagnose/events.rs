@@ -90,6 +90,7 @@ fn undeclared(one: &Recorded) -> Vec<CountEvent> {
         }),
         CountKind::Lost | CountKind::Extra => true,
     });
+    let mut events = in_order(events, one.edges.classes);
     for (kind, probability, listed, rows) in [
         (
             CountKind::Lost,
@@ -116,6 +117,19 @@ fn undeclared(one: &Recorded) -> Vec<CountEvent> {
         }
     }
     events
+}
+
+/// Events without edges that came out of their order: one that is lost where it belongs and too many beside it was stamped far out.
+fn in_order(events: Vec<CountEvent>, classes: u32) -> Vec<CountEvent> {
+    let one_edge = |one: &CountEvent, other: &CountEvent| {
+        one.kind != other.kind
+            && one.kind != CountKind::IndexSlip
+            && other.kind != CountKind::IndexSlip
+            && (one.channel, one.edges) == (other.channel, other.edges)
+            && one.place.abs_diff(other.place) <= u64::from(classes)
+    };
+    let alone = |event: &&CountEvent| !events.iter().any(|other| one_edge(event, other));
+    events.iter().filter(alone).copied().collect()
 }
 
 fn exact(value: f64) -> Parameter {

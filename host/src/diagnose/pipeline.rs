@@ -3,7 +3,7 @@
 use super::alike::swapped;
 use super::answer::Answer;
 use super::bench::Bench;
-use super::edges::turned;
+use super::edges::{Undecided, Unused, turned};
 use super::filter::Noise;
 use super::findings::answer;
 use super::model::Board;
@@ -26,9 +26,11 @@ pub fn diagnose(
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Answer, DiagnoseError> {
     progress(0.05, "Comparing");
+    let rig: Result<Vec<Recorded>, DiagnoseError> = rig.iter().map(way).collect();
+    let rig = &rig?;
     let mut benches = Vec::new();
     for (place, one) in rig.iter().enumerate() {
-        let mut bench = bench(one)?;
+        let mut bench = likelier(one)?;
         bench.place = place as u8;
         benches.push(bench);
     }
@@ -62,15 +64,60 @@ pub fn diagnose(
     Ok(answer)
 }
 
-/// A recording beside its twin.
-fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
-    let edges = turned(one.edges.clone(), &one.twin).map_err(|why| DiagnoseError::Reversal {
+/// A recording with the way that its shaft went.
+fn way(one: &Recorded) -> Result<Recorded, DiagnoseError> {
+    let undecided = |why| DiagnoseError::Reversal {
         file: one.file.clone(),
         why,
-    })?;
-    let record = Record::of(&edges, &one.twin);
+    };
+    let edges = turned(one.edges.clone(), &one.twin).map_err(undecided)?;
+    Ok(Recorded {
+        edges,
+        ..one.clone()
+    })
+}
+
+/// A recording beside its twin, the way that its disc says where nothing else does.
+fn likelier(one: &Recorded) -> Result<Bench, DiagnoseError> {
+    let forward = bench(one)?;
+    if !one.edges.either_way() || forward.disc.iter().all(|error| *error == 0.0) {
+        return Ok(forward);
+    }
+    let other = Recorded {
+        edges: one.edges.mirrored(),
+        ..one.clone()
+    };
+    let backward = bench(&other)?;
+    let lost = |bench: &Bench| -> Result<f64, DiagnoseError> {
+        let mut bench = bench.clone();
+        let by = align::turns(std::slice::from_ref(&bench))[0];
+        bench.turn(by)?;
+        let board = Board::new(vec![bench]);
+        Ok(board.lost(&board.fit(&search::nuisances(&board))))
+    };
+    Ok(if lost(&backward)? < lost(&forward)? {
+        backward
+    } else {
+        forward
+    })
+}
+
+/// A recording beside its twin.
+fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
+    let edges = &one.edges;
+    let record = Record::of(edges, &one.twin);
     let turns = record.turns();
     if record.len() < EDGES_LEAST || turns < TURNS_LEAST {
+        if edges
+            .unused
+            .iter()
+            .any(|stretch| stretch.why == Unused::EitherWay)
+        {
+            return Err(DiagnoseError::Reversal {
+                file: one.file.clone(),
+                why: Undecided::Stops,
+            });
+        }
         return Err(DiagnoseError::TooShort {
             file: one.file.clone(),
             edges: record.len(),

@@ -100,6 +100,8 @@ pub enum Unused {
     Bounces,
     /// Edges that do not follow the pattern of the wheel, as when it rocks back, which one channel cannot show.
     OffPattern,
+    /// Before or after a stop, after which one channel does not show which way the shaft goes on.
+    EitherWay,
 }
 
 /// A stretch of the recording that is not used.

@@ -9,8 +9,18 @@ use std::f64::consts::TAU;
 
 use thiserror::Error;
 
-use super::Edges;
+use super::{Edges, Stretch, Unused};
 use crate::twin::{Drive, Twin};
+
+/// Share of the top speed below which a shaft may stop, and below which it does; how many teeth on it would, as it slows down or as it
+/// gains speed.
+const MAY_STOP: f64 = 0.2;
+const STOPS: f64 = 0.02;
+const TEETH: f64 = 3.0;
+/// How many times as long as the first stretch another one has to be.
+const FIRST: usize = 2;
+/// Share of intervals that are shorter than those of the top speed.
+const TOP: f64 = 0.05;
 
 /// Why it is not known where a shaft turned round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -18,6 +28,11 @@ pub enum Undecided {
     /// The reverse shows other flanks than forward.
     #[error("it reverses, and of its teeth only one flank is recorded")]
     OneFlank,
+    /// Between stops there is too little.
+    #[error(
+        "it stops, after which one channel does not show which way it goes on, and no stretch between stops is long enough"
+    )]
+    Stops,
     /// No two edges differ enough.
     #[error(
         "it reverses, which one channel does not show, and its edges are too alike to say where"
@@ -50,6 +65,9 @@ struct Mark {
 /// # Errors
 /// [`Undecided`] where the recording does not say where it turned round.
 pub fn turned(mut edges: Edges, twin: &Twin) -> Result<Edges, Undecided> {
+    if edges.classes <= 2 && twin.drive == Drive::Unknown {
+        return Ok(between_stops(edges));
+    }
     if edges.classes > 2 || !twin.drive.reverses() || edges.forward.contains(&false) {
         return Ok(edges);
     }
@@ -90,6 +108,117 @@ pub fn turned(mut edges: Edges, twin: &Twin) -> Result<Edges, Undecided> {
     edges.forward.drain(start..end);
     edges.fresh.drain(start..end);
     Ok(edges)
+}
+
+/// The longest stretch in which the shaft did not stop: where nobody declared how it is driven, it may go on either way.
+fn between_stops(edges: Edges) -> Edges {
+    let stops = stops(&edges);
+    let mut from = 0;
+    let mut longest = 0..0;
+    for end in stops.into_iter().chain([edges.time_s.len()]) {
+        // The first one goes forward, and begins where the twin says.
+        let enough = if longest.start == 0 { FIRST } else { 1 };
+        if end.saturating_sub(from) > enough * longest.len() {
+            longest = from..end;
+        }
+        from = end + 1;
+    }
+    if longest.len() == edges.time_s.len() {
+        return edges;
+    }
+    let (first, last) = (longest.start, longest.end - 1);
+    let (starts_s, ends_s) = (edges.time_s[first], edges.time_s[last]);
+    let mut used = edges.clone();
+    used.time_s = edges.time_s[longest.clone()].to_vec();
+    used.place = edges.place[longest.clone()].to_vec();
+    used.class = edges.class[longest.clone()].to_vec();
+    used.forward = edges.forward[longest.clone()].to_vec();
+    used.fresh = edges.fresh[longest.clone()].to_vec();
+    used.events
+        .retain(|event| (starts_s..=ends_s).contains(&event.time_s));
+    let ends = [
+        (0..first, edges.begins_s, starts_s),
+        (
+            last + 1..edges.time_s.len(),
+            ends_s,
+            edges.time_s[edges.time_s.len() - 1],
+        ),
+    ];
+    for (rows, from_s, until_s) in ends {
+        if !rows.is_empty() {
+            used.unused.push(Stretch {
+                from_s,
+                until_s,
+                rows: rows.len(),
+                why: Unused::EitherWay,
+            });
+        }
+    }
+    used.unused.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
+    used
+}
+
+impl Edges {
+    /// Whether nothing shows which way these edges were crossed.
+    #[must_use]
+    pub fn either_way(&self) -> bool {
+        let start_s = self.time_s.first().copied().unwrap_or(0.0);
+        let mut before = self.unused.iter();
+        before.any(|stretch| stretch.why == Unused::EitherWay && stretch.from_s < start_s)
+    }
+
+    /// The same crossed the other way.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mut other = self.clone();
+        let last = 2 * self
+            .place
+            .first()
+            .map_or(0, |first| first - first.rem_euclid(2))
+            + 1;
+        for place in &mut other.place {
+            *place = last - *place;
+        }
+        let classes = i64::from(self.classes);
+        let class = other
+            .place
+            .iter()
+            .map(|place| place.rem_euclid(classes) as u8);
+        other.class = class.collect();
+        other.forward.fill(false);
+        other
+    }
+}
+
+/// Edges at which the shaft may have stopped: where it is slow, and the square of its speed, which falls evenly along the angle under a
+/// torque, would be none a few teeth on.
+fn stops(edges: &Edges) -> Vec<usize> {
+    // From each edge on over one tooth, so that teeth and gaps of other widths do not show.
+    let tooth = edges.classes as usize;
+    let count = edges.time_s.len().saturating_sub(tooth);
+    let speed = |at: usize| {
+        let way = (edges.place[at + tooth] - edges.place[at]) as f64;
+        way / (edges.time_s[at + tooth] - edges.time_s[at]).max(f64::MIN_POSITIVE)
+    };
+    let speeds: Vec<f64> = (0..count).map(speed).collect();
+    let mut quick = speeds.clone();
+    quick.sort_by(|a, b| b.total_cmp(a));
+    let Some(top) = quick.get((TOP * count as f64) as usize) else {
+        return Vec::new();
+    };
+    let by = 2 * tooth;
+    let near = |at: usize, beside: Option<&f64>| {
+        let gained = beside.map_or(0.0, |beside| beside * beside - speeds[at] * speeds[at]);
+        gained > 0.0 && speeds[at] * speeds[at] / gained * (by as f64) < TEETH * tooth as f64
+    };
+    (0..count)
+        .filter(|&at| {
+            let before = at.checked_sub(by).and_then(|before| speeds.get(before));
+            let slow = speeds[at] < MAY_STOP * top;
+            speeds[at] < STOPS * top || slow && (near(at, before) || near(at, speeds.get(at + by)))
+        })
+        .map(|at| at + tooth / 2)
+        .collect()
 }
 
 /// Speed, rad/s, below which the twin's ripple may turn the shaft round; 0 where the drive is stronger.

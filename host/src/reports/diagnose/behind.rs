@@ -161,5 +161,16 @@ pub(super) fn recording(facts: &RecordingFacts) -> String {
         1 => text += "; count disturbed at 1 instant",
         times => text += &format!("; count disturbed at {times} instants"),
     }
+    let left_out: Vec<String> = facts
+        .either_way_s
+        .iter()
+        .map(|[from, until]| format!("{from:.2} to {until:.2} s"))
+        .collect();
+    if !left_out.is_empty() {
+        text += &format!(
+            "; left out: {}, as it stops and one channel does not show which way it goes on",
+            list(&left_out)
+        );
+    }
     text
 }

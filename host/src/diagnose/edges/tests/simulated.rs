@@ -303,3 +303,60 @@ fn an_index_that_slips_is_an_event_and_moves_no_place() {
     assert_eq!((slip.kind, slip.edges), (CountKind::IndexSlip, 3));
     assert!((2.5..3.6).contains(&slip.time_s), "{slip:?}");
 }
+
+#[test]
+fn one_channel_whose_drive_nobody_declared_is_used_between_stops() {
+    for teeth in [12, 36, 103] {
+        let encoder = Encoder::Wheel {
+            gaps: Vec::new(),
+            teeth,
+            missing: 0,
+        };
+        let mut twin = rig(1, encoder, 60.0, 24.0);
+        // It turns back after 5 s and goes on to the other side.
+        twin.drive = Drive::Ramp {
+            from_r_min: 120.0,
+            to_r_min: -180.0,
+            over_s: 12.5,
+        };
+        let events = run(&twin);
+        let sensor = Sensor::Wheel {
+            present: vec![true; teeth as usize],
+            both_edges: true,
+        };
+        let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
+        twin.drive = Drive::Unknown;
+        let used = turned(edges.clone(), &twin).unwrap();
+        let either = used.unused.iter();
+        let either = either.filter(|stretch| stretch.why == Unused::EitherWay);
+        assert_eq!(either.count(), 1, "{teeth}");
+        // One side alone, and nearly all of it.
+        let (first, last) = (used.time_s[0], used.time_s[used.time_s.len() - 1]);
+        assert!(last < 5.0 || first > 5.0, "{teeth}: {first} to {last}");
+        assert!(used.time_s.len() > edges.time_s.len() / 2, "{teeth}");
+    }
+}
+
+#[test]
+fn a_swing_of_the_speed_is_no_stop() {
+    for seed in 0..5 {
+        let present = vec![true; 36];
+        let events = swinging(seed, &present, 0.3, -1);
+        let sensor = Sensor::Wheel {
+            present,
+            both_edges: true,
+        };
+        let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
+        let mut twin = rig(
+            seed,
+            Encoder::Quadrature {
+                lines: 1,
+                index: false,
+            },
+            600.0,
+            1.0,
+        );
+        twin.drive = Drive::Unknown;
+        assert_eq!(turned(edges.clone(), &twin).unwrap(), edges);
+    }
+}
