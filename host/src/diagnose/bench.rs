@@ -3,7 +3,8 @@
 use super::course::Course;
 use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
-use super::filter::Noise;
+use super::filter::{ANGLE, Noise};
+use super::held_up;
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
@@ -65,7 +66,7 @@ impl Bench {
     /// The same about the course that a disc makes of the edges of which more was learned than the twin says, rad.
     #[must_use]
     pub fn about(
-        record: Record,
+        mut record: Record,
         twin: &Twin,
         errors: &[f64],
         learned: &[f64],
@@ -73,17 +74,20 @@ impl Bench {
     ) -> Self {
         let disc = declared::of_recorded(errors, record.edges);
         let law = Law::of(twin);
-        let more = |at: usize| learned.get(record.slot(at)).copied().unwrap_or(0.0);
+        let slots: Vec<usize> = (0..record.len()).map(|at| record.slot(at)).collect();
+        let more = |at: usize| learned.get(slots[at]).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
-            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0) + more(at))
+            .map(|at| disc.get(slots[at]).copied().unwrap_or(0.0) + more(at))
             .collect();
+        held_up::release(&mut record, &off);
         let mut course = Course::new(&record, &off);
         let mut plant = Plant::new(law.clone(), &course);
         let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
-        // Once more about the course without what shifts edges.
+        // Once more about the course without what shifts edges, as torques bend it.
         let off = declared.off.iter().enumerate();
         let off: Vec<f64> = off.map(|(at, off)| off + more(at)).collect();
-        course = Course::new(&record, &off);
+        held_up::release(&mut record, &off);
+        course = Course::bent(&record, &off, &declared.response);
         course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
@@ -91,7 +95,7 @@ impl Bench {
         leaps.jolt(&declared::jolts(twin, &course, &plant));
         let gains = leaps.filter(0..record.len(), noise);
         let own: Vec<f64> = (0..record.len())
-            .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at])
+            .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
             .collect();
         let count = record.len();
         Self {
@@ -278,7 +282,7 @@ impl Bench {
         let plant = other.as_ref().unwrap_or(&self.plant);
         let declared = Declared::new(&self.record, twin, &disc, &self.course, plant);
         let mut rest: Vec<f64> = (0..self.record.len())
-            .map(|at| self.record.grid_rad(at) - declared.off[at] - declared.response[at])
+            .map(|at| self.record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
             .collect();
         rest.iter_mut()
             .zip(&self.tied)

@@ -1,5 +1,7 @@
 //! Where the shaft is between and at edges, as the edges themselves have it: the angle that torques are evaluated at.
 
+use super::filter::{ANGLE, SPEED};
+use super::plant::Motion;
 use super::record::Record;
 
 /// Angles and speeds along a recording.
@@ -15,6 +17,8 @@ pub struct Course {
     pub reversals_s: Vec<f64>,
     /// How late each stamp is, as far as that is known, s.
     pub late_s: Vec<f64>,
+    /// RMS error of each stamp beside the others', s.
+    pub doubt_s: Vec<f64>,
     /// Speed of the interval that ends at each edge as the edges before it foretell it, rad/s: what torques that go with the speed go by.
     pub steady: Vec<f64>,
 }
@@ -23,16 +27,30 @@ impl Course {
     /// Of a recording, whose edges are off the grid by known angles, rad.
     #[must_use]
     pub fn new(record: &Record, off: &[f64]) -> Self {
+        Self::bent(record, off, &vec![Motion::default(); record.len()])
+    }
+
+    /// The same where torques are known to bend it: what they do to the speed between edges needs no guess.
+    #[must_use]
+    pub fn bent(record: &Record, off: &[f64], known: &[Motion]) -> Self {
         let angle: Vec<f64> = (0..record.len())
             .map(|at| record.grid_rad(at) - off[at])
             .collect();
-        let speed = speeds(record, &angle);
+        let rest: Vec<f64> = angle
+            .iter()
+            .zip(known)
+            .map(|(angle, known)| angle - known[ANGLE])
+            .collect();
+        let mut speed = speeds(record, &rest);
+        let each = speed.iter_mut().zip(known);
+        each.for_each(|(speed, known)| *speed += known[SPEED]);
         let mut course = Self {
             time_s: record.time_s.clone(),
             angle,
             speed,
             reversals_s: Vec::new(),
             late_s: vec![0.0; record.len()],
+            doubt_s: record.doubt_s.clone(),
             steady: Vec::new(),
         };
         course.steady = course.steady_speeds(record);
@@ -109,9 +127,18 @@ impl Course {
 
     /// When it stands still within the interval that ends at an edge, s.
     fn still_s(&self, at: usize) -> f64 {
-        let (v0, v1) = (self.speed[at - 1].abs(), self.speed[at].abs());
-        let share = if v0 + v1 > 0.0 { v0 / (v0 + v1) } else { 0.5 };
-        self.time_s[at - 1] + share * (self.time_s[at] - self.time_s[at - 1])
+        // Where the speed goes through zero: by halves, as it has another sign at either end.
+        const HALVES: usize = 40;
+        let (mut from, mut until) = (0.0, 1.0);
+        for _ in 0..HALVES {
+            let middle = 0.5 * (from + until);
+            if self.within(at, middle).1 * self.speed[at] < 0.0 {
+                from = middle;
+            } else {
+                until = middle;
+            }
+        }
+        self.time_s[at - 1] + until * (self.time_s[at] - self.time_s[at - 1])
     }
 
     /// Whether there is none.

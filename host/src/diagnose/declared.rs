@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::course::Course;
-use super::effect::{Carrier, Effect, On, Scene, Site};
-use super::plant::{Here, Law, Plant, sign};
+use super::effect::{Carrier, Effect, On, Scene, Site, along_time};
+use super::filter::{ANGLE, SPEED};
+use super::plant::{Here, Law, Motion, Plant, sign};
 use super::record::Record;
 use super::speed_loop;
 use crate::twin::{Bearing, CaptureLatency, Channel, Drive, Ripple, SpeedDrift, Twin};
@@ -14,8 +15,8 @@ use crate::twin::{Bearing, CaptureLatency, Channel, Drive, Ripple, SpeedDrift, T
 pub struct Declared {
     /// Disc, level, play and delays: the grid angle of each edge less the shaft's at its time, rad.
     pub off: Vec<f64>,
-    /// What drive, torques and friction do to the angle, rad, less a straight way.
-    pub response: Vec<f64>,
+    /// What drive, torques and friction do to angle and speed, less a straight way.
+    pub response: Vec<Motion>,
 }
 
 /// The twin's disc: errors of all edges of the grid as the recording counts them, rad.
@@ -154,10 +155,11 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
     all
 }
 
-/// Speed that a twin's drive asks for along time, without its drift: straight between points.
+/// Speed that a twin's drive asks for along time: straight between points, and what it drifts by.
 #[derive(Clone, Debug)]
 pub struct Asked {
     points: Vec<(f64, f64)>,
+    drift: Vec<(Effect, f64)>,
     /// Whether the drive gives what following it takes, friction included: a speed loop does not.
     follows: bool,
 }
@@ -195,8 +197,11 @@ impl Asked {
                 points
             }
         };
+        let all = effects(twin).into_iter();
+        let drift = all.filter(|(effect, _)| effect.site == Site::Drive);
         Self {
             points,
+            drift: drift.map(|(effect, sizes)| (effect, sizes[0])).collect(),
             follows: twin.speed_loop().is_none(),
         }
     }
@@ -228,6 +233,24 @@ impl Asked {
     /// Speed at a time, rad/s, and its rate, rad/s^2; `inside_s` says on which side of a jump.
     #[must_use]
     pub fn at(&self, time_s: f64, inside_s: f64) -> (f64, f64) {
+        let (speed, rate) = self.plain(time_s, inside_s);
+        let here = along_time(Here {
+            time_s,
+            inside_s,
+            angle: 0.0,
+            speed,
+            way: sign(speed),
+        });
+        let drift = self.drift.iter().map(|(effect, size)| {
+            let [one, _] = effect.value(here);
+            (size * one.at, size * one.slope)
+        });
+        let (by, slope) = drift.fold((0.0, 0.0), |all, one| (all.0 + one.0, all.1 + one.1));
+        (speed * (1.0 + by), rate * (1.0 + by) + speed * slope)
+    }
+
+    /// The same without its drift.
+    fn plain(&self, time_s: f64, inside_s: f64) -> (f64, f64) {
         let next = self.points.partition_point(|(t, _)| *t <= inside_s);
         let before = next.checked_sub(1).map(|at| self.points[at]);
         match (before, self.points.get(next).copied()) {
@@ -278,18 +301,34 @@ impl Declared {
             .collect();
         let mut response = drive(twin, &scene);
         for (effect, sizes) in effects(twin) {
-            let into = match effect.site {
-                Site::Torque | Site::Drive => &mut response,
-                _ => &mut off,
-            };
+            if effect.site == Site::Drive {
+                continue;
+            }
+            if effect.site == Site::Torque {
+                for (motions, size) in effect.motions(&scene).iter().zip(&sizes) {
+                    for (into, by) in response.iter_mut().zip(motions) {
+                        into[ANGLE] += size * by[ANGLE];
+                        into[SPEED] += size * by[SPEED];
+                    }
+                }
+                continue;
+            }
             for (column, size) in effect.columns(&scene).iter().zip(&sizes) {
-                for (into, by) in into.iter_mut().zip(column) {
+                for (into, by) in off.iter_mut().zip(column) {
                     *into += size * by;
                 }
             }
         }
         late(twin, course, &mut off);
         Self { off, response }
+    }
+}
+
+impl Declared {
+    /// What drive, torques and friction do to the angle, rad, less a straight way.
+    #[must_use]
+    pub fn angles(&self) -> Vec<f64> {
+        self.response.iter().map(|motion| motion[ANGLE]).collect()
     }
 }
 
@@ -329,10 +368,10 @@ fn late(twin: &Twin, course: &Course, off: &mut [f64]) {
 /// Part of the speed by which it changes over an interval from which on its course within is in doubt.
 const SUDDEN: f64 = 0.3;
 
-/// Changes of the speed, rad/s, that the torques' size leaves open where the course within an interval is not known: at a reversal, and
+/// Changes of angle and speed that the torques' size leaves open where the course within an interval is not known: at a reversal, and
 /// wherever the speed changes much from edge to edge.
 #[must_use]
-pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, f64)> {
+pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)> {
     let law = &plant.law;
     let waves: Vec<(f64, f64)> = effects(twin)
         .into_iter()
@@ -362,23 +401,32 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, f64)> {
             0.0
         };
         if waves + friction > 0.0 {
-            jolts.push((at, (waves + friction) * h));
+            let still_s = course.reversals_s.iter().find(|still_s| {
+                **still_s >= course.time_s[at - 1] && **still_s <= course.time_s[at]
+            });
+            let left_s = still_s.map_or(0.5 * h, |still_s| course.time_s[at] - still_s);
+            let jolt = (waves + friction) * h;
+            jolts.push((at, [jolt * left_s, jolt]));
         }
     }
     jolts
 }
 
-/// What drive and friction do to the angle.
-fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<f64> {
+/// What drive and friction do to angle and speed.
+fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
     let law = &scene.plant.law;
     let mut breaks = knots(twin);
     breaks.extend(&scene.course.reversals_s);
     breaks.sort_by(f64::total_cmp);
-    // Friction about the course: its value there, less what the linear damping already has of it.
-    let friction = |here: Here| {
-        let (at, slope) = law.friction(here.speed);
-        slope * here.speed - at
+    let moved = |push: &dyn Fn(Here) -> f64, breaks: &[f64]| {
+        let all = 0..scene.record.len();
+        let push = |here: Here| [push(here)];
+        let [motions] = scene
+            .plant
+            .responses(all, scene.course, false, push, |_| 0.0, breaks);
+        motions
     };
+    let friction = |here: Here| scene.plant.friction(scene.course, here);
     if let Some(looped) = twin.speed_loop() {
         let samples = speed_loop::along(&looped, scene.record, twin, 0.0);
         let rate_hz = looped.rate_hz;
@@ -399,10 +447,10 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<f64> {
                 .unwrap_or(0.0)
                 + friction(here)
         };
-        return scene.plant.response(scene.course, push, |_| 0.0, &breaks);
+        return moved(&push, &breaks);
     }
     if twin.drive == Drive::Unknown {
-        return vec![0.0; scene.record.len()];
+        return vec![Motion::default(); scene.record.len()];
     }
     if let Drive::Torque(torque) = &twin.drive {
         let points: Vec<(f64, f64)> = torque
@@ -412,10 +460,11 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<f64> {
             .collect();
         let given = Asked {
             points,
+            drift: Vec::new(),
             follows: false,
         };
         let push = |here: Here| given.at(here.time_s, here.inside_s).0 + friction(here);
-        return scene.plant.response(scene.course, push, |_| 0.0, &breaks);
+        return moved(&push, &breaks);
     }
     let push = |here: Here| {
         let mut push = friction(here);
@@ -427,10 +476,10 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<f64> {
                 sign(asked)
             };
             // It balances friction at the speed asked for.
-            let against = law.friction(asked).0.abs() * towards;
+            let against = law.friction(asked).0 * towards;
             push += rate + (law.viscous + law.stiffness) * asked + against;
         }
         push
     };
-    scene.plant.response(scene.course, push, |_| 0.0, &breaks)
+    moved(&push, &breaks)
 }

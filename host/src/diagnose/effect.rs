@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::declared::Asked;
-use super::plant::{Plant, sign};
+use super::filter::ANGLE;
+use super::plant::{Motion, Plant, sign};
 use super::record::Record;
 use crate::effect::number::Sloped;
 pub use crate::effect::{Carrier, Effect, Growth, Here, On, Site, along_time};
@@ -27,7 +28,11 @@ impl Effect {
     #[must_use]
     pub fn columns(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         match self.site {
-            Site::Torque | Site::Drive => self.pushed(scene),
+            Site::Torque | Site::Drive => {
+                let each = self.motions(scene).into_iter();
+                each.map(|column| column.iter().map(|motion| motion[ANGLE]).collect())
+                    .collect()
+            }
             Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
@@ -54,7 +59,9 @@ impl Effect {
         }
     }
 
-    fn pushed(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
+    /// What it makes of the shaft's angle and speed at each edge, for unit of each size, where it is a torque.
+    #[must_use]
+    pub fn motions(&self, scene: &Scene<'_>) -> Vec<Vec<Motion>> {
         let rate = |speed: f64| match self.carrier {
             Carrier::Order(order) => order * speed,
             Carrier::Tone(f_hz) => TAU * f_hz,
@@ -92,7 +99,7 @@ impl Effect {
                     // What the drive adds to follow: J dw/dt, and damping times what it asks for on top.
                     let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
                     let both = self.value(along_time(here));
-                    let damping = law.damping(here.inside_s, here.speed);
+                    let damping = law.damping(here.inside_s, asked);
                     both.map(|Sloped { at: value, slope }| {
                         rate * value + asked * slope + damping * asked * value
                     })

@@ -53,8 +53,10 @@ pub struct Leap<const N: usize> {
     pub torque: Square<N>,
     /// Covariance for unit drift.
     pub drift: Square<N>,
-    /// RMS change of the speed in the middle of the interval that its course leaves open, rad/s.
-    pub jolt: f64,
+    /// Covariance of a noise whose size is declared.
+    pub load: Option<Box<Square<N>>>,
+    /// RMS change of angle, rad, and speed, rad/s, that the course within the interval leaves open.
+    pub jolt: [f64; 2],
     /// Speed at the edge, rad/s.
     pub speed: f64,
     /// Whether nothing is known of the state.
@@ -78,6 +80,7 @@ impl<const N: usize> Leap<N> {
             way: part(&self.way),
             torque: part(&self.torque),
             drift: part(&self.drift),
+            load: self.load.as_deref().map(|load| Box::new(part(load))),
             jolt: self.jolt,
             speed: self.speed,
             fresh: self.fresh,
@@ -175,10 +178,14 @@ impl<const N: usize> Filter<N> {
                     }
                 }
             }
-            if leap.jolt > 0.0 && !fresh {
-                let by = [0.5 * leap.way[ANGLE][SPEED] * leap.jolt, leap.jolt];
-                for (row, one) in by.iter().enumerate() {
-                    for (column, other) in by.iter().enumerate() {
+            if let Some(load) = leap.load.as_deref().filter(|_| !fresh) {
+                for (row, load) in p.iter_mut().zip(load) {
+                    row.iter_mut().zip(load).for_each(|(p, load)| *p += load);
+                }
+            }
+            if leap.jolt[SPEED] > 0.0 && !fresh {
+                for (row, one) in leap.jolt.iter().enumerate() {
+                    for (column, other) in leap.jolt.iter().enumerate() {
                         p[row][column] += one * other;
                     }
                 }

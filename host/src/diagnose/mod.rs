@@ -21,6 +21,7 @@ pub mod effect;
 pub mod events;
 pub mod filter;
 mod findings;
+mod held_up;
 pub mod identify;
 pub mod judge;
 mod jury;

@@ -536,7 +536,7 @@ impl Board {
         const DIGITS: f64 = 1e-6;
         let each = self.benches.iter();
         let white = each.map(|bench| {
-            let mut response = bench.declared.response.clone();
+            let mut response = bench.declared.angles();
             bench.less_start(&mut response);
             bench.white(&response)
         });

@@ -22,7 +22,7 @@ pub struct Mode {
     pub damping: f64,
     /// Inertia of the far side over that of the near one.
     pub ratio: f64,
-    /// Density of the acceleration noise on the far side over that of the near one.
+    /// Density of the noise of the far side's torque over the square of the inertia, (rad/s^2)^2 s.
     pub load: f64,
 }
 
@@ -97,7 +97,7 @@ impl Law {
                     square: free * free,
                     damping: 2.0 * mode.damping_ratio * free,
                     ratio: mode.inertia_share / (1.0 - mode.inertia_share),
-                    load: mode.load_psd_n2_m2_s.unwrap_or(0.0),
+                    load: mode.load_psd_n2_m2_s.unwrap_or(0.0) / (inertia * inertia),
                 }
             }),
             hold_s: if hold_s.is_finite() { hold_s } else { 0.0 },
@@ -120,7 +120,7 @@ impl Law {
         }
     }
 
-    /// Friction without the viscous part at a speed, rad/s^2, against the motion, and its slope, 1/s.
+    /// Size of the friction without the viscous part at a speed, rad/s^2, and its slope, 1/s.
     #[must_use]
     pub fn friction(&self, speed: f64) -> (f64, f64) {
         let size = speed.abs();
@@ -132,7 +132,7 @@ impl Law {
             at += left;
             slope -= 2.0 * over / self.stribeck_rad_s * left;
         }
-        (at * sign(speed), slope)
+        (at, slope)
     }
 
     /// Share of a time for which the drive is on.
@@ -164,6 +164,9 @@ pub fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
+/// Angle, rad, and speed, rad/s.
+pub type Motion = [f64; 2];
+
 /// A shaft along its course.
 #[derive(Clone, Debug)]
 pub struct Plant {
@@ -171,6 +174,8 @@ pub struct Plant {
     pub law: Law,
     /// Damping over the interval that ends at each edge, 1/s.
     pub damping: Vec<f64>,
+    /// Part of it that is the slope of friction, 1/s.
+    slopes: Vec<f64>,
     /// Angle of a speed and what stays of it, over each whole interval and over half of it.
     reaches: Vec<[(f64, f64); 2]>,
 }
@@ -184,11 +189,16 @@ impl Plant {
     /// Of a law along a course.
     #[must_use]
     pub fn new(law: Law, course: &Course) -> Self {
-        let damping = (0..course.len()).map(|at| {
+        let slopes = (0..course.len()).map(|at| {
+            let before = at.saturating_sub(1);
+            law.friction(0.5 * (course.speed[at] + course.speed[before]))
+                .1
+        });
+        let slopes: Vec<f64> = slopes.collect();
+        let damping = slopes.iter().enumerate().map(|(at, slope)| {
             let before = at.saturating_sub(1);
             let on = law.share_on(course.time_s[before], course.time_s[at]);
-            let speed = 0.5 * (course.speed[at] + course.speed[before]);
-            law.viscous + on * law.stiffness + law.friction(speed).1
+            law.viscous + on * law.stiffness + slope
         });
         let damping: Vec<f64> = damping.collect();
         let reaches = (0..course.len()).map(|at| {
@@ -198,23 +208,23 @@ impl Plant {
         Self {
             reaches: reaches.collect(),
             damping,
+            slopes,
             law,
         }
     }
 
-    /// Angle that an acceleration makes at each edge, rad, from rest at the first. `rate` is how fast the acceleration's phase may go,
-    /// rad/s, at a speed; `breaks` are instants at which it jumps, s, by time.
-    pub fn response(
-        &self,
-        course: &Course,
-        acceleration: impl Fn(Here) -> f64,
-        rate: impl Fn(f64) -> f64,
-        breaks: &[f64],
-    ) -> Vec<f64> {
-        self.response_over(0..course.len(), course, acceleration, rate, breaks)
+    /// Acceleration by friction about the course: what it is there, less what the damping of that interval has of it already.
+    #[must_use]
+    pub fn friction(&self, course: &Course, here: Here) -> f64 {
+        let at = course
+            .time_s
+            .partition_point(|time_s| *time_s < here.inside_s);
+        let slope = self.slopes.get(at).copied().unwrap_or(0.0);
+        slope * here.speed - self.law.friction(here.speed).0 * here.way
     }
 
-    /// The same over a range of edges, from rest at its first.
+    /// Angle that an acceleration makes at each edge of a range, rad, from rest at the first. `rate` is how fast the acceleration's phase
+    /// may go, rad/s, at a speed; `breaks` are instants at which it jumps, s, by time.
     pub fn response_over(
         &self,
         range: std::ops::Range<usize>,
@@ -231,10 +241,10 @@ impl Plant {
             rate,
             breaks,
         );
-        out
+        out.iter().map(|motion| motion[ANGLE]).collect()
     }
 
-    /// The same of several accelerations at once; they see the speed that was foretold, or the one that was.
+    /// Angle and speed that several accelerations make; they see the speed that was foretold, or the one that was.
     #[allow(clippy::too_many_arguments)]
     pub fn responses<const K: usize>(
         &self,
@@ -244,8 +254,8 @@ impl Plant {
         acceleration: impl Fn(Here) -> [f64; K],
         rate: impl Fn(f64) -> f64,
         breaks: &[f64],
-    ) -> [Vec<f64>; K] {
-        let mut out = [(); K].map(|()| vec![0.0; range.len()]);
+    ) -> [Vec<Motion>; K] {
+        let mut out = [(); K].map(|()| vec![Motion::default(); range.len()]);
         let mut states = [[0.0; 4]; K];
         // What acts at the start of an interval is what did at the end of the last one, unless it jumps.
         let mut push = None;
@@ -285,7 +295,7 @@ impl Plant {
                 next += 1;
             }
             for (out, state) in out.iter_mut().zip(&states) {
-                out[at - range.start] = state[0];
+                out[at - range.start] = [state[ANGLE], state[SPEED]];
             }
         }
         out
@@ -325,6 +335,8 @@ impl Plant {
             [reach(b, step), reach(b, 0.5 * step)]
         };
         let inside_s = 0.5 * (begun + stop);
+        // On which side of a standstill the part is, its ends do not say.
+        let way = sign(course.within(at, (inside_s - from) / h).1);
         let here = |time_s: f64| {
             let (angle, speed) = course.within(at, (time_s - from) / h);
             acceleration(Here {
@@ -332,7 +344,7 @@ impl Plant {
                 inside_s,
                 angle,
                 speed: if foretold { course.steady[at] } else { speed },
-                way: sign(speed),
+                way,
             })
         };
         let mut push = before.unwrap_or_else(|| here(begun));
@@ -405,14 +417,19 @@ impl Plant {
                 let before = at.saturating_sub(1);
                 let h = (course.time_s[at] - course.time_s[before]).max(0.0);
                 let (way, torque, drift) = self.spread::<N>(self.damping[at], course.time_s[at], h);
+                let load = self.law.mode.filter(|mode| mode.load > 0.0);
                 Leap {
                     way,
                     torque,
                     drift,
-                    jolt: 0.0,
+                    load: load.map(|mode| {
+                        let far = [(SWINGS, mode.load.sqrt())];
+                        Box::new(self.stirred::<N>(&mode, self.damping[at], h, &far))
+                    }),
+                    jolt: [0.0; 2],
                     speed: course.speed[at],
                     fresh: false,
-                    doubt_s: 0.0,
+                    doubt_s: course.doubt_s[at],
                 }
             })
             .collect()
@@ -514,32 +531,41 @@ impl Plant {
 
     /// Covariance that unit white torque noise makes over a time.
     fn white<const N: usize>(&self, b: f64, h: f64) -> Square<N> {
-        let mut q = [[0.0; N]; N];
         if let (Some(mode), true) = (&self.law.mode, N > SWINGS) {
-            // Of two masses: pushes in the middle of short parts, near and far.
-            let parts = ((mode.square.sqrt() + mode.damping) * h / PHASE)
-                .ceil()
-                .clamp(4.0, 32.0);
-            let step = h / parts;
-            let part = self.way::<N>(b, step, false);
-            for _ in 0..parts as usize {
-                q = filter::through(&part, &q);
-                let near = [1.0 + mode.ratio, mode.ratio];
-                let rows = [(SPEED, near[0]), (SWINGS, near[1])];
-                for (row, one) in rows {
-                    for (column, other) in rows {
-                        q[row][column] += step * one * other;
-                    }
-                }
-                q[SWINGS][SWINGS] += step * mode.load;
-            }
-            return q;
+            let near = [(SPEED, 1.0 + mode.ratio), (SWINGS, mode.ratio)];
+            return self.stirred::<N>(mode, b, h, &near);
         }
+        let mut q = [[0.0; N]; N];
         let [angle, both, speed] = stir(b * h);
         q[ANGLE][ANGLE] = h * h * h * angle;
         q[ANGLE][SPEED] = h * h * both;
         q[SPEED][ANGLE] = q[ANGLE][SPEED];
         q[SPEED][SPEED] = h * speed;
+        q
+    }
+
+    /// Covariance that white noise makes over a time of two masses, pushing states by so much: pushes in the middle of short parts.
+    fn stirred<const N: usize>(
+        &self,
+        mode: &Mode,
+        b: f64,
+        h: f64,
+        pushed: &[(usize, f64)],
+    ) -> Square<N> {
+        let mut q = [[0.0; N]; N];
+        let parts = ((mode.square.sqrt() + mode.damping) * h / PHASE)
+            .ceil()
+            .clamp(4.0, 32.0);
+        let step = h / parts;
+        let part = self.way::<N>(b, step, false);
+        for _ in 0..parts as usize {
+            q = filter::through(&part, &q);
+            for (row, one) in pushed {
+                for (column, other) in pushed {
+                    q[*row][*column] += step * one * other;
+                }
+            }
+        }
         q
     }
 
@@ -670,8 +696,8 @@ impl Leaps {
         }
     }
 
-    /// Leaves open how the speed changed within intervals, rad/s.
-    pub fn jolt(&mut self, jolts: &[(usize, f64)]) {
+    /// Leaves open how angle and speed changed within intervals.
+    pub fn jolt(&mut self, jolts: &[(usize, Motion)]) {
         for (at, jolt) in jolts {
             match self {
                 Self::Stiff(leaps) => leaps[*at].jolt = *jolt,

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::edges::Edges;
+use super::held_up::{Held, Task};
 pub use crate::effect::Change;
 use crate::twin::Twin;
 
@@ -22,6 +23,10 @@ pub struct Record {
     pub edges: i64,
     /// Edge classes.
     pub classes: i64,
+    /// RMS error of each stamp beside the others', s.
+    pub doubt_s: Vec<f64>,
+    /// Those that a declared task held up.
+    pub held: Vec<Held>,
     /// Length of a tick, s.
     pub tick_s: f64,
     /// Whether places are angles of the disc.
@@ -53,8 +58,15 @@ impl Record {
             let before = first as f64 - starts;
             ((start_turns * grid as f64 - before) / classes as f64).round() as i64 * classes
         };
+        let time_s = &edges.time_s;
+        let held = Task::of(twin).map(|task| {
+            let near_s = twin.timer.jitter_s.hypot(edges.tick_s);
+            task.held(time_s, near_s)
+        });
         Self {
-            time_s: edges.time_s.clone(),
+            time_s: time_s.clone(),
+            doubt_s: vec![0.0; time_s.len()],
+            held: held.unwrap_or_default(),
             place: edges.place.iter().map(|place| place + shift).collect(),
             way: edges.forward.iter().map(|forward| way(*forward)).collect(),
             edges: grid,

@@ -144,7 +144,13 @@ fn a_torque_swings_the_shaft_as_its_transfer_function_says() {
     let course = Course::new(&record, &vec![0.0; record.len()]);
     let plant = Plant::new(Law::of(&twin), &course);
     let w: f64 = 2.0 * std::f64::consts::PI * 30.0;
-    let angles = plant.response(&course, |here| (w * here.time_s).sin(), |_| w, &[]);
+    let angles = plant.response_over(
+        0..course.len(),
+        &course,
+        |here| (w * here.time_s).sin(),
+        |_| w,
+        &[],
+    );
     let b = plant.damping[1];
     let expected = 1.0 / (w * w.hypot(b));
     // Over whole periods late in the recording, beside a straight way.

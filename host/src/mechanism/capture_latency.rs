@@ -3,7 +3,7 @@
 //! Where a program, not hardware, takes the stamp, it is late by the interrupt's latency: an exponential time of mean m, one-sided; or
 //! a task blocks it, f times a second for a time b, and edges that fall a time x into that are stamped at its end:
 //! `e = -w tau, tau exponential with mean m, or b - x while a task is busy`
-//! The first is told from jitter by its skewness (`diagnose/noise/latency.rs`), the second by stamps that come together at the ends of its
+//! The first is told from jitter by its skewness (`diagnose/stamps.rs`), the second by stamps that come together at the ends of its
 //! busy times, fitted by their likelihood (`diagnose/noise/task.rs`) and then left out (`diagnose/held_up.rs`). Simulated in
 //! `sim/latency.rs`.
 //!
