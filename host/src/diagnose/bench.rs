@@ -4,7 +4,7 @@ use super::course::Course;
 use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
 use super::filter::{ANGLE, Noise};
-use super::held_up;
+use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
 use super::plant::{Gains, Here, Law, Leaps, Plant};
@@ -146,6 +146,21 @@ impl Bench {
         let before = std::mem::replace(self, turned);
         self.stays(&before);
         Ok(())
+    }
+
+    /// The same where a task holds edges up, or none does.
+    #[must_use]
+    pub fn held_up_by(&self, task: Option<Task>, noise: &Noise) -> Option<Self> {
+        let mut twin = self.twin.clone();
+        twin.capture_latency = task.map(Task::declared);
+        let mut record = self.record.clone();
+        held_up::restore(&mut record);
+        let near_s = twin.timer.jitter_s.max(noise.stamp_s).hypot(record.tick_s);
+        record.held = task.map_or_else(Vec::new, |task| task.held(&record.time_s, near_s));
+        let errors = sim::true_errors(&twin).ok()?;
+        let mut bench = Self::about(record, &twin, &errors, &self.learned, noise);
+        bench.stays(self);
+        Some(bench)
     }
 
     /// Keeps what of the same recording does not change with its twin or its course.

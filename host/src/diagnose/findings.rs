@@ -11,7 +11,7 @@ use super::model::{Board, Fit};
 use super::noise::Tails;
 use super::rig::Recorded;
 use super::scan::SURE;
-use super::{correct, disc, events, name, search, stamps};
+use super::{correct, disc, events, name, search, stamps, task};
 use crate::diagnose::diagnosis::{
     Diagnosis, Evidence, Finding, NextRecording, Place, RunnerUp, Verdict,
 };
@@ -186,6 +186,9 @@ pub fn answer(
     } else if let Some(stamps) = stamps {
         findings.push((stamps, Vec::new(), None));
     }
+    let tasks = given.benches.iter().enumerate();
+    let tasks = tasks.filter_map(|(at, bench)| task::finding(bench, board, fit, at));
+    findings.extend(tasks.map(|finding| (finding, Vec::new(), None)));
     findings.extend(
         events::findings(rig)
             .into_iter()

@@ -23,6 +23,8 @@ pub struct Task {
 pub struct Held {
     /// Which one.
     pub at: usize,
+    /// Its stamp, s.
+    pub stamp_s: f64,
     /// Busy time that it came in, s.
     pub busy_s: [f64; 2],
 }
@@ -47,6 +49,17 @@ impl Task {
         })
     }
 
+    /// What a twin says of it.
+    #[must_use]
+    pub fn declared(self) -> CaptureLatency {
+        CaptureLatency {
+            mean_s: None,
+            task_hz: Some(self.rate_hz),
+            busy_s: Some(self.busy_s),
+            phase_s: Some(self.phase_s),
+        }
+    }
+
     /// Stamps at the ends of its busy times, for a clock with so much jitter; none where that is as long.
     #[must_use]
     pub fn held(&self, time_s: &[f64], near_s: f64) -> Vec<Held> {
@@ -59,10 +72,22 @@ impl Task {
             let end_s = first_s + period / self.rate_hz;
             ((time_s - end_s).abs() <= NEAR * near_s).then_some(Held {
                 at,
+                stamp_s: *time_s,
                 busy_s: [end_s - self.busy_s, end_s],
             })
         });
         each.collect()
+    }
+
+    /// How many stamps are within its busy times and not at their ends: none, if it holds captures up.
+    #[must_use]
+    pub fn denied(&self, time_s: &[f64], near_s: f64) -> usize {
+        let first_s = self.phase_s + self.busy_s;
+        let each = time_s.iter().filter(|time_s| {
+            let left = ((first_s - *time_s) * self.rate_hz).rem_euclid(1.0) / self.rate_hz;
+            **time_s > self.phase_s && left > NEAR * near_s && left < self.busy_s - NEAR * near_s
+        });
+        each.count()
     }
 }
 
@@ -74,6 +99,7 @@ pub fn release(record: &mut Record, off: &[f64]) {
         for Held {
             at,
             busy_s: [begins_s, ends_s],
+            ..
         } in run
         {
             let foretold_s = between(record, off, first, last, *at);
@@ -81,6 +107,14 @@ pub fn release(record: &mut Record, off: &[f64]) {
             record.time_s[*at] = time_s.clamp(*begins_s, *ends_s);
             record.doubt_s[*at] = (ends_s - begins_s) / 12_f64.sqrt();
         }
+    }
+}
+
+/// Gives edges that were held up their stamps again.
+pub fn restore(record: &mut Record) {
+    for Held { at, stamp_s, .. } in std::mem::take(&mut record.held) {
+        record.time_s[at] = stamp_s;
+        record.doubt_s[at] = 0.0;
     }
 }
 

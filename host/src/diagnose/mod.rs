@@ -41,6 +41,7 @@ pub mod scan;
 pub mod search;
 mod speed_loop;
 pub mod stamps;
+mod task;
 #[cfg(test)]
 mod tests;
 pub mod write;

@@ -18,6 +18,7 @@ use super::pattern::Pattern;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 pub use super::scan::{SURE, evidence};
+use super::task;
 use crate::mechanism::Mechanism;
 
 /// How often a search goes on in other noise at the most.
@@ -171,6 +172,10 @@ pub fn search(board: &mut Board) -> Found {
         noise: 0.0,
     };
     for trial in 1..=TRIALS {
+        if task::find(board, &found.fit) {
+            found.bank = Bank::new(board);
+            found.fit = board.fit(&found.fit.model);
+        }
         found.add(board);
         let judged = jury::judge(board, &mut found.fit, trial < TRIALS);
         found.worth = judged.worth;

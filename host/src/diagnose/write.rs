@@ -543,7 +543,14 @@ fn put_counted(twin: &mut Twin, finding: &Finding, one: &Recorded) -> bool {
         }
         Mechanism::CaptureLatency => {
             let Some(mean_s) = number("mean_s") else {
-                return false;
+                let task = CaptureLatency {
+                    mean_s: None,
+                    task_hz: number("task_hz"),
+                    busy_s: number("busy_s"),
+                    phase_s: number("phase_s"),
+                };
+                twin.capture_latency = Some(task);
+                return task.task_hz.is_some();
             };
             // On top of what is declared.
             let there = twin.capture_latency.and_then(|latency| latency.mean_s);

@@ -40,6 +40,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+pub use capture_latency::TASK_HZ;
 pub use card::{Card, Quantity};
 pub use mark::{EdgeClasses, LockedTo};
 

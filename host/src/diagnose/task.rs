@@ -1,0 +1,343 @@
+//! A task that holds captures up, found from the recording: late edges whose stamps have one phase of a rate, and none in the busy time
+//! before (A. Schuster, Terrestrial Magnetism 3, 1898).
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::bench::Bench;
+use super::disc;
+use super::held_up::{self, Task};
+use super::lsq;
+use super::model::{Board, Fit};
+use super::record::Record;
+use super::scan::SURE;
+use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place};
+use crate::mechanism::{Mechanism, TASK_HZ};
+use crate::report::si;
+
+/// Deviations by which an edge is late, and how many late edges make a rate.
+const LATE: f64 = 4.0;
+const LEAST: usize = 10;
+/// Deviation of normal noise over the median of its size.
+const MEDIAN: f64 = 1.482_6;
+/// Late edges that are looked at at once, and how many such runs.
+const RUN: usize = 32;
+const RUNS: usize = 12;
+/// Turns about their mean phase that late edges are taken from, for a closer one: others shift it.
+const NARROWER: [f64; 3] = [0.1, 1e-2, 1e-3];
+/// Turns over a recording to which a rate is found.
+const EXACT: f64 = 1e-6;
+/// Points of a periodogram for each 1 / span of it.
+const FINE: f64 = 4.0;
+/// Coherence of late edges that a task makes, and the part of the highest that the lowest rate needs: its multiples have as much.
+const COHERENT: f64 = 0.6;
+const LOWEST: f64 = 0.9;
+/// How many times as long as any other one the time without edges has to be.
+const EMPTY: f64 = 3.0;
+/// Mean distances of edges' phases within which the start of the busy time is, 95 %.
+const START: f64 = 3.0;
+
+/// Puts the task that holds each recording's edges up into its twin, where there is one that the twin does not declare so; whether any
+/// was found.
+pub fn find(board: &mut Board, fit: &Fit) -> bool {
+    let mut found = false;
+    let rests = disc::rests(board, &fit.model);
+    let noise = board.noise;
+    for at in 0..board.benches.len() {
+        let bench = &board.benches[at];
+        let declared = Task::of(&bench.twin);
+        if bench.twin.capture_latency.is_some() && declared.is_none() {
+            continue;
+        }
+        // As if it were not declared: edges that it did not hold up are none then.
+        let plain = declared.and_then(|_| bench.held_up_by(None, &noise));
+        let mut rest = rests[at].clone();
+        if let Some(plain) = &plain {
+            let each = rest.iter_mut().zip(&plain.residual).zip(&bench.residual);
+            each.for_each(|((rest, plain), was)| *rest += plain - was);
+        }
+        let task = of(plain.as_ref().unwrap_or(bench), &rest, noise.stamp_s);
+        let Some(task) = task.filter(|task| declared.is_none_or(|one| !task.is(&one))) else {
+            continue;
+        };
+        let mut other = board.clone();
+        let Some(with) = bench.held_up_by(Some(task.task), &noise) else {
+            continue;
+        };
+        other.benches[at] = with;
+        let near_s = noise.stamp_s.hypot(bench.record.tick_s);
+        let denied = declared.map_or(0.0, |task| against(bench, &task, near_s));
+        let (other, _, lost) = other.at_its_noise(&fit.model);
+        if lost < board.at_its_noise(&fit.model).2 + denied - SURE {
+            *board = other;
+            found = true;
+        }
+    }
+    found
+}
+
+/// Twice the logarithm of a likelihood ratio that stamps within a task's busy times are against it.
+fn against(bench: &Bench, task: &Task, near_s: f64) -> f64 {
+    /// Of one of them: a chance of one in a thousand.
+    const ONE: f64 = 13.8;
+    let mut record = bench.record.clone();
+    held_up::restore(&mut record);
+    ONE * task.denied(&record.time_s, near_s) as f64
+}
+
+/// A task as far as a recording shows it.
+#[derive(Clone, Copy, Debug)]
+struct Shown {
+    task: Task,
+    /// How far its rate, Hz, and the ends of its busy time, s, are off, 95 %.
+    rate_hz: f64,
+    end_s: f64,
+    /// The same of its start.
+    start_s: f64,
+}
+
+impl Shown {
+    /// Whether a declared one is as shown.
+    fn is(&self, declared: &Task) -> bool {
+        let turns = (declared.phase_s + declared.busy_s - self.task.phase_s - self.task.busy_s)
+            * self.task.rate_hz;
+        (declared.rate_hz - self.task.rate_hz).abs() <= 2.0 * self.rate_hz
+            && (turns - turns.round()).abs() <= self.end_s * self.task.rate_hz
+            && (declared.busy_s - self.task.busy_s).abs() <= self.start_s + self.end_s
+    }
+}
+
+/// The task that residual angles of a recording show.
+fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
+    let record = &bench.record;
+    // In time, beside both neighbours: what a filter makes of one late edge lasts.
+    let beside_s = (1..record.len().saturating_sub(1)).map(|at| {
+        let times = &record.time_s;
+        let share = (times[at] - times[at - 1]) / (times[at + 1] - times[at - 1]);
+        let apart = rest[at] - rest[at - 1] - share * (rest[at + 1] - rest[at - 1]);
+        -apart / bench.course.speed[at]
+    });
+    let beside_s: Vec<f64> = beside_s.collect();
+    let mut sizes: Vec<f64> = beside_s.iter().map(|late_s| late_s.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let usual_s = sizes.get(sizes.len() / 2)? * MEDIAN;
+    let late = beside_s.iter().zip(&record.time_s[1..]);
+    let late = late.filter(|(late_s, _)| **late_s > LATE * usual_s);
+    let late: Vec<f64> = late.map(|(_, time_s)| *time_s).collect();
+    let (mut rate_hz, coherent) = rate(&late)?;
+    let near_s = stamp_s.max(bench.twin.timer.jitter_s).hypot(record.tick_s);
+    // The end of the busy time after the recording's start, by all late edges that come at it.
+    let mut turns = phase(&late, rate_hz);
+    for within in NARROWER {
+        let apart = |time_s: f64| {
+            let apart = time_s * rate_hz - turns;
+            apart - apart.round()
+        };
+        let near = late.iter().filter(|time_s| apart(**time_s).abs() < within);
+        let (times, aparts): (Vec<f64>, Vec<f64>) =
+            near.map(|time_s| (*time_s, apart(*time_s))).unzip();
+        let solved = lsq::solve(&[&vec![1.0; times.len()], &times], &aparts);
+        turns += solved.sizes[0];
+        rate_hz -= solved.sizes[1];
+    }
+    let at_end = |time_s: f64| {
+        let apart = time_s * rate_hz - turns;
+        (apart - apart.round()) / rate_hz
+    };
+    let near: Vec<f64> = late
+        .iter()
+        .map(|time_s| at_end(*time_s))
+        .filter(|apart_s| apart_s.abs() <= LATE * near_s)
+        .collect();
+    if coherent < COHERENT || near.len() < LEAST || 2 * near.len() < late.len() {
+        return None;
+    }
+    // How long before an end all others are.
+    let mut before: Vec<f64> = record
+        .time_s
+        .iter()
+        .map(|time_s| at_end(*time_s))
+        .filter(|apart_s| apart_s.abs() > LATE * near_s)
+        .map(|apart_s| (-apart_s).rem_euclid(1.0 / rate_hz))
+        .collect();
+    before.sort_by(f64::total_cmp);
+    let empty_s = *before.first()?;
+    let widest_s = before
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .fold(0.0, f64::max);
+    if empty_s < EMPTY * widest_s || empty_s < 2.0 * LATE * near_s {
+        return None;
+    }
+    let apart_s = (1.0 / rate_hz - empty_s) / before.len() as f64;
+    let busy_s = empty_s - apart_s;
+    let end_s = turns / rate_hz;
+    let phase_s = (end_s - busy_s).rem_euclid(1.0 / rate_hz);
+    let count = near.len() as f64;
+    let deviation_s = (near.iter().map(|apart| apart * apart).sum::<f64>() / count).sqrt();
+    let task = Task {
+        rate_hz,
+        busy_s,
+        phase_s,
+    };
+    let deviation_s = deviation_s.max(record.tick_s);
+    Some(shown(
+        record,
+        task,
+        deviation_s,
+        near.len(),
+        late.last()? - late.first()?,
+    ))
+}
+
+/// How far so many held edges over a time show a task, if their stamps are off by so much.
+fn shown(record: &Record, task: Task, deviation_s: f64, held: usize, span_s: f64) -> Shown {
+    let end_s = 1.96 * deviation_s / (held.max(1) as f64).sqrt();
+    let others = record.len().saturating_sub(held).max(1) as f64;
+    Shown {
+        task,
+        // A slope through points that are spread evenly.
+        rate_hz: 12_f64.sqrt() * end_s * task.rate_hz / span_s,
+        end_s: 2.0 * end_s,
+        start_s: 2.0 * end_s + START * (1.0 / task.rate_hz - task.busy_s) / others,
+    }
+}
+
+/// The lowest rate at which instants have one phase, Hz, and how coherent they are.
+fn rate(late: &[f64]) -> Option<(f64, f64)> {
+    if late.len() < LEAST {
+        return None;
+    }
+    let runs: Vec<&[f64]> = late.chunks(RUN).filter(|run| run.len() >= LEAST).collect();
+    let each = runs.len().div_ceil(RUNS).max(1);
+    let runs: Vec<&[f64]> = runs.into_iter().step_by(each).collect();
+    let span = |run: &[f64]| run[run.len() - 1] - run[0];
+    let longest_s = runs.iter().map(|run| span(run)).fold(0.0, f64::max);
+    let step = 1.0 / (FINE * longest_s);
+    let points = ((TASK_HZ[1] - TASK_HZ[0]) / step) as usize;
+    if longest_s <= 0.0 || points > POINTS {
+        return None;
+    }
+    let power = |rate_hz: f64| {
+        let each = runs.iter().map(|run| coherence(run, rate_hz).powi(2));
+        each.sum::<f64>() / runs.len() as f64
+    };
+    use rayon::prelude::*;
+    let all: Vec<f64> = (0..points)
+        .into_par_iter()
+        .map(|point| power(TASK_HZ[0] + step * point as f64))
+        .collect();
+    let most = all.iter().copied().fold(0.0, f64::max);
+    // A grid misses the top of a peak.
+    let first = all.iter().position(|power| *power >= 0.7 * LOWEST * most)?;
+    let peak = (first..(first + 2 * FINE as usize).min(points))
+        .max_by(|a, b| all[*a].total_cmp(&all[*b]))?;
+    let mut rate_hz = TASK_HZ[0] + step * peak as f64;
+    // Over ever longer spans.
+    let mut within = step;
+    let mut last = 1;
+    loop {
+        let span_s = FINE / within;
+        last = late
+            .partition_point(|time_s| time_s - late[0] <= span_s)
+            .max(last);
+        let here = &late[..last];
+        let points = 4 * FINE as i32;
+        let best = (-points..=points)
+            .map(|point| rate_hz + within * f64::from(point) / f64::from(points))
+            .max_by(|a, b| coherence(here, *a).total_cmp(&coherence(here, *b)));
+        rate_hz = best?;
+        if last == late.len() && within * span(late) < EXACT {
+            break;
+        }
+        within *= 0.5;
+    }
+    Some((rate_hz, coherence(late, rate_hz)))
+}
+
+/// Points of a periodogram at the most.
+const POINTS: usize = 200_000;
+
+/// Sum of unit vectors at the phases of instants.
+fn vector(times_s: &[f64], rate_hz: f64) -> [f64; 2] {
+    times_s.iter().fold([0.0; 2], |[cos, sin], time_s| {
+        let (s, c) = (TAU * (time_s * rate_hz).fract()).sin_cos();
+        [cos + c, sin + s]
+    })
+}
+
+/// How far instants have one phase of a rate: 0 to 1.
+fn coherence(times_s: &[f64], rate_hz: f64) -> f64 {
+    let [cos, sin] = vector(times_s, rate_hz);
+    cos.hypot(sin) / times_s.len() as f64
+}
+
+/// Their mean phase, turns.
+fn phase(times_s: &[f64], rate_hz: f64) -> f64 {
+    let [cos, sin] = vector(times_s, rate_hz);
+    sin.atan2(cos) / TAU
+}
+
+/// The finding of a task that the twin of a recording, as it was given, does not declare so.
+#[must_use]
+pub fn finding(given: &Bench, board: &Board, fit: &Fit, at: usize) -> Option<Finding> {
+    let now = &board.benches[at];
+    let declared = Task::of(&given.twin);
+    let task = Task::of(&now.twin).filter(|task| declared != Some(*task))?;
+    let mut other = board.clone();
+    other.benches[at] = now.held_up_by(declared, &board.noise)?;
+    let near_s = board.noise.stamp_s.hypot(now.record.tick_s);
+    let denied = declared.map_or(0.0, |task| against(now, &task, near_s));
+    let lost = other.lost(&other.fit(&fit.model)) - board.lost(fit) + denied;
+    let number = |value: f64, by: f64, unit: &str| Parameter {
+        value,
+        unit: unit.to_owned(),
+        ci95: Some([value - by, value + by]),
+    };
+    let held = now.record.held.len();
+    let shown = shown(&now.record, task, near_s, held, now.record.seconds());
+    let parameters = BTreeMap::from([
+        (
+            "task_hz".to_owned(),
+            number(task.rate_hz, shown.rate_hz, "Hz"),
+        ),
+        ("busy_s".to_owned(), number(task.busy_s, shown.start_s, "s")),
+        (
+            "phase_s".to_owned(),
+            number(task.phase_s, shown.start_s, "s"),
+        ),
+    ]);
+    let is = format!(
+        "a task at {} holds captures up for {}, from {} on: {held} edges are stamped at its end",
+        si(task.rate_hz, "Hz"),
+        si(task.busy_s, "s"),
+        si(task.phase_s, "s")
+    );
+    let text = match declared {
+        Some(was) => format!(
+            "the twin declares a task at {} that holds captures up for {}, from {} on; measured: {is}",
+            si(was.rate_hz, "Hz"),
+            si(was.busy_s, "s"),
+            si(was.phase_s, "s")
+        ),
+        None => is,
+    };
+    Some(Finding {
+        mechanism: Mechanism::CaptureLatency,
+        text,
+        confidence: 1.0 - (-0.5 * lost).exp(),
+        parameters,
+        place: Place {
+            speed_exponent: Some(1.0),
+            ..Place::default()
+        },
+        evidence: Evidence {
+            delta_bic: lost,
+            p_value: (-0.5 * lost).exp(),
+            held_out_rms_ratio: None,
+            runner_up: None,
+        },
+        look_alikes: Vec::new(),
+        next_recording: None,
+    })
+}
