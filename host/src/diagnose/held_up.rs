@@ -127,5 +127,5 @@ fn between(record: &Record, off: &[f64], first: usize, last: usize, at: usize) -
     let share = (angle(at) - angle(before)) / (angle(after) - angle(before));
     let (from_s, until_s) = (record.time_s[before], record.time_s[after]);
     (ways.all(|pair| pair[0] == pair[1]) && share.is_finite())
-        .then(|| from_s + share * (until_s - from_s))
+        .then_some(from_s + share * (until_s - from_s))
 }

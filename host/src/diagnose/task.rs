@@ -43,7 +43,7 @@ pub fn find(board: &mut Board, fit: &Fit) -> bool {
     let mut found = false;
     let rests = disc::rests(board, &fit.model);
     let noise = board.noise;
-    for at in 0..board.benches.len() {
+    for (at, rest) in rests.iter().enumerate() {
         let bench = &board.benches[at];
         let declared = Task::of(&bench.twin);
         if bench.twin.capture_latency.is_some() && declared.is_none() {
@@ -51,7 +51,7 @@ pub fn find(board: &mut Board, fit: &Fit) -> bool {
         }
         // As if it were not declared: edges that it did not hold up are none then.
         let plain = declared.and_then(|_| bench.held_up_by(None, &noise));
-        let mut rest = rests[at].clone();
+        let mut rest = rest.clone();
         if let Some(plain) = &plain {
             let each = rest.iter_mut().zip(&plain.residual).zip(&bench.residual);
             each.for_each(|((rest, plain), was)| *rest += plain - was);
