@@ -26,8 +26,8 @@ pub struct Bench {
     pub disc: Vec<f64>,
     /// Standard error of an edge of that disc, rad; 0 where it counts as exact.
     pub spread_rad: f64,
-    /// What was learned of the disc on top, rad; empty where nothing was. The course goes by it.
-    pub learned: Vec<f64>,
+    /// By how much each edge is off on top by what was found, rad; empty where nothing was. The course goes by it.
+    pub found: Vec<f64>,
     /// Where the shaft was.
     pub course: Course,
     /// Its law.
@@ -63,19 +63,19 @@ impl Bench {
         Self::about(record, twin, errors, &[], noise)
     }
 
-    /// The same about the course that a disc makes of the edges of which more was learned than the twin says, rad.
+    /// The same about the course that edges make which are off by more than the twin says, rad.
     #[must_use]
     pub fn about(
         mut record: Record,
         twin: &Twin,
         errors: &[f64],
-        learned: &[f64],
+        found: &[f64],
         noise: &Noise,
     ) -> Self {
         let disc = declared::of_recorded(errors, record.edges);
         let law = Law::of(twin);
         let slots: Vec<usize> = (0..record.len()).map(|at| record.slot(at)).collect();
-        let more = |at: usize| learned.get(slots[at]).copied().unwrap_or(0.0);
+        let more = |at: usize| found.get(at).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
             .map(|at| disc.get(slots[at]).copied().unwrap_or(0.0) + more(at))
             .collect();
@@ -107,7 +107,7 @@ impl Bench {
             record,
             disc,
             spread_rad: 0.0,
-            learned: learned.to_vec(),
+            found: found.to_vec(),
             course,
             plant,
             declared,
@@ -158,7 +158,7 @@ impl Bench {
         let near_s = twin.timer.jitter_s.max(noise.stamp_s).hypot(record.tick_s);
         record.held = task.map_or_else(Vec::new, |task| task.held(&record.time_s, near_s));
         let errors = sim::true_errors(&twin).ok()?;
-        let mut bench = Self::about(record, &twin, &errors, &self.learned, noise);
+        let mut bench = Self::about(record, &twin, &errors, &self.found, noise);
         bench.stays(self);
         Some(bench)
     }

@@ -292,7 +292,7 @@ impl Board {
                     bench.record.clone(),
                     &twin,
                     &errors,
-                    &bench.learned,
+                    &bench.found,
                     &self.noise,
                 );
                 next.stays(bench);

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::diagnosis::{Evidence, Finding, Parameter, Place};
-use super::effect::Here;
-use super::model::{Board, Fit, Model};
+use super::effect::{Here, Site};
+use super::model::{Board, Fit, Model, Term};
 use super::name::NINETY_FIVE;
 use super::record::change;
 use super::search;
@@ -34,7 +34,34 @@ pub fn rests(board: &Board, model: &Model) -> Vec<Vec<f64>> {
     rests
 }
 
-/// The same with all else of the disc that is no finding.
+/// By how much each edge of each recording is off by a model and the disc's pattern, rad.
+#[must_use]
+pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
+    let errors = pattern(board, &board.rest(model));
+    let each = board.benches.iter().map(|bench| {
+        let mut off = vec![0.0; bench.record.len()];
+        if let Some(errors) = &errors {
+            let each = off.iter_mut().enumerate();
+            each.for_each(|(at, off)| *off = errors[bench.record.slot(at)]);
+        }
+        let shifts = |term: &&Term| {
+            matches!(
+                term.effect.site,
+                Site::Disc(_) | Site::Level(_) | Site::Stamp(_)
+            )
+        };
+        for term in model.terms.iter().filter(shifts) {
+            for (column, size) in bench.columns(&term.effect).iter().zip(&term.sizes) {
+                let each = off.iter_mut().zip(column);
+                each.for_each(|(off, by)| *off += size * by);
+            }
+        }
+        off
+    });
+    each.collect()
+}
+
+/// Errors of the edges that repeat each turn with all else of the disc that is no finding, rad.
 pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
     let mut errors = pattern(board, &board.rest(model))?;
     let (edges, classes) = (errors.len(), board.benches.first()?.record.classes);

@@ -355,9 +355,7 @@ impl Board {
             self.set_noise(noise);
             pattern.set_size(&self.benches, pattern.size2);
             self.pattern = Some(pattern);
-            if self.corrections.is_empty() {
-                self.go_by_disc(model);
-            }
+            self.go_by(model);
             let changed = |was: f64, is: f64| (is / was.max(f64::MIN_POSITIVE)).ln().abs() > ALIKE;
             if !changed(before.torque, noise.torque) && !changed(before.stamp_s, noise.stamp_s) {
                 break;
@@ -365,16 +363,26 @@ impl Board {
         }
     }
 
-    /// Works out the course anew beside what was learned of the disc: what follows the shaft's angle is evaluated at that.
-    fn go_by_disc(&mut self, model: &Model) {
-        let Some(learned) = disc::learned(self, model) else {
-            return;
+    /// Works out the course anew beside what a model and the disc's pattern shift edges by: torques are evaluated at that. Whether it
+    /// is another course.
+    pub fn go_by(&mut self, model: &Model) -> bool {
+        let found = disc::shifts(self, model);
+        let change = |bench: &Bench, found: &[f64]| {
+            let was = |at: usize| bench.found.get(at).copied().unwrap_or(0.0);
+            let change = |at: usize| bench.scales[at] * (found[at] - was(at));
+            let squares = (0..found.len()).map(|at| change(at).powi(2));
+            squares.sum::<f64>() / found.len().max(1) as f64
         };
+        let mut each = self.benches.iter().zip(&found);
+        if !self.corrections.is_empty() || each.all(|(bench, found)| change(bench, found) < 1.0) {
+            return false;
+        }
         let noise = self.noise;
-        self.benches.par_iter_mut().for_each(|bench| {
+        let each = self.benches.par_iter_mut().zip(found);
+        each.for_each(|(bench, found)| {
             if let Ok(errors) = sim::true_errors(&bench.twin) {
                 let about =
-                    Bench::about(bench.record.clone(), &bench.twin, &errors, &learned, &noise);
+                    Bench::about(bench.record.clone(), &bench.twin, &errors, &found, &noise);
                 let before = std::mem::replace(bench, about);
                 bench.stays(&before);
             }
@@ -383,6 +391,7 @@ impl Board {
             pattern.set_size(&self.benches, pattern.size2);
         }
         self.decide_ties(model);
+        true
     }
 
     /// Decides anew which samples of a speed loop saw which edges, beside a model.
@@ -686,7 +695,7 @@ impl Board {
         };
         model.terms.iter().filter(shifts).all(|term| {
             let most = match term.effect.carrier {
-                Carrier::Order(_) | Carrier::Tone(_) | Carrier::Bump(..) => LARGE,
+                Carrier::Order(_) | Carrier::Tone(_) => LARGE,
                 _ => 1.0,
             };
             self.benches.iter().all(|bench| {

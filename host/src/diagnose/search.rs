@@ -104,15 +104,8 @@ fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) ->
     let mut fit = fit.clone();
     let mut sum = 0.0;
     for group in 0..cells {
-        let basis = fit.basis();
-        let mut clear = fit.clone();
-        basis.clear(&mut clear.left);
-        let mut found = bank.candidates(&clear, &basis);
-        found.extend(scan::spectra(&Left::of(board, &clear, &basis), &fit.model));
-        let best = found.iter().max_by(|a, b| {
-            let worth = |one: &Candidate| evidence(board, one.gain, one.numbers());
-            worth(a).total_cmp(&worth(b))
-        });
+        let found = candidates(board, bank, &fit);
+        let best = found.first();
         let Some(best) = best else { break };
         let mut model = fit.model.clone();
         model.add(&best.effects, usize::MAX - 2 - group);
@@ -330,6 +323,13 @@ impl Found {
                 exchange(board, fit);
             } else {
                 break;
+            }
+            if board.go_by(&fit.model) {
+                *bank = Bank::new(board);
+                slopes = None;
+                *fit = board.fit(&fit.model);
+                board.fit_noise(&fit.model);
+                *fit = board.fit(&fit.model);
             }
             // What another one has made superfluous.
             let model = dropped(board, fit);
