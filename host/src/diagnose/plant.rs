@@ -386,7 +386,7 @@ impl Plant {
             .collect()
     }
 
-    /// How sensitive a score is to an acceleration over each interval: the transposed of [`Self::response`] for one that is even over
+    /// How sensitive a score is to an acceleration over each interval: the transposed of [`Self::response_over`] for one that is even over
     /// it. `score` is what one rad at each edge adds to the score.
     #[must_use]
     pub fn sensitivity(&self, course: &Course, score: &[f64]) -> Vec<f64> {

@@ -12,6 +12,9 @@ use crate::report::si;
 
 /// Twice the logarithm of a likelihood ratio from which on stamps are worse than declared.
 const SURE: f64 = 25.0;
+/// Share of the variance that edges before foretell, up to which stamps are judged, and how many times as much they have to differ by.
+const LEFT: f64 = 0.03;
+const MORE: f64 = 4.0;
 /// Square of an innovation cubed, of normal noise.
 const CUBED: f64 = 15.0;
 
@@ -28,7 +31,12 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     // A latency is told by its tails, which are of the noise here.
     let (board, fit, _) = board.in_plain_noise().at_its_noise(&fit.model);
     let (board, fit) = (&board, &fit);
-    if !agreement::is_white(board, fit) {
+    let left = if agreement::is_white(board, fit) {
+        0.0
+    } else {
+        agreement::correlated(board, &agreement::rests(board, fit))
+    };
+    if left > LEFT {
         return None;
     }
     let first = board.benches.first()?;
@@ -65,6 +73,10 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
         return None;
     }
     let added2 = best.stamp_s * best.stamp_s - declared2;
+    // What is left may be as much of it.
+    if added2.abs() < MORE * left * declared2 {
+        return None;
+    }
     // Curvature of the likelihood over the stamp's logarithm.
     let cost = |factor: f64| {
         noise::fit(

@@ -2,6 +2,7 @@
 
 use crate::diagnose::answer::{Answer, Sized};
 use crate::diagnose::diagnosis::{Finding, Parameter};
+use crate::effect::Site;
 use crate::mechanism::Mechanism;
 use crate::reports::diagnose::words::{
     in_order, list_or, named, next, parameter_name, sentence, with_interval,
@@ -118,8 +119,12 @@ fn how_much(finding: &Finding, effects: &[Sized]) -> Vec<String> {
             "f" => "Frequency".to_owned(),
             words => sentence(words),
         };
+        // A declared number that is measured as none is determined.
+        let corrected = effects
+            .iter()
+            .any(|one| matches!(one.effect.site, Site::Declared(_)));
         let open = match determined(name, &parameter) {
-            Some(false) => ": not determined by these recordings",
+            Some(false) if !corrected => ": not determined by these recordings",
             _ => "",
         };
         format!("{words} {}{open}", number(&parameter))
