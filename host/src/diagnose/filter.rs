@@ -30,7 +30,7 @@ pub const SWINGS: usize = 5;
 pub type Square<const N: usize> = [[f64; N]; N];
 
 /// Sizes of the noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Density of the acceleration noise, (rad/s^2)^2 s.
     pub torque: f64,
@@ -248,6 +248,40 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// The same of a row that a turn repeats without end, by the gains of the last edges: in steps that begin nowhere.
+    pub fn whiten_around(&self, angles: &mut [f64]) {
+        let steps = &self.gains[self.gains.len() - angles.len()..];
+        let along = |mut state: [f64; N], angles: &mut [f64]| {
+            for (angle, step) in angles.iter_mut().zip(steps) {
+                state = times(&step.way, &state);
+                let innovation = *angle - state[ANGLE];
+                for (state, gain) in state.iter_mut().zip(&step.gain) {
+                    *state += gain * innovation;
+                }
+                *angle = innovation * step.scale;
+            }
+            state
+        };
+        around(angles, along);
+    }
+
+    /// The transposed of [`Self::whiten_around`].
+    pub fn transposed_around(&self, white: &mut [f64]) {
+        let steps = &self.gains[self.gains.len() - white.len()..];
+        let along = |mut state: [f64; N], white: &mut [f64]| {
+            for (value, step) in white.iter_mut().zip(steps).rev() {
+                let each = step.gain.iter().zip(&state);
+                let taken: f64 = each.map(|(gain, of)| gain * of).sum();
+                let innovation = *value * step.scale + taken;
+                *value = innovation;
+                state[ANGLE] -= innovation;
+                state = back(&step.way, &state);
+            }
+            state
+        };
+        around(white, along);
+    }
+
     /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
     pub fn colour(&self, white: &mut [f64]) {
         let mut state = [0.0; N];
@@ -294,6 +328,24 @@ impl<const N: usize> Filter<N> {
     pub fn scales(&self) -> impl Iterator<Item = f64> + '_ {
         self.gains.iter().map(|step| step.scale)
     }
+}
+
+/// Goes along a row from the state in which it ends.
+fn around<const N: usize>(row: &mut [f64], along: impl Fn([f64; N], &mut [f64]) -> [f64; N]) {
+    let mut none = vec![0.0; row.len()];
+    let mut fades = nalgebra::DMatrix::<f64>::identity(N, N);
+    for at in 0..N {
+        let mut one = [0.0; N];
+        one[at] = 1.0;
+        none.fill(0.0);
+        for (row, end) in along(one, &mut none).into_iter().enumerate() {
+            fades[(row, at)] -= end;
+        }
+    }
+    let end = along([0.0; N], &mut row.to_vec());
+    let mut start = nalgebra::DVector::from_row_slice(&end);
+    fades.lu().solve_mut(&mut start);
+    along(std::array::from_fn(|at| start[at]), row);
 }
 
 /// A matrix times a state.

@@ -27,6 +27,7 @@ pub mod judge;
 mod jury;
 pub mod lsq;
 pub mod map;
+pub mod mean_turn;
 pub mod model;
 pub mod name;
 mod nearby;

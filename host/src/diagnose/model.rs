@@ -302,7 +302,7 @@ impl Board {
         board.pattern = if known {
             board.pattern_given()
         } else {
-            Pattern::new(&board.benches, None)
+            Pattern::new(&board.benches)
         };
         if board.pattern.is_some() {
             board.size_up(&Model::default());
@@ -333,10 +333,6 @@ impl Board {
                 return;
             };
             let rest = self.rest(model);
-            // Its worth goes by the present noise.
-            if let Some(fresh) = Pattern::new(&self.benches, Some(&pattern)) {
-                pattern = fresh;
-            }
             let white = self.white(&rest);
             pattern.size_up(&self.benches, &white);
             let errors = pattern.closest(&self.benches, &white);
@@ -352,9 +348,8 @@ impl Board {
                 .collect();
             self.level(&left);
             let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
-            self.set_noise(noise);
-            pattern.set_size(&self.benches, pattern.size2);
             self.pattern = Some(pattern);
+            self.set_noise(noise);
             self.go_by(model);
             let changed = |was: f64, is: f64| (is / was.max(f64::MIN_POSITIVE)).ln().abs() > ALIKE;
             if !changed(before.torque, noise.torque) && !changed(before.stamp_s, noise.stamp_s) {
@@ -388,7 +383,7 @@ impl Board {
             }
         });
         if let Some(pattern) = &mut self.pattern {
-            pattern.set_size(&self.benches, pattern.size2);
+            pattern.weigh(&self.benches);
         }
         self.decide_ties(model);
         true
@@ -969,6 +964,9 @@ impl Board {
         self.benches
             .par_iter_mut()
             .for_each(|bench| bench.set_noise(&noise));
+        if let Some(pattern) = &mut self.pattern {
+            pattern.weigh(&self.benches);
+        }
     }
 }
 

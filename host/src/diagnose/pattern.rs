@@ -1,32 +1,23 @@
 //! The disc's own pattern: an unknown error of each edge of the grid, small beside a known size, that every turn repeats.
 //!
 //! With N unknown errors e of variance s^2 beside a model, the least of |W (r - P e)|^2 + |e|^2 / s^2 over e is had by conjugate
-//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). Of few edges a
-//! turn the normal matrix itself, as it was in about the same noise, is the preconditioner; of many it is the same filter for edges that are
-//! blurred by the errors themselves. The size s is that of most evidence.
+//! gradients, as each product is one run of the filter there and back (M. R. Hestenes, E. Stiefel, J. Res. NBS 49, 1952). The
+//! normal matrix of the mean turn is the preconditioner. The size s is that of most evidence.
 
 use std::sync::Arc;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 use realfft::{RealFftPlanner, RealToComplex};
 
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
-use super::filter::Noise;
 use super::lsq::dot;
-use super::plant::Gains;
+use super::mean_turn::MeanTurn;
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
 /// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
-/// Edges a turn up to which the normal matrix itself is worked out.
-const DENSE: usize = 1024;
-/// Factor by which what an order is worth may change before that is done anew.
-const CHANGED: f64 = 10.0;
-/// Variance of a disc's error over that of what the recordings leave of it, from which on differences are lost in rounding.
-const CLEAR: f64 = 1e9;
 /// Size of an edge's error to begin with and at the most, as a part of a pitch: edges keep their order.
 pub const LARGE: f64 = 0.3;
 /// A size that is none, rad; rounds in which it is found, and the change of its square's logarithm that is none.
@@ -55,31 +46,7 @@ pub struct Pattern {
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
     forward: Arc<dyn RealToComplex<f64>>,
-    /// The normal matrix, of about the present noise, and what orders were worth then.
-    normal: Option<Arc<(DMatrix<f64>, Vec<f64>)>>,
-    /// What stands for the normal matrix with the pattern's size.
-    divisor: Divisor,
-}
-
-/// What a row is divided by.
-#[derive(Clone)]
-enum Divisor {
-    /// Nothing yet.
-    None,
-    /// The normal matrix, decomposed.
-    Dense(Arc<Cholesky<f64, Dyn>>),
-    /// Filters for edges that are blurred.
-    Blurred(Arc<Blurred>),
-}
-
-/// Filters for edges that are blurred by the errors of the disc.
-struct Blurred {
-    /// Of each recording.
-    filters: Vec<Gains>,
-    /// Variance of an edge's error, rad^2.
-    size2: f64,
-    /// Root of how often the most frequent edge comes over how often each does.
-    rare: Vec<f64>,
+    turn: MeanTurn,
 }
 
 impl std::fmt::Debug for Pattern {
@@ -92,133 +59,64 @@ impl std::fmt::Debug for Pattern {
 }
 
 impl Pattern {
-    /// Of recordings of one disc; `before` is the same in another noise, whose size it has.
+    /// Of recordings of one disc, without a size.
     #[must_use]
-    pub fn new(benches: &[Bench], before: Option<&Self>) -> Option<Self> {
+    pub fn new(benches: &[Bench]) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
         let mut planner = RealFftPlanner::new();
         let mut pattern = Self {
             edges,
-            size2: before.map_or(0.0, |before| before.size2),
-            sparse: before.is_none_or(|before| before.sparse),
-            known: before.is_some_and(|before| before.known),
+            size2: 0.0,
+            sparse: true,
+            known: false,
             worth: Vec::new(),
-            normal: None,
-            divisor: Divisor::None,
             forward: planner.plan_fft_forward(edges),
+            turn: MeanTurn::new(benches, edges),
         };
-        let orders = edges / 2 + 1;
-        let nodes: Vec<(f64, f64)> = (0..NODES.min(orders - 1))
-            .map(|node| {
-                let share = node as f64 / (NODES.min(orders - 1).max(2) - 1) as f64;
-                let order = ((orders as f64 - 1.0).powf(share)).round().max(1.0);
-                let effect = Effect::new(Site::Disc(On::ALL), Carrier::Order(order));
-                let squares: f64 = benches
-                    .iter()
-                    .map(|bench| {
-                        let columns = bench.columns(&effect);
-                        columns
-                            .iter()
-                            .map(|column| {
-                                let white = bench.white(column);
-                                dot(&white, &white)
-                            })
-                            .sum::<f64>()
-                    })
-                    .sum();
-                (order.ln(), (squares / edges as f64).max(1e-300).ln())
-            })
-            .collect();
-        pattern.worth = (0..orders)
-            .map(|order| {
-                if order == 0 {
-                    1e-300
-                } else {
-                    between(&nodes, (order as f64).ln()).exp()
-                }
-            })
-            .collect();
-        let kept = before.and_then(|before| before.normal.clone());
-        pattern.normal = match kept.filter(|kept| alike(&kept.1, &pattern.worth)) {
-            Some(kept) => Some(kept),
-            None if edges <= DENSE => {
-                let rows = (0..edges).into_par_iter().map(|edge| {
-                    let mut one = vec![0.0; edges];
-                    one[edge] = 1.0;
-                    pattern.fold(benches, &pattern.unfold(benches, &one))
-                });
-                let rows: Vec<Vec<f64>> = rows.collect();
-                let matrix = DMatrix::from_fn(edges, edges, |row, column| {
-                    0.5 * (rows[row][column] + rows[column][row])
-                });
-                Some(Arc::new((matrix, pattern.worth.clone())))
-            }
-            None => None,
-        };
-        if pattern.size2 > 0.0 {
-            pattern.set_size(benches, pattern.size2);
-        }
+        pattern.weigh(benches);
         Some(pattern)
+    }
+
+    /// Works out anew what orders are worth: in another noise, or of other recordings.
+    pub fn weigh(&mut self, benches: &[Bench]) {
+        let orders = self.edges / 2 + 1;
+        let count = NODES.min(orders - 1);
+        let nodes = (0..count).into_par_iter().map(|node| {
+            let share = node as f64 / (count.max(2) - 1) as f64;
+            let order = ((orders as f64 - 1.0).powf(share)).round().max(1.0);
+            let effect = Effect::new(Site::Disc(On::ALL), Carrier::Order(order));
+            let columns = benches.iter().flat_map(|bench| {
+                let columns = bench.columns(&effect).into_iter();
+                columns.map(|column| {
+                    let white = bench.white(&column);
+                    dot(&white, &white)
+                })
+            });
+            let worth = columns.sum::<f64>() / self.edges as f64;
+            (order.ln(), worth.max(1e-300).ln())
+        });
+        let nodes: Vec<(f64, f64)> = nodes.collect();
+        let at = |order: usize| match order {
+            0 => 1e-300,
+            _ => between(&nodes, (order as f64).ln()).exp(),
+        };
+        self.worth = (0..orders).map(at).collect();
+        self.turn = MeanTurn::new(benches, self.edges);
+        self.turn.set_size(self.size2);
     }
 
     /// Of a disc whose errors are known but for a variance, rad^2.
     #[must_use]
     pub fn known(benches: &[Bench], size2: f64) -> Option<Self> {
-        let mut pattern = Self::new(benches, None)?;
+        let mut pattern = Self::new(benches)?;
         pattern.known = true;
-        pattern.set_size(benches, size2);
+        pattern.set_size(size2);
         Some(pattern)
     }
 
-    /// Sets the variance of an edge's error, rad^2.
-    pub fn set_size(&mut self, benches: &[Bench], size2: f64) {
+    fn set_size(&mut self, size2: f64) {
         self.size2 = size2;
-        self.divisor = match &self.normal {
-            _ if size2 <= 0.0 => Divisor::None,
-            Some(normal) => {
-                let (matrix, worth) = &**normal;
-                let scale = self.worth.iter().sum::<f64>() / worth.iter().sum::<f64>();
-                let mut matrix = matrix * scale;
-                for at in 0..self.edges {
-                    matrix[(at, at)] += size2.recip();
-                }
-                match Cholesky::new(matrix) {
-                    Some(factor) => Divisor::Dense(Arc::new(factor)),
-                    None => self.blurred(benches),
-                }
-            }
-            None => self.blurred(benches),
-        };
-    }
-
-    /// Filters for edges that are blurred by the errors of the disc.
-    fn blurred(&self, benches: &[Bench]) -> Divisor {
-        let most = self.worth.iter().copied().fold(0.0, f64::max);
-        let size2 = self.size2.min(CLEAR / most);
-        let mut hits = vec![0.0; self.edges];
-        for bench in benches {
-            (0..bench.record.len()).for_each(|at| hits[bench.record.slot(at)] += 1.0);
-        }
-        let turns = hits.iter().copied().fold(0.0, f64::max);
-        let rare = hits.into_iter();
-        let rare = rare.map(|hits: f64| {
-            if hits > 0.0 {
-                (turns / hits).sqrt()
-            } else {
-                0.0
-            }
-        });
-        let each = benches.par_iter().map(|bench| {
-            let noise = bench.noise();
-            let angle_rad = noise.angle_rad.hypot((turns * size2).sqrt());
-            let noise = Noise { angle_rad, ..noise };
-            bench.leaps.filter(0..bench.record.len(), &noise)
-        });
-        Divisor::Blurred(Arc::new(Blurred {
-            filters: each.collect(),
-            size2,
-            rare: rare.collect(),
-        }))
+        self.turn.set_size(size2);
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
@@ -250,38 +148,6 @@ impl Pattern {
         each.concat()
     }
 
-    /// A row divided by about the normal matrix: with C the covariance of what the recordings leave of an edge's error, 1 / (1 / C + 1 / s^2) is
-    /// s^2 - s^4 / (C + s^2), whose last term is the normal matrix itself of edges that are blurred by the error of the disc.
-    fn divided(&self, benches: &[Bench], row: &[f64]) -> Vec<f64> {
-        match &self.divisor {
-            Divisor::None => row.to_vec(),
-            Divisor::Dense(factor) => {
-                let row = DVector::from_column_slice(row);
-                factor.solve(&row).as_slice().to_vec()
-            }
-            Divisor::Blurred(blurred) => {
-                let Blurred {
-                    filters,
-                    size2,
-                    rare,
-                } = &**blurred;
-                let mut fold = vec![0.0; self.edges];
-                for (bench, filter) in benches.iter().zip(filters) {
-                    let slots = || (0..bench.record.len()).map(|at| bench.record.slot(at));
-                    let mut white: Vec<f64> = slots().map(|slot| rare[slot] * row[slot]).collect();
-                    filter.whiten(&mut white);
-                    filter.transposed(&mut white);
-                    slots()
-                        .zip(white)
-                        .for_each(|(slot, score)| fold[slot] += score);
-                }
-                let each = row.iter().zip(fold.iter().zip(rare));
-                each.map(|(row, (fold, rare))| size2 * (row - size2 * rare * fold))
-                    .collect()
-            }
-        }
-    }
-
     /// Sets the size to the one of most orders, and returns its evidence: twice the logarithm of the likelihood over that without a
     /// pattern. A few orders that stand out do not make it larger: they are told as what they are.
     pub fn size_up(&mut self, benches: &[Bench], white: &[f64]) -> f64 {
@@ -290,7 +156,6 @@ impl Pattern {
             dot(&fold, &own.errors_of(benches, fold.clone(), SMALL)) - own.log_volume()
         };
         if self.known {
-            self.set_size(benches, self.size2);
             return worth_of(self);
         }
         let most = (LARGE * std::f64::consts::TAU / self.edges as f64).powi(2);
@@ -306,7 +171,7 @@ impl Pattern {
             let mut size2 = start2;
             let mut before = 0.0;
             for _ in 0..SIZED {
-                self.set_size(benches, size2);
+                self.set_size(size2);
                 let errors = self.errors_of(benches, fold.clone(), SMALL);
                 let next = of(&self.powers(&errors)).clamp(SMALLEST * SMALLEST, most);
                 let change = (next / size2).ln();
@@ -323,13 +188,13 @@ impl Pattern {
                     break;
                 }
             }
-            self.set_size(benches, size2);
+            self.set_size(size2);
             let worth = worth_of(self);
             if worth > best {
                 (best2, best) = (size2, worth);
             }
         }
-        self.set_size(benches, best2);
+        self.set_size(best2);
         best
     }
 
@@ -423,8 +288,8 @@ impl Pattern {
         if self.size2 <= 0.0 {
             return errors;
         }
-        let start = dot(&rest, &self.divided(benches, &rest));
-        let mut step = self.divided(benches, &rest);
+        let start = dot(&rest, &self.turn.divided(&rest));
+        let mut step = self.turn.divided(&rest);
         let mut square = start;
         for _ in 0..STEPS {
             if square.is_nan() || square <= small * small * start {
@@ -440,7 +305,7 @@ impl Pattern {
                 errors[at] += along * step[at];
                 rest[at] -= along * product[at];
             }
-            let divided = self.divided(benches, &rest);
+            let divided = self.turn.divided(&rest);
             let next = dot(&rest, &divided);
             let by = next / square;
             square = next;
@@ -499,16 +364,6 @@ impl Pattern {
         white.extend(rest.map(|(error, kept)| (kept - error) / size));
         white
     }
-}
-
-/// Whether orders are worth about the same, but for a common factor.
-fn alike(one: &[f64], other: &[f64]) -> bool {
-    let each = one.iter().zip(other).skip(1);
-    let ratios = each.map(|(one, other)| one / other);
-    let (least, most) = ratios.fold((f64::INFINITY, 0.0_f64), |(least, most), ratio| {
-        (least.min(ratio), most.max(ratio))
-    });
-    most < CHANGED * least
 }
 
 /// A value between nodes, straight; the ends go on.

@@ -82,7 +82,7 @@ fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Option<B
         return None;
     }
     let white = board.with_pattern(&board.rest(&fit.model));
-    let mut pattern = Pattern::new(&board.benches, None)?;
+    let mut pattern = Pattern::new(&board.benches)?;
     // A place of the disc is a finding of its own.
     pattern.sparse = false;
     let mut worth = pattern.size_up(&board.benches, &white);

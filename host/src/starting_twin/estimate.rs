@@ -302,7 +302,8 @@ fn settle(board: &mut Board, twin: &Twin) {
 
 /// Sets the disc's pattern to the size of most evidence in the present noise.
 fn resize(board: &mut Board, model: &Model) {
-    let Some(mut pattern) = Pattern::new(&board.benches, board.pattern.as_ref()) else {
+    let before = board.pattern.take();
+    let Some(mut pattern) = before.or_else(|| Pattern::new(&board.benches)) else {
         return;
     };
     let rest = board.rest(model);
@@ -399,8 +400,6 @@ fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> No
         bench.weights = bench.weights[middle_of(record, share)].to_vec();
     }
     beside(&mut part, &parts, twin);
-    let whole = board.pattern.as_ref();
-    part.pattern = whole.and_then(|whole| Pattern::new(&part.benches, Some(whole)));
     noise::fit(&part, model)
 }
 

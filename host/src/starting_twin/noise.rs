@@ -11,7 +11,6 @@ use crate::diagnose::filter::Noise;
 use crate::diagnose::lsq::dot;
 use crate::diagnose::model::{Board, Model};
 use crate::diagnose::noise::huber;
-use crate::diagnose::pattern::Pattern;
 
 /// Change of a number's logarithm by which its slope and curvature are taken.
 const STEP: f64 = 0.08;
@@ -114,9 +113,8 @@ impl Likelihood {
             .filter(|scale| *scale > 0.0)
             .map(|scale| -2.0 * scale.ln())
             .sum();
-        let before = self.board.pattern.as_ref();
-        let before = before.filter(|before| before.size2 > 0.0);
-        let pattern = before.and_then(|before| Pattern::new(benches, Some(before)));
+        let pattern = self.board.pattern.as_ref();
+        let pattern = pattern.filter(|pattern| pattern.size2 > 0.0);
         let (row, volume) = match pattern {
             Some(pattern) => {
                 let volume = pattern.log_volume();

@@ -1,0 +1,144 @@
+//! One turn in place of all that were recorded: what stands for a disc's normal matrix where that is divided by.
+//!
+//! In angle, not in time, every turn of a free shaft is alike: torque noise of density q makes its angle wander with q / speed^3, a drift
+//! of density d with d / speed^5, and a stamp is off by speed times its error. Turns add what they know of the disc, so the mean turn has the sum of the inverse of both. With C the
+//! covariance of what it leaves of the edges' errors, 1 / (1 / C + 1 / s^2) is s^2 - s^4 / (C + s^2), whose last term is a filter run
+//! there and back for edges that are blurred by s, around the turn.
+
+use std::f64::consts::TAU;
+
+use super::bench::Bench;
+use super::filter::{DRIFTING, Filter, Leap, Noise};
+
+/// Turns and edges, at the least, in which the gains settle to those of a turn without ends.
+const SETTLES: [usize; 2] = [4, 400];
+/// Part of the usual speed that counts as slow.
+const SLOW: f64 = 0.5;
+/// Part of a step that edges are apart at the least.
+const APART: f64 = 1e-3;
+/// Variance of an edge's error over the least one that the recordings leave of it, from which on differences are lost in rounding.
+const CLEAR: f64 = 1e9;
+
+/// The mean turn.
+#[derive(Clone, Debug)]
+pub struct MeanTurn {
+    leaps: Vec<Leap<DRIFTING>>,
+    /// Density of the wander, 1/rad, and of that of a drift, 1/rad^3.
+    wander: [f64; 2],
+    /// RMS error that stamps leave of each edge, rad.
+    own_rad: Vec<f64>,
+    /// Least variance that the recordings leave of an edge, rad^2.
+    least2: f64,
+    filter: Filter<DRIFTING>,
+    /// Variance of an edge's error, rad^2.
+    size2: f64,
+}
+
+impl MeanTurn {
+    /// Of recordings of one disc.
+    #[must_use]
+    pub fn new(benches: &[Bench], edges: usize) -> Self {
+        let step = TAU / edges as f64;
+        let mut known = vec![0.0; edges];
+        let mut apart = vec![(0.0, 0.0); edges];
+        let mut stiff = [0.0; 2];
+        for bench in benches {
+            let (record, noise, usual) = (&bench.record, bench.noise(), bench.leaps.speed());
+            for at in 0..record.len() {
+                let steady = bench.course.steady[at].abs();
+                let weight = (bench.weights[at] * bench.tails[at]).powi(2);
+                // Where the shaft hardly turns it wanders by more from edge to edge than stamps are off.
+                let speed = bench.course.speed[at].abs().max(SLOW * usual);
+                let stamp_s = noise.stamp_s.hypot(bench.course.doubt_s[at]);
+                let own2 = (speed * stamp_s).powi(2) + noise.angle_rad.powi(2) + 1e-30;
+                known[record.slot(at)] += weight / own2;
+                let part = weight / edges as f64;
+                stiff[0] += part * steady.powi(3) / noise.torque;
+                stiff[1] += part * steady.powi(5) / noise.drift;
+                if at > 0 && (record.place[at] - record.place[at - 1]).abs() == 1 {
+                    let from = record.place[at].min(record.place[at - 1]);
+                    let (sum, count) = &mut apart[from.rem_euclid(edges as i64) as usize];
+                    *sum += steady * (record.time_s[at] - record.time_s[at - 1]);
+                    *count += 1.0;
+                }
+            }
+        }
+        let most = known.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let turns = SETTLES[0].max(SETTLES[1].div_ceil(edges));
+        let leaps = (0..turns * edges).map(|at| {
+            let (sum, count) = apart[(at + edges - 1) % edges];
+            let apart = if count > 0.0 { sum / count } else { step };
+            let apart = apart.clamp(APART * step, edges as f64 * step);
+            let power = |power: i32, over: f64| apart.powi(power) / over;
+            let torque = [
+                [power(3, 3.0), power(2, 2.0), 0.0],
+                [power(2, 2.0), apart, 0.0],
+                [0.0; DRIFTING],
+            ];
+            let drift = [
+                [power(5, 20.0), power(4, 8.0), power(3, 6.0)],
+                [power(4, 8.0), power(3, 3.0), power(2, 2.0)],
+                [power(3, 6.0), power(2, 2.0), apart],
+            ];
+            Leap {
+                way: [
+                    [1.0, apart, power(2, 2.0)],
+                    [0.0, 1.0, apart],
+                    [0.0, 0.0, 1.0],
+                ],
+                torque,
+                drift,
+                load: None,
+                jolt: [0.0; 2],
+                speed: 1.0,
+                fresh: at == 0,
+                doubt_s: 0.0,
+            }
+        });
+        let leaps: Vec<Leap<DRIFTING>> = leaps.collect();
+        let mut turn = Self {
+            filter: Filter::new(&[], &Noise::default()),
+            wander: stiff.map(|stiff| f64::max(stiff, f64::MIN_POSITIVE).recip()),
+            own_rad: known
+                .iter()
+                .map(|known| known.max(1e-12 * most).recip().sqrt())
+                .collect(),
+            least2: most.recip(),
+            leaps,
+            size2: 0.0,
+        };
+        turn.set_size(0.0);
+        turn
+    }
+
+    /// Sets the variance of an edge's error, rad^2.
+    pub fn set_size(&mut self, size2: f64) {
+        self.size2 = size2.min(CLEAR * self.least2);
+        if self.size2 <= 0.0 {
+            return;
+        }
+        // All as parts of that error: a start that is unknown stays within the digits.
+        let size = self.size2.sqrt();
+        let each = self.leaps.iter_mut().zip(self.own_rad.iter().cycle());
+        each.for_each(|(leap, own_rad)| leap.doubt_s = own_rad / size);
+        let [torque, drift] = self.wander.map(|wander| wander / self.size2);
+        let noise = Noise {
+            torque,
+            drift,
+            angle_rad: 1.0,
+            ..Noise::default()
+        };
+        self.filter = Filter::new(&self.leaps, &noise);
+    }
+
+    /// A row divided by about the normal matrix.
+    #[must_use]
+    pub fn divided(&self, row: &[f64]) -> Vec<f64> {
+        let mut fold = row.to_vec();
+        self.filter.whiten_around(&mut fold);
+        self.filter.transposed_around(&mut fold);
+        let each = row.iter().zip(fold);
+        let each = each.map(|(value, fold)| self.size2 * (value - fold));
+        each.collect()
+    }
+}
