@@ -5,6 +5,8 @@
 //! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
 //! Trans. Information Theory 11, 1965).
 
+use nalgebra::DMatrix;
+
 /// Numbers of a state.
 pub const STATES: usize = 6;
 /// Of a stiff shaft the last two are left out, without a noise grid the held torque too, and without a drift that as well.
@@ -123,6 +125,30 @@ struct Gain<const N: usize> {
     fresh: bool,
 }
 
+impl<const N: usize> Gain<N> {
+    /// An angle becomes its innovation over its deviation, and the state before it the one after.
+    #[inline(always)]
+    fn whiten(&self, state: &mut [f64; N], angle: &mut f64) {
+        *state = times(&self.way, state);
+        let innovation = *angle - state[ANGLE];
+        for (state, gain) in state.iter_mut().zip(&self.gain) {
+            *state += gain * innovation;
+        }
+        *angle = innovation * self.scale;
+    }
+
+    /// The transposed of [`Self::whiten`].
+    #[inline(always)]
+    fn transposed(&self, state: &mut [f64; N], value: &mut f64) {
+        let each = self.gain.iter().zip(&*state);
+        let taken: f64 = each.map(|(gain, of)| gain * of).sum();
+        let innovation = *value * self.scale + taken;
+        *value = innovation;
+        state[ANGLE] -= innovation;
+        *state = back(&self.way, state);
+    }
+}
+
 /// Gains along a row of edges.
 #[derive(Clone, Debug)]
 pub struct Filter<const N: usize> {
@@ -235,51 +261,11 @@ impl<const N: usize> Filter<N> {
     pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
         let mut state = [0.0; N];
         for (angle, step) in angles.iter_mut().zip(&self.gains[first..]) {
-            state = if step.fresh {
-                [0.0; N]
-            } else {
-                times(&step.way, &state)
-            };
-            let innovation = *angle - state[ANGLE];
-            for (state, gain) in state.iter_mut().zip(&step.gain) {
-                *state += gain * innovation;
+            if step.fresh {
+                state = [0.0; N];
             }
-            *angle = innovation * step.scale;
+            step.whiten(&mut state, angle);
         }
-    }
-
-    /// The same of a row that a turn repeats without end, by the gains of the last edges: in steps that begin nowhere.
-    pub fn whiten_around(&self, angles: &mut [f64]) {
-        let steps = &self.gains[self.gains.len() - angles.len()..];
-        let along = |mut state: [f64; N], angles: &mut [f64]| {
-            for (angle, step) in angles.iter_mut().zip(steps) {
-                state = times(&step.way, &state);
-                let innovation = *angle - state[ANGLE];
-                for (state, gain) in state.iter_mut().zip(&step.gain) {
-                    *state += gain * innovation;
-                }
-                *angle = innovation * step.scale;
-            }
-            state
-        };
-        around(angles, along);
-    }
-
-    /// The transposed of [`Self::whiten_around`].
-    pub fn transposed_around(&self, white: &mut [f64]) {
-        let steps = &self.gains[self.gains.len() - white.len()..];
-        let along = |mut state: [f64; N], white: &mut [f64]| {
-            for (value, step) in white.iter_mut().zip(steps).rev() {
-                let each = step.gain.iter().zip(&state);
-                let taken: f64 = each.map(|(gain, of)| gain * of).sum();
-                let innovation = *value * step.scale + taken;
-                *value = innovation;
-                state[ANGLE] -= innovation;
-                state = back(&step.way, &state);
-            }
-            state
-        };
-        around(white, along);
     }
 
     /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
@@ -307,21 +293,41 @@ impl<const N: usize> Filter<N> {
     pub fn transposed(&self, white: &mut [f64]) {
         let mut state = [0.0; N];
         for (value, step) in white.iter_mut().zip(&self.gains).rev() {
-            let taken: f64 = step
-                .gain
-                .iter()
-                .zip(&state)
-                .map(|(gain, of)| gain * of)
-                .sum();
-            let innovation = *value * step.scale + taken;
-            *value = innovation;
+            step.transposed(&mut state, value);
             if step.fresh {
                 state = [0.0; N];
-                continue;
             }
-            state[ANGLE] -= innovation;
-            state = back(&step.way, &state);
         }
+    }
+
+    /// The last edges as a turn that repeats without end.
+    #[must_use]
+    pub fn around(&self, edges: usize) -> Around<N> {
+        let steps = self.gains[self.gains.len() - edges..].to_vec();
+        let fades = |along: &dyn Fn(&mut [f64; N], &mut f64, &Gain<N>), back: bool| {
+            let ends = (0..N).map(|at| {
+                let mut state = [0.0; N];
+                state[at] = 1.0;
+                let mut go = |step: &Gain<N>| along(&mut state, &mut 0.0, step);
+                if back {
+                    steps.iter().rev().for_each(&mut go);
+                } else {
+                    steps.iter().for_each(&mut go);
+                }
+                state
+            });
+            let ends: Vec<[f64; N]> = ends.collect();
+            let own = DMatrix::<f64>::identity(N, N);
+            let open = own - DMatrix::from_fn(N, N, |row, column| ends[column][row]);
+            // A state that never fades begins as nothing.
+            let start = open.try_inverse();
+            start.map_or([[0.0; N]; N], |start| {
+                std::array::from_fn(|row| std::array::from_fn(|column| start[(row, column)]))
+            })
+        };
+        let start = fades(&|state, value, step| step.whiten(state, value), false);
+        let end = fades(&|state, value, step| step.transposed(state, value), true);
+        Around { steps, start, end }
     }
 
     /// 1 / deviation of each innovation, 1/rad; 0 where an edge only sets the filter.
@@ -330,22 +336,37 @@ impl<const N: usize> Filter<N> {
     }
 }
 
-/// Goes along a row from the state in which it ends.
-fn around<const N: usize>(row: &mut [f64], along: impl Fn([f64; N], &mut [f64]) -> [f64; N]) {
-    let mut none = vec![0.0; row.len()];
-    let mut fades = nalgebra::DMatrix::<f64>::identity(N, N);
-    for at in 0..N {
-        let mut one = [0.0; N];
-        one[at] = 1.0;
-        none.fill(0.0);
-        for (row, end) in along(one, &mut none).into_iter().enumerate() {
-            fades[(row, at)] -= end;
-        }
+/// A filter of a turn that repeats without end: the state that it begins in is the one in which it ends.
+#[derive(Clone, Debug)]
+pub struct Around<const N: usize> {
+    steps: Vec<Gain<N>>,
+    /// The state to begin in, of that in which a turn ends that begins in none; forward and back.
+    start: Square<N>,
+    end: Square<N>,
+}
+
+impl<const N: usize> Around<N> {
+    /// Innovations of a turn of angles over their deviations, in place.
+    pub fn whiten(&self, angles: &mut [f64]) {
+        let along = |state: &mut [f64; N], row: &mut [f64]| {
+            let each = row.iter_mut().zip(&self.steps);
+            each.for_each(|(angle, step)| step.whiten(state, angle));
+        };
+        let mut state = [0.0; N];
+        along(&mut state, &mut angles.to_vec());
+        along(&mut times(&self.start, &state), angles);
     }
-    let end = along([0.0; N], &mut row.to_vec());
-    let mut start = nalgebra::DVector::from_row_slice(&end);
-    fades.lu().solve_mut(&mut start);
-    along(std::array::from_fn(|at| start[at]), row);
+
+    /// The transposed of [`Self::whiten`], in place.
+    pub fn transposed(&self, white: &mut [f64]) {
+        let along = |state: &mut [f64; N], row: &mut [f64]| {
+            let each = row.iter_mut().zip(&self.steps).rev();
+            each.for_each(|(value, step)| step.transposed(state, value));
+        };
+        let mut state = [0.0; N];
+        along(&mut state, &mut white.to_vec());
+        along(&mut times(&self.end, &state), white);
+    }
 }
 
 /// A matrix times a state.

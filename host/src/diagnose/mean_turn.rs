@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 
 use super::bench::Bench;
-use super::filter::{DRIFTING, Filter, Leap, Noise};
+use super::filter::{Around, DRIFTING, Filter, Leap, Noise};
 
 /// Turns and edges, at the least, in which the gains settle to those of a turn without ends.
 const SETTLES: [usize; 2] = [4, 400];
@@ -29,7 +29,7 @@ pub struct MeanTurn {
     own_rad: Vec<f64>,
     /// Least variance that the recordings leave of an edge, rad^2.
     least2: f64,
-    filter: Filter<DRIFTING>,
+    filter: Option<Around<DRIFTING>>,
     /// Variance of an edge's error, rad^2.
     size2: f64,
 }
@@ -96,8 +96,8 @@ impl MeanTurn {
             }
         });
         let leaps: Vec<Leap<DRIFTING>> = leaps.collect();
-        let mut turn = Self {
-            filter: Filter::new(&[], &Noise::default()),
+        Self {
+            filter: None,
             wander: stiff.map(|stiff| f64::max(stiff, f64::MIN_POSITIVE).recip()),
             own_rad: known
                 .iter()
@@ -106,14 +106,13 @@ impl MeanTurn {
             least2: most.recip(),
             leaps,
             size2: 0.0,
-        };
-        turn.set_size(0.0);
-        turn
+        }
     }
 
     /// Sets the variance of an edge's error, rad^2.
     pub fn set_size(&mut self, size2: f64) {
         self.size2 = size2.min(CLEAR * self.least2);
+        self.filter = None;
         if self.size2 <= 0.0 {
             return;
         }
@@ -128,17 +127,89 @@ impl MeanTurn {
             angle_rad: 1.0,
             ..Noise::default()
         };
-        self.filter = Filter::new(&self.leaps, &noise);
+        let filter = Filter::new(&self.leaps, &noise);
+        self.filter = Some(filter.around(self.own_rad.len()));
     }
 
     /// A row divided by about the normal matrix.
     #[must_use]
     pub fn divided(&self, row: &[f64]) -> Vec<f64> {
         let mut fold = row.to_vec();
-        self.filter.whiten_around(&mut fold);
-        self.filter.transposed_around(&mut fold);
+        if let Some(filter) = &self.filter {
+            filter.whiten(&mut fold);
+            filter.transposed(&mut fold);
+        }
         let each = row.iter().zip(fold);
         let each = each.map(|(value, fold)| self.size2 * (value - fold));
         each.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A turn of edges that come unevenly.
+    fn turn(edges: usize) -> Vec<Leap<DRIFTING>> {
+        let leap = |at: usize| {
+            let apart = 0.01 * (1.0 + 0.3 * (at % edges % 4) as f64);
+            Leap {
+                way: [
+                    [1.0, apart, apart * apart / 2.0],
+                    [0.0, 1.0, apart],
+                    [0.0; DRIFTING],
+                ],
+                torque: [
+                    [apart.powi(3) / 3.0, apart.powi(2) / 2.0, 0.0],
+                    [apart.powi(2) / 2.0, apart, 0.0],
+                    [0.0; DRIFTING],
+                ],
+                drift: [[0.0; DRIFTING]; DRIFTING],
+                load: None,
+                jolt: [0.0; 2],
+                speed: 1.0,
+                fresh: at == 0,
+                doubt_s: 0.1,
+            }
+        };
+        (0..40 * edges).map(leap).collect()
+    }
+
+    fn row(edges: usize, by: f64) -> Vec<f64> {
+        (0..edges).map(|at| (by * (at * at) as f64).sin()).collect()
+    }
+
+    #[test]
+    fn around_a_turn_is_the_end_of_many() {
+        let noise = Noise {
+            torque: 3.0,
+            angle_rad: 1.0,
+            ..Noise::default()
+        };
+        let filter = Filter::new(&turn(40), &noise);
+        let mut one = row(40, 0.7);
+        let mut many = one.repeat(40);
+        filter.around(40).whiten(&mut one);
+        filter.whiten(&mut many);
+        for (one, many) in one.iter().zip(&many[39 * 40..]) {
+            assert!((one - many).abs() < 1e-9, "{one} {many}");
+        }
+    }
+
+    #[test]
+    fn back_around_a_turn_is_the_transposed() {
+        let noise = Noise {
+            torque: 3.0,
+            angle_rad: 1.0,
+            ..Noise::default()
+        };
+        let around = Filter::new(&turn(40), &noise).around(40);
+        let (angles, values) = (row(40, 0.7), row(40, 1.9));
+        let (mut white, mut back) = (angles.clone(), values.clone());
+        around.whiten(&mut white);
+        around.transposed(&mut back);
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (there, here) = (product(&white, &values), product(&angles, &back));
+        assert!((there - here).abs() < 1e-10, "{there} {here}");
     }
 }

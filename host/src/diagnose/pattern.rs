@@ -64,22 +64,26 @@ impl Pattern {
     pub fn new(benches: &[Bench]) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
         let mut planner = RealFftPlanner::new();
-        let mut pattern = Self {
+        Some(Self {
             edges,
             size2: 0.0,
             sparse: true,
             known: false,
-            worth: Vec::new(),
+            worth: Self::worths(benches, edges),
             forward: planner.plan_fft_forward(edges),
             turn: MeanTurn::new(benches, edges),
-        };
-        pattern.weigh(benches);
-        Some(pattern)
+        })
     }
 
     /// Works out anew what orders are worth: in another noise, or of other recordings.
     pub fn weigh(&mut self, benches: &[Bench]) {
-        let orders = self.edges / 2 + 1;
+        self.worth = Self::worths(benches, self.edges);
+        self.turn = MeanTurn::new(benches, self.edges);
+        self.turn.set_size(self.size2);
+    }
+
+    fn worths(benches: &[Bench], edges: usize) -> Vec<f64> {
+        let orders = edges / 2 + 1;
         let count = NODES.min(orders - 1);
         let nodes = (0..count).into_par_iter().map(|node| {
             let share = node as f64 / (count.max(2) - 1) as f64;
@@ -92,7 +96,7 @@ impl Pattern {
                     dot(&white, &white)
                 })
             });
-            let worth = columns.sum::<f64>() / self.edges as f64;
+            let worth = columns.sum::<f64>() / edges as f64;
             (order.ln(), worth.max(1e-300).ln())
         });
         let nodes: Vec<(f64, f64)> = nodes.collect();
@@ -100,9 +104,7 @@ impl Pattern {
             0 => 1e-300,
             _ => between(&nodes, (order as f64).ln()).exp(),
         };
-        self.worth = (0..orders).map(at).collect();
-        self.turn = MeanTurn::new(benches, self.edges);
-        self.turn.set_size(self.size2);
+        (0..orders).map(at).collect()
     }
 
     /// Of a disc whose errors are known but for a variance, rad^2.
