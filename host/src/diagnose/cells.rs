@@ -22,7 +22,7 @@ const BUMPS: usize = 2;
 /// Widths of bumps, edges.
 const WIDTHS: [f64; 10] = [0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0, 384.0];
 /// Spread of the speed, as a share of it, from which on a size that grows with it can be told from one that does not.
-const SPEEDS: f64 = 0.05;
+pub const SPEEDS: f64 = 0.05;
 
 /// White columns of the cells that are always tried: they hang on the noise alone, so they are worked out once for many looks.
 #[derive(Clone, Debug)]

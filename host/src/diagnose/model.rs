@@ -133,10 +133,11 @@ impl Model {
         groups
     }
 
-    /// A group that no finding has yet.
+    /// A group that no term has yet: what turned out to be open keeps the one that it had as a finding.
     #[must_use]
     pub fn unused(&self) -> usize {
-        self.groups().into_iter().max().map_or(0, |group| group + 1)
+        let free = |group: &usize| self.terms.iter().all(|term| term.group != *group);
+        (0..=self.terms.len()).find(free).unwrap_or_default()
     }
 
     /// What is no finding.

@@ -458,9 +458,13 @@ fn best_of(
 }
 
 /// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
-/// a disc that they do not give may have any errors.
+/// gives way with the speed as friction does where that hardly changes; a disc that they do not give may have any errors.
 fn is_open(board: &Board, effects: &[Effect]) -> bool {
     let open_disc = !board.disc_given;
+    let drags = board.undriven && board.speed_spread() < cells::SPEEDS;
+    if drags && effects.iter().all(Effect::is_friction) {
+        return true;
+    }
     effects.iter().all(|effect| {
         let changes = effect.site == Site::Torque && matches!(effect.carrier, Carrier::Window(..));
         board.undriven && changes || open_disc && effect.is_of_disc()
