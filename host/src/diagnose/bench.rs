@@ -11,7 +11,16 @@ use super::plant::{Gains, Here, Law, Leaps, Plant};
 use super::record::Record;
 use super::speed_loop;
 use crate::sim;
-use crate::twin::{Twin, TwinError};
+use crate::twin::{Drive, Twin, TwinError};
+
+/// What was found of a rig that bears on its course and its law.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// By how much each edge is off on top of what the twin says, rad; empty where none is.
+    pub off: Vec<f64>,
+    /// How much more stiffly the shaft is held than the twin says, over the inertia, 1/s.
+    pub stiffness: f64,
+}
 
 /// One recording with its twin.
 #[derive(Clone, Debug)]
@@ -26,8 +35,8 @@ pub struct Bench {
     pub disc: Vec<f64>,
     /// Standard error of an edge of that disc, rad; 0 where it counts as exact.
     pub spread_rad: f64,
-    /// By how much each edge is off on top by what was found, rad; empty where nothing was. The course goes by it.
-    pub found: Vec<f64>,
+    /// What the course and the law go by that the twin does not say.
+    pub found: Found,
     /// Where the shaft was.
     pub course: Course,
     /// Its law.
@@ -60,22 +69,22 @@ impl Bench {
     /// Compares a recording with its twin.
     #[must_use]
     pub fn new(record: Record, twin: &Twin, errors: &[f64], noise: &Noise) -> Self {
-        Self::about(record, twin, errors, &[], noise)
+        Self::about(record, twin, errors, &Found::default(), noise)
     }
 
-    /// The same about the course that edges make which are off by more than the twin says, rad.
+    /// The same about what was found of its course and its law.
     #[must_use]
     pub fn about(
         mut record: Record,
         twin: &Twin,
         errors: &[f64],
-        found: &[f64],
+        found: &Found,
         noise: &Noise,
     ) -> Self {
         let disc = declared::of_recorded(errors, record.edges);
-        let law = Law::of(twin);
+        let law = Law::of(twin).held(found.stiffness);
         let slots: Vec<usize> = (0..record.len()).map(|at| record.slot(at)).collect();
-        let more = |at: usize| found.get(at).copied().unwrap_or(0.0);
+        let more = |at: usize| found.off.get(at).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
             .map(|at| disc.get(slots[at]).copied().unwrap_or(0.0) + more(at))
             .collect();
@@ -91,8 +100,7 @@ impl Bench {
         course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
-        let mut leaps = Leaps::of(&plant, &course);
-        leaps.jolt(&declared::jolts(twin, &course, &plant));
+        let leaps = leaps(twin, &course, &plant);
         let gains = leaps.filter(0..record.len(), noise);
         let own: Vec<f64> = (0..record.len())
             .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
@@ -107,7 +115,7 @@ impl Bench {
             record,
             disc,
             spread_rad: 0.0,
-            found: found.to_vec(),
+            found: found.clone(),
             course,
             plant,
             declared,
@@ -121,10 +129,23 @@ impl Bench {
         }
     }
 
+    /// Whether a drive that the twin declares holds a speed.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        let law = &self.plant.law;
+        self.twin.drive != Drive::Unknown && law.stiffness + law.viscous > 0.0
+    }
+
     /// The present noise.
     #[must_use]
     pub const fn noise(&self) -> Noise {
         self.noise
+    }
+
+    /// Goes by a torque noise that is held for a time, s; its gains are set with the noise.
+    pub fn hold_noise(&mut self, hold_s: f64) {
+        self.plant.law.hold_s = hold_s;
+        self.leaps = leaps(&self.twin, &self.course, &self.plant);
     }
 
     /// Goes by another noise.
@@ -292,7 +313,7 @@ impl Bench {
         } else {
             declared::of_recorded(&sim::true_errors(twin).ok()?, self.record.edges)
         };
-        let law = Law::of(twin);
+        let law = Law::of(twin).held(self.found.stiffness);
         let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
         let plant = other.as_ref().unwrap_or(&self.plant);
         let declared = Declared::new(&self.record, twin, &disc, &self.course, plant);
@@ -303,8 +324,7 @@ impl Bench {
             .zip(&self.tied)
             .for_each(|(rest, by)| *rest -= by);
         if let Some(plant) = &other {
-            let mut leaps = Leaps::of(plant, &self.course);
-            leaps.jolt(&declared::jolts(twin, &self.course, plant));
+            let leaps = leaps(twin, &self.course, plant);
             let gains = leaps.filter(0..rest.len(), &self.noise);
             gains.whiten(&mut rest);
             let scales = gains.scales().into_iter().zip(&self.scales);
@@ -363,6 +383,13 @@ impl Bench {
             asked: &asked,
         })
     }
+}
+
+/// The filter's steps, with what the course leaves open.
+fn leaps(twin: &Twin, course: &Course, plant: &Plant) -> Leaps {
+    let mut leaps = Leaps::of(plant, course);
+    leaps.jolt(&declared::jolts(twin, course, plant));
+    leaps
 }
 
 /// The noise that fits several benches best beside residual angles.

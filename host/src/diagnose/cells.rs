@@ -39,6 +39,8 @@ pub struct Bank {
 struct Step {
     from_s: f64,
     only: Option<u8>,
+    /// A drive that nobody declared makes it where there is one: it is in the free course.
+    site: Site,
     column: Vec<f64>,
 }
 
@@ -47,7 +49,7 @@ impl Step {
     const fn until(&self, until_s: f64) -> Effect {
         Effect {
             only: self.only,
-            ..Effect::new(Site::Torque, Carrier::Window(self.from_s, until_s))
+            ..Effect::new(self.site, Carrier::Window(self.from_s, until_s))
         }
     }
 }
@@ -75,6 +77,11 @@ impl Bank {
                 let mut step = Step {
                     from_s,
                     only,
+                    site: if board.undriven {
+                        Site::Drive
+                    } else {
+                        Site::Torque
+                    },
                     column: Vec::new(),
                 };
                 step.column = board.columns(&step.until(f64::INFINITY)).swap_remove(0);
@@ -268,10 +275,10 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
         all.push(vec![power(0.0), power(1.0), stribeck]);
     }
     let longest = board.seconds();
-    let driven = board.benches.iter().any(|bench| {
-        bench.plant.law.stiffness + bench.plant.law.viscous > 0.0
-            && bench.twin.speed_loop().is_none()
-    });
+    let driven = board
+        .benches
+        .iter()
+        .any(|bench| bench.is_held() && bench.twin.speed_loop().is_none());
     if driven {
         all.push(one(Site::Drive, Carrier::Time));
         all.extend(
@@ -387,11 +394,40 @@ pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
 /// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
 #[must_use]
 pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
-    let each = bank.steps.iter();
-    each.flat_map(|steps| loads_of(steps, left)).collect()
+    let each = bank.steps.iter().zip(&left.board.benches);
+    let each = each.zip(left.scores(Site::Torque));
+    each.flat_map(|((steps, bench), scores)| loads_of(steps, left, bench, scores))
+        .collect()
 }
 
-fn loads_of(steps: &[Step], left: &Left<'_>) -> Vec<Candidate> {
+/// The edge from which on a torque explains most, by about how much. What it explains is exact but for its square, which is that of the
+/// grid's instants beside it.
+fn sudden(bench: &Bench, scores: &[f64], site: Site, grid: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let course = &bench.course;
+    let push = match site {
+        Site::Drive => bench.plant.free(course).sensitivity(course, scores),
+        _ => bench.plant.sensitivity(course, scores),
+    };
+    let mut later = 0.0;
+    let mut best: Option<(f64, f64)> = None;
+    for at in (1..push.len()).rev() {
+        later += push[at];
+        let from_s = course.time_s[at - 1];
+        let next = grid.partition_point(|(time_s, _)| *time_s < from_s);
+        let (Some(after), Some(before)) = (grid.get(next), grid.get(next.wrapping_sub(1))) else {
+            continue;
+        };
+        let share = (from_s - before.0) / (after.0 - before.0);
+        let square = before.1.powf(1.0 - share) * after.1.powf(share);
+        let gain = later * later / (bench.plant.law.inertia.powi(2) * square);
+        if gain.is_finite() && best.is_none_or(|(_, most)| gain > most) {
+            best = Some((from_s, gain));
+        }
+    }
+    best
+}
+
+fn loads_of(steps: &[Step], left: &Left<'_>, bench: &Bench, of_edges: &[f64]) -> Vec<Candidate> {
     use rayon::prelude::*;
     if steps.len() < 3 {
         return Vec::new();
@@ -432,9 +468,21 @@ fn loads_of(steps: &[Step], left: &Left<'_>) -> Vec<Candidate> {
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
     best.truncate(2);
     let step = steps[2].from_s - steps[1].from_s;
-    best.into_iter()
+    let mut found: Vec<Candidate> = best
+        .into_iter()
         .map(|(gain, effect)| nearest(left, effect, gain, 0.5 * step))
-        .collect()
+        .collect();
+    let grid: Vec<(f64, f64)> = (1..count).map(|at| (steps[at].from_s, own(at))).collect();
+    if let Some((from_s, gain)) = sudden(bench, of_edges, steps[0].site, &grid) {
+        let one = Step {
+            from_s,
+            column: Vec::new(),
+            ..steps[0]
+        };
+        let interval_s = bench.record.seconds() / bench.record.len() as f64;
+        found.push(nearest(left, one.until(f64::INFINITY), gain, interval_s));
+    }
+    found
 }
 
 /// Kinds of bumps that are looked for: the edges that they are on, and their width, rad, with the squares of a unit one.

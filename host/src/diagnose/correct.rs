@@ -129,7 +129,12 @@ pub fn all(board: &Board) -> Vec<Slopes> {
         let Some(tree) = numbers::tree(&bench.twin) else {
             continue;
         };
+        // How an unknown drive holds the shaft is not to be told from friction.
+        let open = |knob: &Knob| board.undriven && knob.path().mechanism() == Mechanism::Friction;
         for knob in numbers::knobs(&bench.twin) {
+            if open(&knob) {
+                continue;
+            }
             if let Some(values) = knob.values(&tree) {
                 let one = (knob, values);
                 if !knobs.contains(&one) {
@@ -317,6 +322,14 @@ impl Board {
             correction.now.clone_from(values);
         }
         Some(next)
+    }
+
+    /// The board about what its benches say was found.
+    #[must_use]
+    pub fn found_anew(&self) -> Option<Self> {
+        let each = self.corrections.iter();
+        let values: Vec<Vec<f64>> = each.map(|own| own.now.clone()).collect();
+        self.taken(&values)
     }
 
     /// The board beside twins as they are declared but for the corrections of a model.

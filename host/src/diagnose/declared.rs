@@ -286,6 +286,13 @@ pub fn of_recorded(errors: &[f64], edges: i64) -> Disc {
 }
 
 impl Declared {
+    /// Whether anything that the twin says moves the shaft.
+    #[must_use]
+    pub fn is_pushed(&self) -> bool {
+        let mut each = self.response.iter();
+        each.any(|motion| motion[ANGLE] != 0.0)
+    }
+
     /// What a twin says of a recording; `disc` is its errors.
     #[must_use]
     pub fn new(record: &Record, twin: &Twin, disc: &[f64], course: &Course, plant: &Plant) -> Self {

@@ -88,9 +88,14 @@ impl Effect {
         let law = &scene.plant.law;
         let all = 0..scene.course.len();
         // Friction must not see the noise that it is to be told from.
-        let foretold = self.site == Site::Torque
+        let foretold = (self.site == Site::Torque || law.undriven)
             && matches!(self.carrier, Carrier::Power(_) | Carrier::Stribeck(_));
         let responses = match self.site {
+            Site::Drive if law.undriven => {
+                let push = |here: Here| self.value(here).map(|torque| torque / law.inertia);
+                let plant = scene.plant.free(scene.course);
+                plant.responses(all, scene.course, foretold, push, rate, &breaks)
+            }
             Site::Drive => {
                 let change = |here: Here| {
                     if here.inside_s >= law.off_s {

@@ -77,12 +77,12 @@ pub fn foretells(foretold: f64, shown: f64) -> bool {
     foretold >= FORETELLS * shown - SURE
 }
 
-/// Whether a group of a fit is foretold on turns that it was not fitted on.
+/// Whether a group of a fit shows more than once, and is foretold on turns that it was not fitted on.
 #[must_use]
-pub fn is_foretold(board: &Board, fit: &Fit, group: usize) -> bool {
+pub fn recurs(board: &Board, fit: &Fit, group: usize) -> bool {
     let parts = Parts::blocks(board, fit);
     let Foretold { fall, shown, .. } = parts.foretold(fit, group);
-    foretells(fall, shown)
+    foretells(fall, shown) && !parts.only_once(fit, group)
 }
 
 impl Parts {

@@ -42,6 +42,7 @@ pub mod scan;
 pub mod search;
 mod speed_loop;
 pub mod stamps;
+mod stiffness;
 mod task;
 #[cfg(test)]
 mod tests;

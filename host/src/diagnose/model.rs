@@ -11,7 +11,6 @@ use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
 use super::noise::{Free, Tails};
 use super::pattern::{LARGE, Pattern};
-use crate::sim;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -79,6 +78,8 @@ const ROUNDS: usize = 5;
 const SIZED: usize = 12;
 const COMPARED: usize = 2;
 const ALIKE: f64 = 0.05;
+/// Rounds in which noise and how stiffly an unknown drive holds the shaft are found.
+const HELD: usize = 4;
 /// Rounds in which noise and what a speed loop saw are found, as each bears on the other.
 const TIED: usize = 2;
 /// Rounds in which noise and its levels are found beside a model at the most.
@@ -100,6 +101,13 @@ impl Model {
             nuisance: false,
             group,
         }));
+    }
+
+    /// Adds effects that are no finding.
+    pub fn add_open(&mut self, effects: &[Effect], group: usize) {
+        self.add(effects, group);
+        let added = self.terms.iter_mut().rev().take(effects.len());
+        added.for_each(|term| term.nuisance = true);
     }
 
     /// Effects of a group.
@@ -308,6 +316,12 @@ impl Board {
         if board.pattern.is_some() {
             board.size_up(&Model::default());
         }
+        for _ in 0..HELD {
+            if !board.hold(&Model::default()) {
+                break;
+            }
+            board.fit_noise(&Model::default());
+        }
         board
     }
 
@@ -359,12 +373,18 @@ impl Board {
         }
     }
 
-    /// Works out the course anew beside what a model and the disc's pattern shift edges by: torques are evaluated at that. Whether it
-    /// is another course.
+    /// Works out anew what the course goes by, beside a model: what that and the disc's pattern shift edges by, as torques are evaluated
+    /// there, and how stiffly an unknown drive holds the shaft. Whether anything is another.
     pub fn go_by(&mut self, model: &Model) -> bool {
+        let shifted = self.shift(model);
+        self.hold(model) || shifted
+    }
+
+    /// Works out the course anew beside what a model and the disc's pattern shift edges by. Whether it is another course.
+    fn shift(&mut self, model: &Model) -> bool {
         let found = disc::shifts(self, model);
         let change = |bench: &Bench, found: &[f64]| {
-            let was = |at: usize| bench.found.get(at).copied().unwrap_or(0.0);
+            let was = |at: usize| bench.found.off.get(at).copied().unwrap_or(0.0);
             let change = |at: usize| bench.scales[at] * (found[at] - was(at));
             let squares = (0..found.len()).map(|at| change(at).powi(2));
             squares.sum::<f64>() / found.len().max(1) as f64
@@ -373,16 +393,13 @@ impl Board {
         if !self.corrections.is_empty() || each.all(|(bench, found)| change(bench, found) < 1.0) {
             return false;
         }
-        let noise = self.noise;
-        let each = self.benches.par_iter_mut().zip(found);
-        each.for_each(|(bench, found)| {
-            if let Ok(errors) = sim::true_errors(&bench.twin) {
-                let about =
-                    Bench::about(bench.record.clone(), &bench.twin, &errors, &found, &noise);
-                let before = std::mem::replace(bench, about);
-                bench.stays(&before);
-            }
-        });
+        for (bench, off) in self.benches.iter_mut().zip(found) {
+            bench.found.off = off;
+        }
+        let Some(board) = self.found_anew() else {
+            return false;
+        };
+        *self = board;
         if let Some(pattern) = &mut self.pattern {
             pattern.weigh(&self.benches);
         }
@@ -931,6 +948,22 @@ impl Board {
         }
         board.set_noise(board.noise);
         board
+    }
+
+    /// The same board with a torque noise that is held over an interval at top speed, as drives and simulators make it; none where the twins
+    /// say how long it is held.
+    #[must_use]
+    pub fn in_held_noise(&self) -> Option<Self> {
+        let mut board = self.clone();
+        for bench in &mut board.benches {
+            if bench.plant.law.hold_s > 0.0 {
+                return None;
+            }
+            let turn_s = std::f64::consts::TAU / bench.course.top();
+            bench.hold_noise(turn_s / bench.record.edges as f64);
+        }
+        board.set_noise(board.noise);
+        Some(board)
     }
 
     /// The same board in noise as rigs have it: with a torque that wanders, with levels and, as asked for, with long tails.

@@ -49,6 +49,8 @@ pub struct Law {
     pub mode: Option<Mode>,
     /// Time for which torque noise is held, s; 0 where it is white.
     pub hold_s: f64,
+    /// Whether nobody knows what drives it.
+    pub undriven: bool,
 }
 
 impl Law {
@@ -67,8 +69,7 @@ impl Law {
             _ => viscous + shaft.stiffness_n_m_s / inertia,
         };
         if twin.drive == Drive::Unknown {
-            // What an unknown drive does against friction is unknown too: both are in the free course.
-            return Self::free(inertia);
+            return Self::undriven(inertia, viscous);
         }
         let looped = twin.speed_loop().is_some();
         let interval_s = TAU / (f64::from(twin.encoder.grid_edges()) * nominal);
@@ -101,14 +102,25 @@ impl Law {
                 }
             }),
             hold_s: if hold_s.is_finite() { hold_s } else { 0.0 },
+            undriven: false,
         }
     }
 
-    /// Of a shaft of which only the inertia is known.
-    const fn free(inertia: f64) -> Self {
+    /// The same of a shaft that is held more stiffly, 1/s.
+    #[must_use]
+    pub fn held(self, stiffness: f64) -> Self {
+        Self {
+            stiffness: self.stiffness + stiffness,
+            ..self
+        }
+    }
+
+    /// Of a shaft whose drive is unknown: what that does against friction is in the free course, which nothing damps. What a torque adds
+    /// to the course is damped all the same.
+    const fn undriven(inertia: f64, viscous: f64) -> Self {
         Self {
             inertia,
-            viscous: 0.0,
+            viscous,
             stiffness: 0.0,
             coulomb: 0.0,
             drag: 0.0,
@@ -117,6 +129,7 @@ impl Law {
             off_s: f64::INFINITY,
             mode: None,
             hold_s: 0.0,
+            undriven: true,
         }
     }
 
@@ -211,6 +224,12 @@ impl Plant {
             slopes,
             law,
         }
+    }
+
+    /// The same shaft as its free course goes, which nothing damps.
+    #[must_use]
+    pub fn free(&self, course: &Course) -> Self {
+        Self::new(Law::undriven(self.law.inertia, 0.0), course)
     }
 
     /// Acceleration by friction about the course: what it is there, less what the damping of that interval has of it already.
@@ -370,6 +389,15 @@ impl Plant {
         push
     }
 
+    /// How a free course is damped over the interval that ends at an edge, 1/s: an unknown drive keeps it up.
+    fn fades(&self, at: usize) -> f64 {
+        if self.law.undriven {
+            0.0
+        } else {
+            self.damping[at]
+        }
+    }
+
     /// Angle at each edge of a shaft that starts with unit speed and is not pushed, s.
     #[must_use]
     pub fn fading(&self, course: &Course) -> Vec<f64> {
@@ -377,7 +405,8 @@ impl Plant {
         (0..course.len())
             .map(|at| {
                 if at > 0 {
-                    let [(reach, stays), _] = self.reaches[at];
+                    let h = course.time_s[at] - course.time_s[at - 1];
+                    let (reach, stays) = reach(self.fades(at), h);
                     angle += reach * speed;
                     speed *= stays;
                 }
@@ -416,7 +445,7 @@ impl Plant {
             .map(|at| {
                 let before = at.saturating_sub(1);
                 let h = (course.time_s[at] - course.time_s[before]).max(0.0);
-                let (way, torque, drift) = self.spread::<N>(self.damping[at], course.time_s[at], h);
+                let (way, torque, drift) = self.spread::<N>(self.fades(at), course.time_s[at], h);
                 let load = self.law.mode.filter(|mode| mode.load > 0.0);
                 Leap {
                     way,

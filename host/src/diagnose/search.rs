@@ -11,7 +11,7 @@ use super::identify;
 use super::judge;
 use super::jury;
 use super::lsq::Basis;
-use super::model::{Board, Fit, Model};
+use super::model::{Board, Fit, Model, pushes};
 use super::name;
 use super::nearby::Left;
 use super::pattern::Pattern;
@@ -46,9 +46,10 @@ pub fn nuisances(board: &Board) -> Model {
     if !board.disc_given {
         model.add(&cells::classes(board), usize::MAX);
     }
-    let steady = board.benches.iter().any(|bench| {
-        bench.plant.law.stiffness + bench.plant.law.viscous > 0.0 && bench.plant.law.mode.is_none()
-    });
+    let steady = board
+        .benches
+        .iter()
+        .any(|bench| bench.is_held() && bench.plant.law.mode.is_none());
     if steady {
         model.add(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
     }
@@ -67,7 +68,7 @@ fn turns_back(board: &Board) -> Vec<Effect> {
         let at = bench.course.reversals_s.iter();
         at.map(move |at_s| Effect {
             only: several.then_some(bench.place),
-            ..Effect::new(Site::Torque, Carrier::Window(*at_s, f64::INFINITY))
+            ..Effect::new(Site::Drive, Carrier::Window(*at_s, f64::INFINITY))
         })
     });
     let all: Vec<Effect> = each.collect();
@@ -262,9 +263,7 @@ impl Found {
                 let numbers = cells::numbers(&effects);
                 let as_open = |effects: &[Effect]| {
                     let mut model = fit.model.clone();
-                    model.add(effects, usize::MAX - 2 - changes);
-                    let added = model.terms.iter_mut().rev().take(effects.len());
-                    added.for_each(|term| term.nuisance = true);
+                    model.add_open(&left_open(board, effects), usize::MAX - 2 - changes);
                     let next = board.fit(&model);
                     let worth = evidence(board, fit.rss - next.rss, numbers);
                     (worth > SURE).then_some((worth, next))
@@ -279,7 +278,7 @@ impl Found {
                 model.add(&effects, group);
                 let next = board.fit(&model);
                 let worth = evidence(board, fit.rss - next.rss, numbers);
-                if drags && !judge::is_foretold(board, &next, group) {
+                if drags && !judge::recurs(board, &next, group) {
                     // What a drive that nobody declared did there.
                     return as_open(&effects);
                 }
@@ -358,10 +357,10 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
             let fitted = rivals.into_par_iter().map(|effects| {
                 let (effects, gain) = board.beside(&rest, &basis, &effects);
                 let mut model = fit.model.without(group);
-                model.add(&effects, group);
                 if is_open(board, &effects) {
-                    let added = model.terms.iter_mut().rev().take(effects.len());
-                    added.for_each(|term| term.nuisance = true);
+                    model.add_open(&left_open(board, &effects), group);
+                } else {
+                    model.add(&effects, group);
                 }
                 (
                     evidence(board, gain, cells::numbers(&effects)) / worth,
@@ -466,9 +465,21 @@ fn is_open(board: &Board, effects: &[Effect]) -> bool {
         return true;
     }
     effects.iter().all(|effect| {
-        let changes = effect.site == Site::Torque && matches!(effect.carrier, Carrier::Window(..));
+        let changes = pushes(effect.site) && matches!(effect.carrier, Carrier::Window(..));
         board.undriven && changes || open_disc && effect.is_of_disc()
     })
+}
+
+/// Effects of what the twins leave open as they enter: a torque of an unknown drive makes the course, which nothing damps.
+fn left_open(board: &Board, effects: &[Effect]) -> Vec<Effect> {
+    let each = effects.iter().map(|effect| match effect.site {
+        Site::Torque if board.undriven => Effect {
+            site: Site::Drive,
+            ..*effect
+        },
+        _ => *effect,
+    });
+    each.collect()
 }
 
 /// Steady effects of edge classes that a finding has in part already are one finding with it, channel by channel: its group, the model

@@ -29,7 +29,11 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
         return None;
     }
     // A latency is told by its tails, which are of the noise here.
-    let (board, fit, _) = board.in_plain_noise().at_its_noise(&fit.model);
+    let plain = board.in_plain_noise();
+    // How the torque pushes between edges bears on what is left for the stamps.
+    let shapes = [plain.in_held_noise(), Some(plain)].into_iter().flatten();
+    let shapes = shapes.map(|board| board.at_its_noise(&fit.model));
+    let (board, fit, _) = shapes.min_by(|a, b| a.2.total_cmp(&b.2))?;
     let (board, fit) = (&board, &fit);
     let left = if agreement::is_white(board, fit) {
         0.0

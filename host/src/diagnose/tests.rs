@@ -103,6 +103,21 @@ fn a_drive_that_gives_way_is_no_friction_of_a_thin_twin() {
 }
 
 #[test]
+fn how_stiffly_an_unknown_drive_holds_the_shaft_is_no_torque_beside_a_declared_ripple() {
+    // Slow waves of the ripple are damped by friction and drive together: once "a torque that falls with the speed", over 99.9 %.
+    let sensor = "[encoder.wheel]\nteeth = 80\n\n[timer]\nclock_hz = 84_000_000\njitter_s = 30e-9\n\n[noise.white]\npsd_n2_m2_s = 1.3e-9\n\n[[ripple]]\norder = 6\ntorque_n_m = 3.5e-3\nphase_rad = 1.0\n\n[shaft]\ninertia_kg_m2 = 5e-3\nviscous_n_m_s = 7e-3\n";
+    let drive = "stiffness_n_m_s = 9e-3\n\n[duration]\nturns = 25\n\n[drive.profile]\npoints = [{ t_s = 0, r_min = 66 }, { t_s = 12, r_min = 66 }, { t_s = 16, r_min = 10 }, { t_s = 90, r_min = 10 }]\n";
+    let answer = against(&format!("{sensor}{drive}"), sensor);
+    let said: Vec<&str> = answer
+        .diagnosis
+        .findings
+        .iter()
+        .map(|one| &*one.text)
+        .collect();
+    assert!(said.is_empty(), "{said:?}");
+}
+
+#[test]
 fn a_tone_at_one_speed_is_named_with_its_look_alike_and_the_residual_falls() {
     let tone = "\n[[torque_tone]]\nf_hz = 37.3\ntorque_n_m = 3e-4\nphase_rad = 0.4\n";
     let answer = against(&format!("{PAIR_FAST}{tone}"), PAIR_FAST);

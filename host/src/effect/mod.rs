@@ -51,7 +51,7 @@ impl On {
 pub enum Site {
     /// A torque on the shaft, N m.
     Torque,
-    /// The speed that an open-loop drive asks for, as a share of it.
+    /// The speed that an open-loop drive asks for, as a share of it; the torque of an unknown drive, N m.
     Drive,
     /// An angle of the edge, rad: it comes so much before its place on the grid.
     Disc(On),

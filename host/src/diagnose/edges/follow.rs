@@ -21,10 +21,12 @@ mod cost {
     pub const ASTRAY: f64 = 8.0;
     /// A reversal of a shaft that was slowing down.
     pub const REVERSAL: f64 = 3.0;
-    /// A reversal out of motion that was as steady as can be.
+    /// A reversal or a stop out of motion that was as steady as can be.
     pub const ABRUPT: f64 = 30.0;
 }
 
+/// Change of the log speed an edge of a shaft that will stand still before the next one: braked evenly it is 0.2 two edges before.
+const STOPS: f64 = -0.1;
 /// Share of intervals that no smooth speed explains.
 const OUTLIERS: f64 = 1e-3;
 /// Log likelihood of a log interval that nothing predicts.
@@ -410,6 +412,14 @@ impl Follower<'_> {
             Some(speed) => {
                 let distance = self.distance(from, &to);
                 let off = from.innovation(log_interval, distance, speed);
+                if self.grid.reversible && lost == 0 && off > 0.0 {
+                    // It may have stood still in between, if it was slowing down.
+                    let steady = (speed[1] - STOPS).max(0.0).powi(2) / (2.0 * speed[2]);
+                    let mut still = to;
+                    still.score += broad(off) - cost::REVERSAL - steady.min(cost::ABRUPT);
+                    still.speed = None;
+                    self.push(still, still.seen(false), f64::NAN);
+                }
                 let (score, sure) = likelihood(off, speed[2]);
                 to.score += score;
                 to.learn(self.spread, log_interval, distance, off, sure);

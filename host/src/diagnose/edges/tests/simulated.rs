@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::sim::{Event, Simulation};
-use crate::twin::{Drive, Duration, Encoder, Errors, Faults, Ripple, Step, Twin};
+use crate::twin::{Drive, Duration, Encoder, Errors, Faults, Ripple, SpeedProfile, Step, Twin};
 
 const CLOCK_HZ: u64 = 10_000_000;
 
@@ -334,6 +334,32 @@ fn one_channel_whose_drive_nobody_declared_is_used_between_stops() {
         let (first, last) = (used.time_s[0], used.time_s[used.time_s.len() - 1]);
         assert!(last < 5.0 || first > 5.0, "{teeth}: {first} to {last}");
         assert!(used.time_s.len() > edges.time_s.len() / 2, "{teeth}");
+    }
+}
+
+#[test]
+fn a_shaft_that_stands_still_for_a_while_and_goes_on_makes_no_pulse_too_many() {
+    for lines in [60, 1250] {
+        let encoder = Encoder::Quadrature {
+            lines,
+            index: false,
+        };
+        let mut twin = rig(1, encoder, 60.0, 4.0);
+        let point = |(t_s, r_min)| Step { t_s, r_min };
+        let points = [
+            (0.0, -82.0),
+            (1.0, -82.0),
+            (2.0, 0.0),
+            (2.6, 0.0),
+            (3.6, -60.0),
+        ];
+        twin.drive = Drive::Profile(SpeedProfile::new(points.map(point).to_vec()));
+        let edges = place(
+            &Sensor::Quadrature { lines, index: None },
+            CLOCK_HZ,
+            &rows(&run(&twin)),
+        );
+        assert_eq!(edges.unwrap().events, [], "{lines}");
     }
 }
 
