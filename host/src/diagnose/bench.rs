@@ -1,5 +1,6 @@
 //! A recording beside its twin: the residual, its noise, and the filter that makes both white.
 
+use super::columns::{Columns, Kept};
 use super::course::Course;
 use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
@@ -63,6 +64,8 @@ pub struct Bench {
     tied: Vec<f64>,
     /// The present noise.
     noise: Noise,
+    /// Columns along this course.
+    kept: Kept,
 }
 
 impl Bench {
@@ -126,6 +129,7 @@ impl Bench {
             tangents: Vec::new(),
             tied: vec![0.0; count],
             noise: *noise,
+            kept: Kept::default(),
         }
     }
 
@@ -366,21 +370,23 @@ impl Bench {
 
     /// What an effect does to each edge, rad, for unit of each size.
     #[must_use]
-    pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
+    pub fn columns(&self, effect: &Effect) -> Columns {
         if let Site::Declared(at) = effect.site {
             let tangent = self.tangents.get(usize::from(at)).cloned();
             let none = vec![0.0; self.record.len()];
-            return vec![tangent.filter(|some| !some.is_empty()).unwrap_or(none)];
+            return vec![tangent.filter(|some| !some.is_empty()).unwrap_or(none)].into();
         }
-        if effect.only.is_some_and(|only| only != self.place) {
-            return vec![vec![0.0; self.record.len()]; effect.sizes()];
-        }
-        let asked = declared::Asked::of(&self.twin);
-        effect.columns(&Scene {
-            record: &self.record,
-            course: &self.course,
-            plant: &self.plant,
-            asked: &asked,
+        self.kept.of(effect, || {
+            if effect.only.is_some_and(|only| only != self.place) {
+                return vec![vec![0.0; self.record.len()]; effect.sizes()];
+            }
+            let asked = declared::Asked::of(&self.twin);
+            effect.columns(&Scene {
+                record: &self.record,
+                course: &self.course,
+                plant: &self.plant,
+                asked: &asked,
+            })
         })
     }
 }

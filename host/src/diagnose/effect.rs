@@ -59,9 +59,32 @@ impl Effect {
         }
     }
 
+    /// The same where it is a torque that is the same throughout a time.
+    fn even_push(&self, scene: &Scene<'_>) -> Option<Vec<Motion>> {
+        let law = &scene.plant.law;
+        let (Carrier::Window(from_s, until_s), Growth::Constant) = (self.carrier, self.growth)
+        else {
+            return None;
+        };
+        let plant = match self.site {
+            Site::Torque => None,
+            Site::Drive if law.undriven => Some(scene.plant.free(scene.course)),
+            _ => return None,
+        };
+        let plant = plant.as_ref().unwrap_or(scene.plant);
+        let mut motions = plant.pushed_evenly(scene.course, from_s, until_s)?;
+        for motion in &mut motions {
+            *motion = motion.map(|of| of / law.inertia);
+        }
+        Some(motions)
+    }
+
     /// What it makes of the shaft's angle and speed at each edge, for unit of each size, where it is a torque.
     #[must_use]
     pub fn motions(&self, scene: &Scene<'_>) -> Vec<Vec<Motion>> {
+        if let Some(motions) = self.even_push(scene) {
+            return vec![motions];
+        }
         let rate = |speed: f64| match self.carrier {
             Carrier::Order(order) => order * speed,
             Carrier::Tone(f_hz) => TAU * f_hz,

@@ -11,6 +11,7 @@ mod alike;
 pub mod answer;
 pub mod bench;
 pub mod cells;
+mod columns;
 pub mod correct;
 pub mod course;
 pub mod declared;

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::bench::{self, Bench};
+use super::columns::Columns;
 use super::correct::Correction;
 use super::disc;
 use super::effect::{Carrier, Effect, Growth, Here, Site};
@@ -72,6 +73,8 @@ pub struct Fit {
     pub rss: f64,
 }
 
+/// Change of a knob for its slope, in its reach.
+const SMALL: f64 = 0.02;
 /// Rounds of re-linearisation at the most.
 const ROUNDS: usize = 5;
 /// Rounds in which pattern and noise are found at the most, and where likelihoods of models alike are compared, and the change of a logarithm of the noise that is none.
@@ -480,29 +483,60 @@ impl Board {
     /// Columns of an effect for unit of each size, white, in a row.
     #[must_use]
     pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
-        let raw: Vec<Vec<Vec<f64>>> = self
+        let raw: Vec<Columns> = self
             .benches
             .par_iter()
             .map(|bench| bench.columns(effect))
             .collect();
-        let column = |size: usize| match &self.pattern {
+        let column = |size: usize| {
+            let each: Vec<&[f64]> = raw.iter().map(|raw| &*raw[size]).collect();
+            self.shown(effect, &each)
+        };
+        (0..effect.sizes()).into_par_iter().map(column).collect()
+    }
+
+    /// What an effect does to the edges of each recording, rad, white, in a row.
+    fn shown(&self, effect: &Effect, angles: &[&[f64]]) -> Vec<f64> {
+        match &self.pattern {
             Some(pattern) if pattern.size2 > 0.0 && effect.is_of_disc() => {
                 let mut errors = vec![0.0; pattern.edges];
-                for (bench, raw) in self.benches.iter().zip(&raw) {
-                    for (at, value) in raw[size].iter().enumerate() {
+                for (bench, angles) in self.benches.iter().zip(angles) {
+                    for (at, value) in angles.iter().enumerate() {
                         errors[bench.record.slot(at)] = *value;
                     }
                 }
                 pattern.taken_off_disc(&self.benches, &errors)
             }
             _ => {
-                let each = self.benches.iter().zip(&raw);
-                let white: Vec<Vec<f64>> =
-                    each.map(|(bench, raw)| bench.white(&raw[size])).collect();
+                let each = self.benches.iter().zip(angles);
+                let white: Vec<Vec<f64>> = each.map(|(bench, of)| bench.white(of)).collect();
                 self.beside_pattern(white.concat())
             }
+        }
+    }
+
+    /// What a small change of a knob of a term does, white, in a row.
+    fn slope(&self, term: &Term, knob: usize) -> Vec<f64> {
+        let step = SMALL * self.reach(&term.effect)[knob];
+        let moved = |by: f64| {
+            let mut knobs = term.effect.knobs();
+            knobs[knob] += by;
+            term.effect.with_knobs(&knobs)
         };
-        (0..effect.sizes()).into_par_iter().map(column).collect()
+        let (above, below) = (moved(step), moved(-step));
+        let each = self.benches.iter().map(|bench| {
+            let (above, below) = (bench.columns(&above), bench.columns(&below));
+            let mut sum = vec![0.0; bench.record.len()];
+            for (size, (above, below)) in term.sizes.iter().zip(above.iter().zip(below.iter())) {
+                let by = size / (2.0 * step);
+                let each = sum.iter_mut().zip(above.iter().zip(below));
+                each.for_each(|(sum, (above, below))| *sum += by * (above - below));
+            }
+            sum
+        });
+        let raw: Vec<Vec<f64>> = each.collect();
+        let each: Vec<&[f64]> = raw.iter().map(Vec::as_slice).collect();
+        self.shown(&term.effect, &each)
     }
 
     /// What a model says of each edge, rad, for each recording.
@@ -729,7 +763,7 @@ impl Board {
 
     /// All numbers of a model, re-linearised until nothing changes; what is of the basis is taken off its columns.
     fn settled(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
-        let mut now = self.linear(model, target, basis);
+        let mut now = self.with_slopes(self.sized(model, target, basis), target, basis);
         for _ in 0..ROUNDS {
             if now
                 .of
@@ -742,7 +776,7 @@ impl Board {
                 break;
             };
             let gain = now.rss - better.rss;
-            now = better;
+            now = self.with_slopes(better, target, basis);
             if gain < NO_GAIN {
                 break;
             }
@@ -750,62 +784,30 @@ impl Board {
         now
     }
 
-    /// Sizes for knobs as they are, with the columns of small changes of the knobs.
-    fn linear(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
-        let mut columns = Vec::new();
-        let mut of = Vec::new();
-        let of_effect = |effect: &Effect| {
-            let mut columns = self.columns(effect);
+    /// Sizes for knobs as they are; columns of these alone.
+    fn sized(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
+        let each = model.terms.par_iter().map(|term| {
+            let mut columns = self.columns(&term.effect);
             columns.iter_mut().for_each(|column| basis.clear(column));
             columns
-        };
-        let terms = model.terms.par_iter();
-        let each: Vec<Vec<Vec<f64>>> = terms.map(|term| of_effect(&term.effect)).collect();
+        });
+        let each: Vec<Vec<Vec<f64>>> = each.collect();
+        let (mut columns, mut of) = (Vec::new(), Vec::new());
         for (at, some) in each.into_iter().enumerate() {
-            for (number, column) in some.into_iter().enumerate() {
-                columns.push(column);
-                of.push((at, number));
-            }
+            of.extend((0..some.len()).map(|number| (at, number)));
+            columns.extend(some);
         }
         let by_size: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let Solution {
-            sizes, rss, left, ..
+            sizes,
+            rss,
+            left,
+            covariance,
         } = lsq::solve(&by_size, target);
         let mut model = model.clone();
         for ((term, number), size) in of.iter().zip(&sizes) {
             model.terms[*term].sizes[*number] = *size;
         }
-        // What a small change of each knob does, at these sizes.
-        let knobs = model.terms.iter().enumerate().flat_map(|(at, term)| {
-            let fitted = self.fitted(&term.effect);
-            fitted.into_iter().map(move |knob| (at, knob))
-        });
-        let knobs: Vec<(usize, usize)> = knobs.collect();
-        let slopes = knobs.par_iter().map(|&(at, knob)| {
-            let term = &model.terms[at];
-            let step = 0.02 * self.reach(&term.effect)[knob];
-            let side = |by: f64| {
-                let mut knobs = term.effect.knobs();
-                knobs[knob] += by;
-                let mut sum: Vec<f64> = vec![0.0; target.len()];
-                let columns = of_effect(&term.effect.with_knobs(&knobs));
-                for (column, size) in columns.iter().zip(&term.sizes) {
-                    let each = sum.iter_mut().zip(column);
-                    each.for_each(|(sum, of)| *sum += size * of);
-                }
-                sum
-            };
-            let (above, below) = (side(step), side(-step));
-            let each = above.iter().zip(&below);
-            each.map(|(a, b)| (a - b) / (2.0 * step)).collect()
-        });
-        let slopes: Vec<Vec<f64>> = slopes.collect();
-        for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
-            columns.push(slope);
-            of.push((at, model.terms[at].effect.sizes() + knob));
-        }
-        let all: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let covariance = lsq::solve(&all, target).covariance;
         Fit {
             model,
             columns,
@@ -816,7 +818,33 @@ impl Board {
         }
     }
 
-    /// A step of Gauss and Newton, shortened until it helps; none where it does not.
+    /// The same with what a small change of each knob does, at these sizes.
+    fn with_slopes(&self, sized: Fit, target: &[f64], basis: &Basis) -> Fit {
+        let mut fit = sized;
+        let knobs = fit.model.terms.iter().enumerate().flat_map(|(at, term)| {
+            let fitted = self.fitted(&term.effect);
+            fitted.into_iter().map(move |knob| (at, knob))
+        });
+        let knobs: Vec<(usize, usize)> = knobs.collect();
+        if knobs.is_empty() {
+            return fit;
+        }
+        let slopes = knobs.par_iter().map(|&(at, knob)| {
+            let mut slope = self.slope(&fit.model.terms[at], knob);
+            basis.clear(&mut slope);
+            slope
+        });
+        let slopes: Vec<Vec<f64>> = slopes.collect();
+        for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
+            fit.columns.push(slope);
+            fit.of.push((at, fit.model.terms[at].effect.sizes() + knob));
+        }
+        let all: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+        fit.covariance = lsq::solve(&all, target).covariance;
+        fit
+    }
+
+    /// A step of Gauss and Newton, shortened until it helps, without its slopes; none where it does not.
     fn step(&self, now: &Fit, target: &[f64], basis: &Basis) -> Option<Fit> {
         let all: Vec<&[f64]> = now.columns.iter().map(Vec::as_slice).collect();
         let by = lsq::solve(&all, &now.left).sizes;
@@ -837,7 +865,7 @@ impl Board {
                     term.effect = moved;
                 }
             }
-            let next = self.linear(&model, target, basis);
+            let next = self.sized(&model, target, basis);
             if next.rss < now.rss {
                 return Some(next);
             }

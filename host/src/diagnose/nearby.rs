@@ -153,8 +153,8 @@ impl Nearby<'_> {
             .iter()
             .zip(self.left.scores(effect.site))
         {
-            for (sum, column) in products.iter_mut().zip(bench.columns(effect)) {
-                *sum += dot(&column, scores);
+            for (sum, column) in products.iter_mut().zip(bench.columns(effect).iter()) {
+                *sum += dot(column, scores);
             }
         }
         products.dot(&(&self.inverse * &products))

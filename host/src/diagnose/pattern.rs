@@ -90,11 +90,12 @@ impl Pattern {
             let order = ((orders as f64 - 1.0).powf(share)).round().max(1.0);
             let effect = Effect::new(Site::Disc(On::ALL), Carrier::Order(order));
             let columns = benches.iter().flat_map(|bench| {
-                let columns = bench.columns(&effect).into_iter();
-                columns.map(|column| {
-                    let white = bench.white(&column);
+                let columns = bench.columns(&effect);
+                let square = |column: &Vec<f64>| {
+                    let white = bench.white(column);
                     dot(&white, &white)
-                })
+                };
+                columns.iter().map(square).collect::<Vec<_>>()
             });
             let worth = columns.sum::<f64>() / edges as f64;
             (order.ln(), worth.max(1e-300).ln())

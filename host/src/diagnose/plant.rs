@@ -320,6 +320,40 @@ impl Plant {
         out
     }
 
+    /// Angle and speed at each edge that an even unit acceleration between two instants makes; none of a shaft with a mode, or whose drive
+    /// goes off.
+    #[must_use]
+    pub fn pushed_evenly(&self, course: &Course, from_s: f64, until_s: f64) -> Option<Vec<Motion>> {
+        if self.law.mode.is_some() || self.law.off_s.is_finite() {
+            return None;
+        }
+        let mut state = Motion::default();
+        let mut out = vec![state; course.len()];
+        for at in 1..course.len() {
+            let (before, now) = (course.time_s[at - 1], course.time_s[at]);
+            let b = self.damping[at];
+            let mut go = |h: f64, push: f64, whole: bool| {
+                let (r, stays) = if whole {
+                    self.reaches[at][0]
+                } else {
+                    reach(b, h)
+                };
+                state[ANGLE] += r * state[SPEED] + push * swept(b, h, r);
+                state[SPEED] = stays * state[SPEED] + push * r;
+            };
+            let (begins, ends) = (before.max(from_s), now.min(until_s));
+            if begins >= ends {
+                go(now - before, 0.0, true);
+            } else {
+                go(begins - before, 0.0, false);
+                go(ends - begins, 1.0, begins == before && ends == now);
+                go(now - ends, 0.0, false);
+            }
+            out[at] = state;
+        }
+        Some(out)
+    }
+
     /// Takes states through a part of the interval that ends at an edge; gives what acts at its end.
     #[allow(clippy::too_many_arguments)]
     fn over<const K: usize>(
@@ -427,11 +461,7 @@ impl Plant {
             let b = self.damping[at];
             let (r, stays) = reach(b, h);
             // Angle and speed that a unit acceleration over the interval gives.
-            let by_angle = if (b * h).abs() < 1e-3 {
-                0.5 * h * h * (1.0 - b * h / 3.0)
-            } else {
-                (h - r) / b
-            };
+            let by_angle = swept(b, h, r);
             out[at] = by_angle * angle + r * speed;
             speed = r * angle + stays * speed;
         }
@@ -540,11 +570,7 @@ impl Plant {
             }
             _ => {
                 let (r, stays) = reach(b, h);
-                let by_angle = if (b * h).abs() < 1e-3 {
-                    0.5 * h * h * (1.0 - b * h / 3.0)
-                } else {
-                    (h - r) / b
-                };
+                let by_angle = swept(b, h, r);
                 way[ANGLE][SPEED] = r;
                 way[SPEED][SPEED] = stays;
                 way[ANGLE][DRIFT] = by_angle;
@@ -625,6 +651,15 @@ pub fn reach(b: f64, h: f64) -> (f64, f64) {
     } else {
         let forgotten = -(-x).exp_m1();
         (forgotten / b, 1.0 - forgotten)
+    }
+}
+
+/// Angle that a unit acceleration makes over a time in which a unit speed makes the angle `r`.
+fn swept(b: f64, h: f64, r: f64) -> f64 {
+    if (b * h).abs() < 1e-3 {
+        0.5 * h * h * (1.0 - b * h / 3.0)
+    } else {
+        (h - r) / b
     }
 }
 

@@ -121,8 +121,8 @@ fn error_beside_torque(board: &Board, order: usize) -> f64 {
         let effect = Effect::new(site, Carrier::Order(order as f64));
         let mut both = vec![Vec::new(); 2];
         for bench in &board.benches {
-            for (all, own) in both.iter_mut().zip(bench.columns(&effect)) {
-                all.extend(bench.white(&own));
+            for (all, own) in both.iter_mut().zip(bench.columns(&effect).iter()) {
+                all.extend(bench.white(own));
             }
         }
         both
