@@ -12,6 +12,7 @@ use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
 use super::noise::{Free, Tails};
 use super::pattern::{LARGE, Pattern};
+use super::stiffness;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -319,11 +320,13 @@ impl Board {
         if board.pattern.is_some() {
             board.size_up(&Model::default());
         }
+        let mut starts = Model::default();
+        starts.add_open(&stiffness::starts(&board), usize::MAX);
         for _ in 0..HELD {
-            if !board.hold(&Model::default()) {
+            if !board.hold(&starts) {
                 break;
             }
-            board.fit_noise(&Model::default());
+            board.fit_noise(&starts);
         }
         board
     }
@@ -376,15 +379,9 @@ impl Board {
         }
     }
 
-    /// Works out anew what the course goes by, beside a model: what that and the disc's pattern shift edges by, as torques are evaluated
-    /// there, and how stiffly an unknown drive holds the shaft. Whether anything is another.
+    /// Works out the course anew beside what a model and the disc's pattern shift edges by: torques are evaluated at that. Whether it
+    /// is another course.
     pub fn go_by(&mut self, model: &Model) -> bool {
-        let shifted = self.shift(model);
-        self.hold(model) || shifted
-    }
-
-    /// Works out the course anew beside what a model and the disc's pattern shift edges by. Whether it is another course.
-    fn shift(&mut self, model: &Model) -> bool {
         let found = disc::shifts(self, model);
         let change = |bench: &Bench, found: &[f64]| {
             let was = |at: usize| bench.found.off.get(at).copied().unwrap_or(0.0);
@@ -477,7 +474,10 @@ impl Board {
             .par_iter()
             .map(|bench| bench.white(&bench.residual))
             .collect();
-        self.beside_pattern(each.concat())
+        match &self.pattern {
+            Some(pattern) => pattern.closely_taken_off(&self.benches, each.concat()),
+            None => each.concat(),
+        }
     }
 
     /// Columns of an effect for unit of each size, white, in a row.

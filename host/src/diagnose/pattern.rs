@@ -339,9 +339,20 @@ impl Pattern {
     /// A white row without what a pattern explains of it, and the pattern's errors over its size behind it: products of such rows are
     /// those beside a pattern that is fitted with them.
     #[must_use]
-    pub fn taken_off(&self, benches: &[Bench], mut white: Vec<f64>) -> Vec<f64> {
+    pub fn taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
         let errors = self.errors(benches, &white);
-        let shown = self.unfold(benches, &errors);
+        self.without(benches, white, &errors)
+    }
+
+    /// The same as closely as numbers allow: of what a fit leaves small parts count.
+    #[must_use]
+    pub fn closely_taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
+        let errors = self.closest(benches, &white);
+        self.without(benches, white, &errors)
+    }
+
+    fn without(&self, benches: &[Bench], mut white: Vec<f64>, errors: &[f64]) -> Vec<f64> {
+        let shown = self.unfold(benches, errors);
         white
             .iter_mut()
             .zip(shown)

@@ -329,7 +329,7 @@ impl Plant {
         }
         let mut state = Motion::default();
         let mut out = vec![state; course.len()];
-        for at in 1..course.len() {
+        for (at, out) in out.iter_mut().enumerate().skip(1) {
             let (before, now) = (course.time_s[at - 1], course.time_s[at]);
             let b = self.damping[at];
             let mut go = |h: f64, push: f64, whole: bool| {
@@ -349,7 +349,7 @@ impl Plant {
                 go(ends - begins, 1.0, begins == before && ends == now);
                 go(now - ends, 0.0, false);
             }
-            out[at] = state;
+            *out = state;
         }
         Some(out)
     }

@@ -18,6 +18,7 @@ use super::pattern::Pattern;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 pub use super::scan::{SURE, evidence};
+use super::stiffness;
 use super::task;
 use crate::mechanism::Mechanism;
 
@@ -55,6 +56,7 @@ pub fn nuisances(board: &Board) -> Model {
     }
     if board.undriven {
         model.add(&turns_back(board), usize::MAX);
+        model.add(&stiffness::starts(board), usize::MAX);
     }
     model.terms.iter_mut().for_each(|term| term.nuisance = true);
     model
@@ -323,7 +325,8 @@ impl Found {
             } else {
                 break;
             }
-            if board.go_by(&fit.model) {
+            let shifted = board.go_by(&fit.model);
+            if board.hold(&fit.model) || shifted {
                 *bank = Bank::new(board);
                 slopes = None;
                 *fit = board.fit(&fit.model);

@@ -24,17 +24,29 @@ pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     let says = |bench: &bench::Bench| bench.twin.noise.is_some() || bench.twin.timer.jitter_s > 0.0;
     // Where something is left, or noise has levels, its size says nothing of the stamps.
     let level = |bench: &bench::Bench| bench.weights.iter().all(|weight| *weight == 1.0);
-    let told = board.pattern.is_none() && board.benches.iter().all(level);
-    if !told || !board.benches.iter().all(says) {
+    let judged = board.pattern.is_none() && board.benches.iter().all(level);
+    if !judged || !board.benches.iter().all(says) {
         return None;
     }
     // A latency is told by its tails, which are of the noise here.
     let plain = board.in_plain_noise();
-    // How the torque pushes between edges bears on what is left for the stamps.
-    let shapes = [plain.in_held_noise(), Some(plain)].into_iter().flatten();
-    let shapes = shapes.map(|board| board.at_its_noise(&fit.model));
-    let (board, fit, _) = shapes.min_by(|a, b| a.2.total_cmp(&b.2))?;
-    let (board, fit) = (&board, &fit);
+    // How the torque pushes between edges bears on what is left for the stamps: what is said holds either way.
+    let held = plain.in_held_noise();
+    let mut each: Vec<(Board, Fit, f64)> = held
+        .into_iter()
+        .chain([plain])
+        .map(|board| board.at_its_noise(&fit.model))
+        .collect();
+    each.sort_by(|a, b| a.2.total_cmp(&b.2));
+    let found: Option<Vec<Finding>> = each
+        .iter()
+        .map(|(board, fit, _)| told(board, fit))
+        .collect();
+    found?.into_iter().next()
+}
+
+/// The same in the noise of a board.
+fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     let left = if agreement::is_white(board, fit) {
         0.0
     } else {

@@ -3,8 +3,10 @@
 //! The course is free, so what such a drive does to the mean speed says nothing. A torque that is known, declared or found, moves the shaft
 //! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it.
 
+use super::effect::{Carrier, Effect, Site};
 use super::lsq;
 use super::model::{Board, Fit, Model, pushes};
+use super::scan::{SURE, evidence};
 
 /// Rounds of re-linearisation at the most.
 const ROUNDS: usize = 6;
@@ -16,26 +18,45 @@ const SHORTENED: usize = 3;
 /// Fall of the sum of squares that is worth another round.
 const WORTH: f64 = 1.0;
 
+/// How a shaft that an unknown drive holds started: its speed was off the course's by anything, which fades. An even torque makes the
+/// same of it, beside the free angle and speed of the course.
+#[must_use]
+pub fn starts(board: &Board) -> Vec<Effect> {
+    let several = board.benches.len() > 1;
+    let each = board.benches.iter().filter(|_| board.undriven);
+    let each = each.map(|bench| Effect {
+        only: several.then_some(bench.place),
+        ..Effect::new(Site::Torque, Carrier::Steady)
+    });
+    each.collect()
+}
+
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
     pub fn hold(&mut self, model: &Model) -> bool {
         if !self.undriven || !self.is_pushed(model) {
             return false;
         }
-        let mut fit = self.fit(model);
-        let mut changed = false;
+        let before = self.fit(model);
+        let mut best: Option<(Self, Fit)> = None;
         for _ in 0..ROUNDS {
-            let Some((board, better)) = self.held_better(&fit) else {
+            let (board, fit) = best.as_ref().map_or((&*self, &before), |(a, b)| (a, b));
+            let Some(better) = board.held_better(fit) else {
                 break;
             };
-            let gain = fit.rss - better.rss;
-            (*self, fit) = (board, better);
-            changed = true;
+            let gain = fit.rss - better.1.rss;
+            best = Some(better);
             if gain < WORTH {
                 break;
             }
         }
-        changed
+        // Where waves of one speed alone show it, it is as good as any torque's phase.
+        let sure = |best: &(Self, Fit)| evidence(self, before.rss - best.1.rss, 1) > SURE;
+        let Some((board, _)) = best.filter(sure) else {
+            return false;
+        };
+        *self = board;
+        true
     }
 
     /// Whether torques that the twins declare or a model has move the shaft.
