@@ -378,7 +378,8 @@ impl Board {
     }
 
     /// The part of that which goes by the filter alone.
-    fn spread(&self) -> f64 {
+    #[must_use]
+    pub fn spread(&self) -> f64 {
         let scales = self.benches.iter().flat_map(|bench| &bench.scales);
         scales
             .filter(|scale| **scale > 0.0)

@@ -23,6 +23,8 @@ pub const SPEED: usize = 1;
 pub const DRIFT: usize = 2;
 /// Acceleration held over a step of the noise grid.
 pub const HELD: usize = 3;
+/// In its place where the drive is unknown: the speed that the drive keeps, which nothing damps. [`SPEED`] is what noise adds to it.
+pub const KEPT: usize = 3;
 /// Angle of the swing against the common motion.
 pub const SWING: usize = 4;
 /// Its speed.
@@ -65,6 +67,8 @@ pub struct Leap<const N: usize> {
     pub fresh: bool,
     /// RMS error of this stamp beside the others', s.
     pub doubt_s: f64,
+    /// Whether a drive keeps a speed of its own.
+    pub kept: bool,
 }
 
 impl<const N: usize> Leap<N> {
@@ -87,6 +91,7 @@ impl<const N: usize> Leap<N> {
             speed: self.speed,
             fresh: self.fresh,
             doubt_s: self.doubt_s,
+            kept: self.kept,
         }
     }
 }
@@ -109,7 +114,7 @@ impl<const N: usize> Leap<N> {
 }
 
 impl Leap<STIFF> {
-    /// Whether a held torque pushes.
+    /// Whether a held torque pushes, or the drive keeps a speed.
     #[must_use]
     pub fn is_held(&self) -> bool {
         self.way[ANGLE][HELD] != 0.0 || self.way[SPEED][HELD] != 0.0
@@ -157,6 +162,8 @@ pub struct Filter<const N: usize> {
 
 /// Edges after a fresh start that only set the filter, with or without a drift: likelihoods of both are compared.
 const SETTLES: usize = 3;
+/// Part of the greatest speed by which torques may have a shaft off the speed that its drive keeps, to begin with.
+const SWAY: f64 = 0.1;
 /// Variance of an angle of which nothing is known, rad^2.
 const ANYWHERE: f64 = 1e2;
 
@@ -182,6 +189,10 @@ impl<const N: usize> Filter<N> {
             } else {
                 most
             };
+        }
+        if N > KEPT && leaps.iter().any(|leap| leap.kept) {
+            start[KEPT][KEPT] = top * top;
+            start[SPEED][SPEED] = SWAY * SWAY * top * top;
         }
         if N > SWINGS {
             start[SWINGS][SWINGS] = 1e-2 * top * top;

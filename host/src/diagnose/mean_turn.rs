@@ -93,6 +93,7 @@ impl MeanTurn {
                 speed: 1.0,
                 fresh: at == 0,
                 doubt_s: 0.0,
+                kept: false,
             }
         });
         let leaps: Vec<Leap<DRIFTING>> = leaps.collect();
@@ -170,6 +171,7 @@ mod tests {
                 speed: 1.0,
                 fresh: at == 0,
                 doubt_s: 0.1,
+                kept: false,
             }
         };
         (0..40 * edges).map(leap).collect()

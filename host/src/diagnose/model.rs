@@ -12,7 +12,6 @@ use super::filter::Noise;
 use super::lsq::{self, Basis, Solution};
 use super::noise::{Free, Tails};
 use super::pattern::{LARGE, Pattern};
-use super::stiffness;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -320,13 +319,11 @@ impl Board {
         if board.pattern.is_some() {
             board.size_up(&Model::default());
         }
-        let mut starts = Model::default();
-        starts.add_open(&stiffness::starts(&board), usize::MAX);
         for _ in 0..HELD {
-            if !board.hold(&starts) {
+            if !board.hold(&Model::default()) {
                 break;
             }
-            board.fit_noise(&starts);
+            board.fit_noise(&Model::default());
         }
         board
     }

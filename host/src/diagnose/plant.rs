@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::filter::{
-    self, ANGLE, DRIFT, DRIFTING, HELD, Leap, PLAIN, SPEED, STATES, STIFF, SWING, SWINGS, Square,
+    self, ANGLE, DRIFT, DRIFTING, HELD, KEPT, Leap, PLAIN, SPEED, STATES, STIFF, SWING, SWINGS,
+    Square,
 };
 pub use crate::effect::Here;
 use crate::twin::{Drive, Noise as TwinNoise, Twin};
@@ -471,11 +472,17 @@ impl Plant {
     /// Leaps of the filter of a stiff shaft, or of one with a mode.
     #[must_use]
     pub fn leaps<const N: usize>(&self, course: &Course) -> Vec<Leap<N>> {
+        let law = &self.law;
+        let kept = law.undriven && law.hold_s <= 0.0 && law.viscous + law.stiffness > 0.0;
         (0..course.len())
             .map(|at| {
                 let before = at.saturating_sub(1);
                 let h = (course.time_s[at] - course.time_s[before]).max(0.0);
-                let (way, torque, drift) = self.spread::<N>(self.fades(at), course.time_s[at], h);
+                let (way, torque, drift) = if kept {
+                    self.kept_up::<N>(self.damping[at], h)
+                } else {
+                    self.spread::<N>(self.fades(at), course.time_s[at], h)
+                };
                 let load = self.law.mode.filter(|mode| mode.load > 0.0);
                 Leap {
                     way,
@@ -489,9 +496,24 @@ impl Plant {
                     speed: course.speed[at],
                     fresh: false,
                     doubt_s: course.doubt_s[at],
+                    kept,
                 }
             })
             .collect()
+    }
+
+    /// Transition and covariances of unit noises over a time where an unknown drive keeps a speed: a slow drift of the acceleration makes
+    /// that, torque noise makes another one beside it, which friction and drive damp.
+    fn kept_up<const N: usize>(&self, b: f64, h: f64) -> (Square<N>, Square<N>, Square<N>) {
+        let mut way = identity::<N>();
+        let (r, stays) = reach(b, h);
+        way[ANGLE][SPEED] = r;
+        way[SPEED][SPEED] = stays;
+        way[ANGLE][KEPT] = h;
+        way[ANGLE][DRIFT] = 0.5 * h * h;
+        way[KEPT][DRIFT] = h;
+        let drift = self.drift_noise::<N>(KEPT, h);
+        (way, self.white::<N>(b, h), drift)
     }
 
     /// Transition and covariances of unit noises over a time that ends at an instant.
@@ -503,7 +525,7 @@ impl Plant {
     ) -> (Square<N>, Square<N>, Square<N>) {
         let zero = [[0.0; N]; N];
         let hold = self.law.hold_s;
-        let drift = self.drift_noise::<N>(h);
+        let drift = self.drift_noise::<N>(SPEED, h);
         if hold <= 0.0 || h > STEPS_MOST * hold {
             let way = self.way::<N>(b, h, false);
             return (way, self.white::<N>(b, h), drift);
@@ -624,15 +646,18 @@ impl Plant {
         q
     }
 
-    /// Covariance that a unit random walk of the acceleration makes over a time.
-    fn drift_noise<const N: usize>(&self, h: f64) -> Square<N> {
+    /// Covariance that a unit random walk of the acceleration makes over a time, by way of a speed.
+    fn drift_noise<const N: usize>(&self, speed: usize, h: f64) -> Square<N> {
         let mut q = [[0.0; N]; N];
         let h2 = h * h;
         let (aa, av, am) = (h2 * h2 * h / 20.0, h2 * h2 / 8.0, h2 * h / 6.0);
         let (vv, vm, mm) = (h2 * h / 3.0, h2 / 2.0, h);
         let all = [[aa, av, am], [av, vv, vm], [am, vm, mm]];
-        for (row, values) in all.iter().enumerate() {
-            q[row][..3].copy_from_slice(values);
+        let places = [ANGLE, speed, DRIFT];
+        for (row, values) in places.into_iter().zip(all) {
+            for (column, value) in places.into_iter().zip(values) {
+                q[row][column] = value;
+            }
         }
         q
     }

@@ -18,7 +18,6 @@ use super::pattern::Pattern;
 use super::plant::Law;
 use super::scan::{self, Candidate};
 pub use super::scan::{SURE, evidence};
-use super::stiffness;
 use super::task;
 use crate::mechanism::Mechanism;
 
@@ -56,7 +55,6 @@ pub fn nuisances(board: &Board) -> Model {
     }
     if board.undriven {
         model.add(&turns_back(board), usize::MAX);
-        model.add(&stiffness::starts(board), usize::MAX);
     }
     model.terms.iter_mut().for_each(|term| term.nuisance = true);
     model

@@ -3,7 +3,6 @@
 //! The course is free, so what such a drive does to the mean speed says nothing. A torque that is known, declared or found, moves the shaft
 //! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it.
 
-use super::effect::{Carrier, Effect, Site};
 use super::lsq;
 use super::model::{Board, Fit, Model, pushes};
 use super::scan::{SURE, evidence};
@@ -18,19 +17,6 @@ const SHORTENED: usize = 3;
 /// Fall of the sum of squares that is worth another round.
 const WORTH: f64 = 1.0;
 
-/// How a shaft that an unknown drive holds started: its speed was off the course's by anything, which fades. An even torque makes the
-/// same of it, beside the free angle and speed of the course.
-#[must_use]
-pub fn starts(board: &Board) -> Vec<Effect> {
-    let several = board.benches.len() > 1;
-    let each = board.benches.iter().filter(|_| board.undriven);
-    let each = each.map(|bench| Effect {
-        only: several.then_some(bench.place),
-        ..Effect::new(Site::Torque, Carrier::Steady)
-    });
-    each.collect()
-}
-
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
     pub fn hold(&mut self, model: &Model) -> bool {
@@ -44,19 +30,26 @@ impl Board {
             let Some(better) = board.held_better(fit) else {
                 break;
             };
-            let gain = fit.rss - better.1.rss;
+            let gain = board.held_cost(fit) - better.0.held_cost(&better.1);
             best = Some(better);
             if gain < WORTH {
                 break;
             }
         }
         // Where waves of one speed alone show it, it is as good as any torque's phase.
-        let sure = |best: &(Self, Fit)| evidence(self, before.rss - best.1.rss, 1) > SURE;
+        let cost = self.held_cost(&before);
+        let gain = |best: &(Self, Fit)| cost - best.0.held_cost(&best.1);
+        let sure = |best: &(Self, Fit)| evidence(self, gain(best), 1) > SURE;
         let Some((board, _)) = best.filter(sure) else {
             return false;
         };
         *self = board;
         true
+    }
+
+    /// Twice the negative logarithm of the likelihood, but for a constant: how stiffly a shaft is held bears on what noise makes as well.
+    fn held_cost(&self, fit: &Fit) -> f64 {
+        fit.rss + self.spread()
     }
 
     /// Whether torques that the twins declare or a model has move the shaft.
@@ -95,7 +88,8 @@ impl Board {
                 let tried = board.fit(&fit.model);
                 (board, tried)
             });
-            if let Some(better) = tried.filter(|(_, tried)| tried.rss < fit.rss) {
+            let cost = self.held_cost(fit);
+            if let Some(better) = tried.filter(|(board, tried)| board.held_cost(tried) < cost) {
                 return Some(better);
             }
             by *= SHORTER;

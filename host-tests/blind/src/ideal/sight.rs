@@ -15,6 +15,9 @@ pub const END_RAD: f64 = 0.06;
 /// Edges at the end of a run that say how it would go on.
 const SLOPE: usize = 40;
 
+/// Part of the speed without ripples by which they may change it.
+const HELD: f64 = 0.5;
+
 /// How much longer an effect on the speed is followed than the base run.
 const LONGER: f64 = 1.5;
 
@@ -110,8 +113,11 @@ impl Sight {
         }
         let each = self.edges.iter().zip(&self.visit).map(|(&at, &visit)| {
             let crossing = &self.course.crossings[at];
-            let time = met.get(&(crossing.place, visit));
-            time.map(|time| (time - self.times[at]) * self.smooth(crossing.time_s))
+            let time = met.get(&(crossing.place, visit))?;
+            let smooth = self.smooth(crossing.time_s);
+            // Where ripples hold the shaft or throw it over, a lag in time is no angle at the speed without them.
+            let held = (crossing.speed - smooth).abs() > HELD * smooth.abs();
+            (!held).then(|| (time - self.times[at]) * smooth)
         });
         let signal: Vec<Option<f64>> = each.collect();
         // Few are not met, as at a reversal: the difference beside one holds.
