@@ -43,7 +43,8 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             if !near || rivals.len() == RIVALS {
                 break;
             }
-            if corrects && board.same_columns(fit, group, &candidate.effects) {
+            let is_same = corrects && board.same_columns(fit, group, &candidate.effects);
+            if is_same || search::joins(&rest.model, &candidate.effects).is_some() {
                 continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {

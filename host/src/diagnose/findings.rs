@@ -59,7 +59,7 @@ pub fn answer(
         // In noise of any kind it may be worth less.
         let judged = worths.iter().find(|(of, _)| *of == group);
         let worth = judged.map_or(worth, |(_, judged)| worth.min(*judged));
-        let foretold = parts.foretold(fit, group);
+        let foretold = Parts::of_group(board, fit, group).foretold(fit, group);
         // What comes once, or once along the course, can't be foretold from elsewhere.
         let once = effects.iter().any(|effect| {
             matches!(
@@ -79,7 +79,7 @@ pub fn answer(
             parts.only_once(fit, group)
         };
         let mut mechanism = board.mechanism(&effects);
-        let sideband = name::sideband_of(board, &effects);
+        let sideband = judge::sideband_of(board, fit, group);
         if sideband.is_some()
             || !once && (worse || !judge::foretells(foretold.fall, foretold.shown))
         {

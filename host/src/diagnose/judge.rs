@@ -2,7 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::lsq::dot;
+use super::effect::{Carrier, Effect};
+use super::lsq::{self, dot};
 use super::model::{Board, Fit};
 use super::scan::SURE;
 
@@ -14,6 +15,10 @@ const ONCE: f64 = 0.7;
 const KEPT: f64 = 0.01;
 /// Part of what a finding shows that other turns have to foretell of it.
 const FORETELLS: f64 = 0.6;
+/// Blocks in which a whole order may have sizes of its own: an order that slips by less than two turns against it where it shows is not told
+/// from it; and part of what the order explains that these have to explain.
+const SLIPS: usize = 8;
+const AS_MUCH: f64 = 0.8;
 /// Share of each recording that is held out for the figures of the fit: its last part.
 pub const HELD_OUT: f64 = 0.3;
 
@@ -36,13 +41,24 @@ pub struct Parts {
     of: Vec<(usize, usize)>,
 }
 
-/// Rows of each part of each recording, by the ends of recordings in a stacked row.
-fn parts(board: &Board, bounds: &[f64]) -> Vec<Vec<std::ops::Range<usize>>> {
+/// Rows of each part of each recording, by the shares of what weighs its rows, at which parts end; in a stacked row.
+fn parts(
+    board: &Board,
+    bounds: &[f64],
+    weighs: &dyn Fn(usize) -> f64,
+) -> Vec<Vec<std::ops::Range<usize>>> {
     let mut all = vec![Vec::new(); bounds.len() - 1];
     let mut from = 0;
     for bench in &board.benches {
         let count = bench.record.len();
-        let at = |share: f64| from + (share * count as f64).round() as usize;
+        let mut sums = vec![0.0];
+        for at in from..from + count {
+            sums.push(sums[at - from] + weighs(at));
+        }
+        let at = |share: f64| {
+            let until = share * sums[count];
+            from + sums.partition_point(|sum| *sum < until).min(count)
+        };
         for (part, pair) in bounds.windows(2).enumerate() {
             all[part].push(at(pair[0])..at(pair[1]));
         }
@@ -80,15 +96,64 @@ pub fn foretells(foretold: f64, shown: f64) -> bool {
 /// Whether a group of a fit shows more than once, and is foretold on turns that it was not fitted on.
 #[must_use]
 pub fn recurs(board: &Board, fit: &Fit, group: usize) -> bool {
-    let parts = Parts::blocks(board, fit);
-    let Foretold { fall, shown, .. } = parts.foretold(fit, group);
-    foretells(fall, shown) && !parts.only_once(fit, group)
+    let Foretold { fall, shown, .. } = Parts::of_group(board, fit, group).foretold(fit, group);
+    foretells(fall, shown) && !Parts::blocks(board, fit).only_once(fit, group)
+}
+
+/// Bounds of blocks that are alike.
+fn bounds(count: usize) -> Vec<f64> {
+    (0..=count).map(|at| at as f64 / count as f64).collect()
+}
+
+/// The whole order whose sideband a group's order may be: a part of each turn that comes and goes, or turns its phase, along the recording
+/// shows as an order beside it. Its size in each of some blocks explains as much then.
+#[must_use]
+pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
+    let first = *fit.model.effects(group).first()?;
+    let Carrier::Order(order) = first.carrier else {
+        return None;
+    };
+    let whole = order.round();
+    if order == whole || whole == 0.0 {
+        return None;
+    }
+    let own = fit.own(group);
+    let shown = parts(board, &bounds(SLIPS), &|at| own[at] * own[at]);
+    let of_whole = Effect {
+        carrier: Carrier::Order(whole),
+        ..first
+    };
+    let benches = board.benches.iter();
+    let raw: Vec<_> = benches.map(|bench| bench.columns(&of_whole)).collect();
+    let sizes = (0..of_whole.sizes()).map(|size| {
+        let each: Vec<Vec<f64>> = raw.iter().map(|raw| raw[size].clone()).collect();
+        board.with_pattern(&each)
+    });
+    let sizes: Vec<Vec<f64>> = sizes.collect();
+    let rest = fit.without(group);
+    let basis = rest.basis();
+    let each = shown.iter().flat_map(|part| {
+        let (basis, sizes) = (&basis, sizes.iter());
+        sizes.map(move |all| {
+            let mut own = vec![0.0; all.len()];
+            for rows in part {
+                own[rows.clone()].copy_from_slice(&all[rows.clone()]);
+            }
+            let mut own = board.beside_pattern(own);
+            basis.clear(&mut own);
+            own
+        })
+    });
+    let each: Vec<Vec<f64>> = each.collect();
+    let each: Vec<&[f64]> = each.iter().map(Vec::as_slice).collect();
+    let gain = rest.rss - lsq::solve(&each, &rest.left).rss;
+    (gain > AS_MUCH * (rest.rss - fit.rss)).then_some(whole)
 }
 
 impl Parts {
     /// Of a fit: blocks over time, or the part that is fitted and the part that is held out.
     #[must_use]
-    fn new(board: &Board, fit: &Fit, bounds: &[f64]) -> Self {
+    fn new(board: &Board, fit: &Fit, bounds: &[f64], weighs: &dyn Fn(usize) -> f64) -> Self {
         let sizes = DVector::from_iterator(
             fit.of.len(),
             fit.of.iter().map(|(term, number)| {
@@ -116,17 +181,22 @@ impl Parts {
                     .map(|range| dot(&a[range.clone()], &b[range.clone()]))
                     .sum::<f64>()
             };
+            let mut gram = DMatrix::zeros(count, count);
+            for a in 0..count {
+                for b in 0..=a {
+                    gram[(a, b)] = product(&fit.columns[a], &fit.columns[b]);
+                    gram[(b, a)] = gram[(a, b)];
+                }
+            }
             Products {
-                gram: DMatrix::from_fn(count, count, |a, b| {
-                    product(&fit.columns[a], &fit.columns[b])
-                }),
+                gram,
                 right: DVector::from_fn(count, |a, _| product(&fit.columns[a], &target)),
                 square: product(&target, &target),
             }
         };
         let edges = board.edges();
         Self {
-            parts: parts(board, bounds)
+            parts: parts(board, bounds, weighs)
                 .iter()
                 .map(|ranges| over(ranges))
                 .collect(),
@@ -139,14 +209,21 @@ impl Parts {
     /// Blocks over time.
     #[must_use]
     pub fn blocks(board: &Board, fit: &Fit) -> Self {
-        let bounds: Vec<f64> = (0..=BLOCKS).map(|at| at as f64 / BLOCKS as f64).collect();
-        Self::new(board, fit, &bounds)
+        Self::new(board, fit, &bounds(BLOCKS), &|_| 1.0)
+    }
+
+    /// Blocks over time in each of which a group shows as much: what shows in slow turns alone is foretold from other slow turns or not
+    /// at all.
+    #[must_use]
+    pub fn of_group(board: &Board, fit: &Fit, group: usize) -> Self {
+        let own = fit.own(group);
+        Self::new(board, fit, &bounds(BLOCKS), &|at| own[at] * own[at])
     }
 
     /// The part that is fitted and the part that is held out.
     #[must_use]
     pub fn held_out(board: &Board, fit: &Fit) -> Self {
-        Self::new(board, fit, &[0.0, 1.0 - HELD_OUT, 1.0])
+        Self::new(board, fit, &[0.0, 1.0 - HELD_OUT, 1.0], &|_| 1.0)
     }
 
     /// Numbers as some parts alone have them, of some columns; the others are 0.

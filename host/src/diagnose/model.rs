@@ -207,16 +207,25 @@ impl Fit {
         }
     }
 
-    /// What is left where a group's sizes are none.
-    fn beside(&self, group: usize) -> Vec<f64> {
-        let mut target = self.left.clone();
+    /// What a group makes of each innovation.
+    #[must_use]
+    pub fn own(&self, group: usize) -> Vec<f64> {
+        let mut own = vec![0.0; self.left.len()];
         for (column, (term, number)) in self.columns.iter().zip(&self.of) {
             let term = &self.model.terms[*term];
             if term.group == group && *number < term.sizes.len() {
-                let each = target.iter_mut().zip(column);
-                each.for_each(|(target, of)| *target += term.sizes[*number] * of);
+                let each = own.iter_mut().zip(column);
+                each.for_each(|(own, of)| *own += term.sizes[*number] * of);
             }
         }
+        own
+    }
+
+    /// What is left where a group's sizes are none.
+    fn beside(&self, group: usize) -> Vec<f64> {
+        let mut target = self.own(group);
+        let each = target.iter_mut().zip(&self.left);
+        each.for_each(|(target, left)| *target += left);
         target
     }
 
@@ -456,7 +465,8 @@ impl Board {
     }
 
     /// A white row without what the disc's pattern explains.
-    fn beside_pattern(&self, white: Vec<f64>) -> Vec<f64> {
+    #[must_use]
+    pub fn beside_pattern(&self, white: Vec<f64>) -> Vec<f64> {
         match &self.pattern {
             Some(pattern) => pattern.taken_off(&self.benches, white),
             None => white,
@@ -708,21 +718,28 @@ impl Board {
             let (least, most) = steady.fold((f64::INFINITY, 0.0_f64), |(least, most), speed| {
                 (least.min(speed), most.max(speed))
             });
+            let here = |speed| Here {
+                time_s: 0.0,
+                inside_s: 0.0,
+                angle: 0.0,
+                speed,
+                way: 1.0,
+            };
             let pushes = (0..=SPEEDS).map(|at| {
                 let speed = least + (most - least) * f64::from(at) / f64::from(SPEEDS);
-                let here = Here {
-                    time_s: 0.0,
-                    inside_s: 0.0,
-                    angle: 0.0,
-                    speed,
-                    way: 1.0,
-                };
                 let each = found.iter();
-                let each = each.map(|term| term.effect.sized(&term.sizes, here));
+                let each = each.map(|term| term.effect.sized(&term.sizes, here(speed)));
                 let declared = law.inertia * (law.friction(speed).0 + law.viscous * speed);
                 each.sum::<f64>() - declared
             });
-            let pushes: Vec<f64> = pushes.collect();
+            // Each kind by itself as well: none feeds the shaft what another one takes.
+            let kinds = found.iter().flat_map(|term| {
+                let alike = found.iter().filter(|other| other.effect == term.effect);
+                let sizes: f64 = alike.map(|other| other.sizes[0]).sum();
+                let all = sizes + law.inertia * law.coefficient(term.effect.carrier);
+                [least, most].map(|speed| term.effect.sized(&[all], here(speed)))
+            });
+            let pushes: Vec<f64> = pushes.chain(kinds).collect();
             let largest = pushes
                 .iter()
                 .fold(0.0_f64, |most, push| most.max(push.abs()));

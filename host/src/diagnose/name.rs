@@ -63,23 +63,6 @@ pub fn mechanism(effects: &[Effect]) -> Mechanism {
     }
 }
 
-/// The whole order whose sideband an order may be: a part of a turn's order that comes and goes slowly shows beside it, nearer than what
-/// the recordings tell apart.
-#[must_use]
-pub fn sideband_of(board: &Board, effects: &[Effect]) -> Option<f64> {
-    // In what the longest recording tells apart, and as a share of the order: gears and bearings are further off.
-    const REACHES: f64 = 4.0;
-    const SHARE: f64 = 0.005;
-    let first = effects.first()?;
-    let Carrier::Order(order) = first.carrier else {
-        return None;
-    };
-    let (whole, reach) = (order.round(), board.reach(first)[0]);
-    let off = (order - whole).abs();
-    let beside = off > 0.0 && whole > 0.0 && off < REACHES * reach && off < SHARE * whole;
-    beside.then_some(whole)
-}
-
 /// A number of a finding with its standard error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {

@@ -11,6 +11,7 @@ use super::filter::{
     self, ANGLE, DRIFT, DRIFTING, HELD, KEPT, Leap, PLAIN, SPEED, STATES, STIFF, SWING, SWINGS,
     Square,
 };
+use crate::effect::Carrier;
 pub use crate::effect::Here;
 use crate::twin::{Drive, Noise as TwinNoise, Twin};
 
@@ -147,6 +148,18 @@ impl Law {
             slope -= 2.0 * over / self.stribeck_rad_s * left;
         }
         (at, slope)
+    }
+
+    /// What it has of one kind of friction, over the inertia.
+    #[must_use]
+    pub fn coefficient(&self, kind: Carrier) -> f64 {
+        match kind {
+            Carrier::Power(0.0) => self.coulomb,
+            Carrier::Power(1.0) => self.viscous,
+            Carrier::Power(2.0) => self.drag,
+            Carrier::Stribeck(_) => self.stribeck,
+            _ => 0.0,
+        }
     }
 
     /// Share of a time for which the drive is on.

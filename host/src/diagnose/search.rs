@@ -484,35 +484,80 @@ fn left_open(board: &Board, effects: &[Effect]) -> Vec<Effect> {
 }
 
 /// Steady effects of edge classes that a finding has in part already are one finding with it, channel by channel: its group, the model
-/// without it, and all of its effects.
+/// without it, and all of its effects. Falls of a channel whose rises it has are another one, of the channel.
 fn joined(
     model: &Model,
     group: usize,
     effects: Vec<Effect>,
     channels: u8,
 ) -> (usize, Model, Vec<Effect>) {
+    let Some(other) = joins(model, &effects) else {
+        return (group, model.clone(), effects);
+    };
+    let each = |effects: Vec<Effect>| {
+        let each = effects.into_iter();
+        each.flat_map(move |effect| by_channel(effect, channels))
+    };
+    let mut all: Vec<Effect> = each(model.effects(other)).collect();
+    let (before, mut apart) = (all.len(), Vec::new());
+    for effect in each(effects) {
+        if all.iter().any(|other| is_opposite(other, &effect)) {
+            apart.push(of_both_ways(effect));
+        } else if !all.contains(&effect) {
+            all.push(effect);
+        }
+    }
+    if all.len() == before && !apart.is_empty() {
+        // All channels alike are no effect.
+        if apart.len() == usize::from(channels) {
+            apart.remove(0);
+        }
+        return (group, model.clone(), apart);
+    }
+    (other, model.without(other), all)
+}
+
+/// The finding of a model with which steady effects of edge classes are one.
+#[must_use]
+pub fn joins(model: &Model, effects: &[Effect]) -> Option<usize> {
     let steady = |effects: &[Effect]| {
         let mut each = effects.iter();
         each.all(|effect| effect.carrier == Carrier::Steady && effect.growth == Growth::Constant)
     };
-    let named = name::mechanism(&effects);
-    let mut groups = model.groups().into_iter();
-    let other = groups.find(|other| {
+    let named = name::mechanism(effects);
+    if !steady(effects) || named == Mechanism::Unknown {
+        return None;
+    }
+    model.groups().into_iter().find(|other| {
         let own = model.effects(*other);
         steady(&own) && name::mechanism(&own) == named
-    });
-    let Some(other) = other.filter(|_| steady(&effects) && named != Mechanism::Unknown) else {
-        return (group, model.clone(), effects);
+    })
+}
+
+/// Whether one is of the rises and the other of the falls of the same channel: both together are one of them and the channel as a whole.
+fn is_opposite(one: &Effect, other: &Effect) -> bool {
+    let ways = |effect: &Effect| match effect.site {
+        Site::Stamp(on) | Site::Disc(on) => Some((on.channel, on.rises?)),
+        _ => None,
     };
-    let mut all: Vec<Effect> = Vec::new();
-    for effect in model.effects(other).into_iter().chain(effects) {
-        for effect in by_channel(effect, channels) {
-            if !all.contains(&effect) {
-                all.push(effect);
-            }
+    let same_site = std::mem::discriminant(&one.site) == std::mem::discriminant(&other.site);
+    match (ways(one), ways(other)) {
+        (Some((channel, rises)), Some((other, falls))) => {
+            same_site && channel == other && rises != falls
         }
+        _ => false,
     }
-    (other, model.without(other), all)
+}
+
+/// The same of rises and falls.
+fn of_both_ways(effect: Effect) -> Effect {
+    let both = |on| On { rises: None, ..on };
+    let site = match effect.site {
+        Site::Stamp(on) => Site::Stamp(both(on)),
+        Site::Disc(on) => Site::Disc(both(on)),
+        other => other,
+    };
+    Effect { site, ..effect }
 }
 
 /// An effect on all channels as one on each.
