@@ -347,25 +347,36 @@ impl Bench {
     /// A row of angles, white and weighed.
     #[must_use]
     pub fn white(&self, angles: &[f64]) -> Vec<f64> {
-        let mut white = angles.to_vec();
-        self.gains.whiten(&mut white);
-        white
-            .iter_mut()
-            .zip(self.weights.iter().zip(&self.tails))
-            .for_each(|(white, (weight, tail))| *white *= weight * tail);
-        white
+        self.white_rows(vec![angles.to_vec()]).swap_remove(0)
+    }
+
+    /// Rows of angles, white and weighed.
+    #[must_use]
+    pub fn white_rows(&self, mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        self.gains.whiten_rows(&mut rows);
+        rows.iter_mut().for_each(|row| self.weighed(row));
+        rows
     }
 
     /// The transposed of [`Self::white`].
     #[must_use]
     pub fn score(&self, white: &[f64]) -> Vec<f64> {
-        let mut score: Vec<f64> = white
-            .iter()
-            .zip(self.weights.iter().zip(&self.tails))
-            .map(|(white, (weight, tail))| white * weight * tail)
-            .collect();
-        self.gains.transposed(&mut score);
-        score
+        self.score_rows(vec![white.to_vec()]).swap_remove(0)
+    }
+
+    /// The transposed of [`Self::white_rows`].
+    #[must_use]
+    pub fn score_rows(&self, mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        rows.iter_mut().for_each(|row| self.weighed(row));
+        self.gains.transposed_rows(&mut rows);
+        rows
+    }
+
+    /// A row times the weights of edges.
+    fn weighed(&self, row: &mut [f64]) {
+        let weights = self.weights.iter().zip(&self.tails);
+        let each = row.iter_mut().zip(weights);
+        each.for_each(|(value, (weight, tail))| *value *= weight * tail);
     }
 
     /// What an effect does to each edge, rad, for unit of each size.

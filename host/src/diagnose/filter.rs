@@ -130,27 +130,68 @@ struct Gain<const N: usize> {
     fresh: bool,
 }
 
+/// Rows of angles that run side by side: a step waits for the one before it, so that some rows cost hardly more than one.
+pub const SIDE_BY_SIDE: usize = 4;
+
 impl<const N: usize> Gain<N> {
-    /// An angle becomes its innovation over its deviation, and the state before it the one after.
+    /// Angles of some rows become innovations over their deviations, and the states before them those after.
     #[inline(always)]
-    fn whiten(&self, state: &mut [f64; N], angle: &mut f64) {
+    fn whiten<const L: usize>(&self, state: &mut [[f64; L]; N], angles: &mut [f64; L]) {
         *state = times(&self.way, state);
-        let innovation = *angle - state[ANGLE];
-        for (state, gain) in state.iter_mut().zip(&self.gain) {
-            *state += gain * innovation;
+        for (angle, state) in angles.iter_mut().zip(state[ANGLE]) {
+            *angle -= state;
         }
-        *angle = innovation * self.scale;
+        for (state, gain) in state.iter_mut().zip(&self.gain) {
+            for (state, innovation) in state.iter_mut().zip(&*angles) {
+                *state += gain * innovation;
+            }
+        }
+        angles.iter_mut().for_each(|angle| *angle *= self.scale);
     }
 
     /// The transposed of [`Self::whiten`].
     #[inline(always)]
-    fn transposed(&self, state: &mut [f64; N], value: &mut f64) {
-        let each = self.gain.iter().zip(&*state);
-        let taken: f64 = each.map(|(gain, of)| gain * of).sum();
-        let innovation = *value * self.scale + taken;
-        *value = innovation;
-        state[ANGLE] -= innovation;
+    fn transposed<const L: usize>(&self, state: &mut [[f64; L]; N], values: &mut [f64; L]) {
+        let mut taken = [0.0; L];
+        for (gain, state) in self.gain.iter().zip(&*state) {
+            for (taken, of) in taken.iter_mut().zip(state) {
+                *taken += gain * of;
+            }
+        }
+        for (value, taken) in values.iter_mut().zip(taken) {
+            *value = *value * self.scale + taken;
+        }
+        for (state, innovation) in state[ANGLE].iter_mut().zip(&*values) {
+            *state -= innovation;
+        }
         *state = back(&self.way, state);
+    }
+}
+
+/// Goes over rows of the same length some at a time, side by side.
+fn side_by_side(
+    rows: &mut [Vec<f64>],
+    one: impl Fn(&mut [[f64; 1]]),
+    some: impl Fn(&mut [[f64; SIDE_BY_SIDE]]),
+) {
+    for rows in rows.chunks_mut(SIDE_BY_SIDE) {
+        if let [row] = rows {
+            one(row.as_chunks_mut().0);
+            continue;
+        }
+        let count = rows[0].len();
+        let mut all = vec![[0.0; SIDE_BY_SIDE]; count];
+        for (lane, row) in rows.iter().enumerate() {
+            all.iter_mut()
+                .zip(row)
+                .for_each(|(all, of)| all[lane] = *of);
+        }
+        some(&mut all);
+        for (lane, row) in rows.iter_mut().enumerate() {
+            row.iter_mut()
+                .zip(&all)
+                .for_each(|(of, all)| *of = all[lane]);
+        }
     }
 }
 
@@ -270,21 +311,34 @@ impl<const N: usize> Filter<N> {
 
     /// The same of a row that begins at an edge, nothing before.
     pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
-        let mut state = [0.0; N];
-        for (angle, step) in angles.iter_mut().zip(&self.gains[first..]) {
+        self.whiten_lanes::<1>(first, angles.as_chunks_mut().0);
+    }
+
+    /// The same of some rows.
+    pub fn whiten_rows(&self, rows: &mut [Vec<f64>]) {
+        side_by_side(
+            rows,
+            |one| self.whiten_lanes(0, one),
+            |some| self.whiten_lanes(0, some),
+        );
+    }
+
+    fn whiten_lanes<const L: usize>(&self, first: usize, angles: &mut [[f64; L]]) {
+        let mut state = [[0.0; L]; N];
+        for (angles, step) in angles.iter_mut().zip(&self.gains[first..]) {
             if step.fresh {
-                state = [0.0; N];
+                state = [[0.0; L]; N];
             }
-            step.whiten(&mut state, angle);
+            step.whiten(&mut state, angles);
         }
     }
 
     /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
     pub fn colour(&self, white: &mut [f64]) {
-        let mut state = [0.0; N];
+        let mut state = [[0.0]; N];
         for (value, step) in white.iter_mut().zip(&self.gains) {
             state = if step.fresh {
-                [0.0; N]
+                [[0.0]; N]
             } else {
                 times(&step.way, &state)
             };
@@ -293,8 +347,8 @@ impl<const N: usize> Filter<N> {
             } else {
                 0.0
             };
-            *value = innovation + state[ANGLE];
-            for (state, gain) in state.iter_mut().zip(&step.gain) {
+            *value = innovation + state[ANGLE][0];
+            for ([state], gain) in state.iter_mut().zip(&step.gain) {
                 *state += gain * innovation;
             }
         }
@@ -302,11 +356,24 @@ impl<const N: usize> Filter<N> {
 
     /// The transposed of [`Self::whiten`], in place.
     pub fn transposed(&self, white: &mut [f64]) {
-        let mut state = [0.0; N];
-        for (value, step) in white.iter_mut().zip(&self.gains).rev() {
-            step.transposed(&mut state, value);
+        self.transposed_lanes::<1>(white.as_chunks_mut().0);
+    }
+
+    /// The same of some rows.
+    pub fn transposed_rows(&self, rows: &mut [Vec<f64>]) {
+        side_by_side(
+            rows,
+            |one| self.transposed_lanes(one),
+            |some| self.transposed_lanes(some),
+        );
+    }
+
+    fn transposed_lanes<const L: usize>(&self, white: &mut [[f64; L]]) {
+        let mut state = [[0.0; L]; N];
+        for (values, step) in white.iter_mut().zip(&self.gains).rev() {
+            step.transposed(&mut state, values);
             if step.fresh {
-                state = [0.0; N];
+                state = [[0.0; L]; N];
             }
         }
     }
@@ -315,11 +382,11 @@ impl<const N: usize> Filter<N> {
     #[must_use]
     pub fn around(&self, edges: usize) -> Around<N> {
         let steps = self.gains[self.gains.len() - edges..].to_vec();
-        let fades = |along: &dyn Fn(&mut [f64; N], &mut f64, &Gain<N>), back: bool| {
+        let fades = |along: &dyn Fn(&mut [[f64; 1]; N], &mut [f64; 1], &Gain<N>), back: bool| {
             let ends = (0..N).map(|at| {
-                let mut state = [0.0; N];
-                state[at] = 1.0;
-                let mut go = |step: &Gain<N>| along(&mut state, &mut 0.0, step);
+                let mut state = [[0.0]; N];
+                state[at] = [1.0];
+                let mut go = |step: &Gain<N>| along(&mut state, &mut [0.0], step);
                 if back {
                     steps.iter().rev().for_each(&mut go);
                 } else {
@@ -327,9 +394,9 @@ impl<const N: usize> Filter<N> {
                 }
                 state
             });
-            let ends: Vec<[f64; N]> = ends.collect();
+            let ends: Vec<[[f64; 1]; N]> = ends.collect();
             let own = DMatrix::<f64>::identity(N, N);
-            let open = own - DMatrix::from_fn(N, N, |row, column| ends[column][row]);
+            let open = own - DMatrix::from_fn(N, N, |row, column| ends[column][row][0]);
             // A state that never fades begins as nothing.
             let start = open.try_inverse();
             start.map_or([[0.0; N]; N], |start| {
@@ -359,46 +426,56 @@ pub struct Around<const N: usize> {
 impl<const N: usize> Around<N> {
     /// Innovations of a turn of angles over their deviations, in place.
     pub fn whiten(&self, angles: &mut [f64]) {
-        let along = |state: &mut [f64; N], row: &mut [f64]| {
-            let each = row.iter_mut().zip(&self.steps);
+        let along = |state: &mut [[f64; 1]; N], row: &mut [f64]| {
+            let each = row.as_chunks_mut().0.iter_mut().zip(&self.steps);
             each.for_each(|(angle, step)| step.whiten(state, angle));
         };
-        let mut state = [0.0; N];
+        let mut state = [[0.0]; N];
         along(&mut state, &mut angles.to_vec());
         along(&mut times(&self.start, &state), angles);
     }
 
     /// The transposed of [`Self::whiten`], in place.
     pub fn transposed(&self, white: &mut [f64]) {
-        let along = |state: &mut [f64; N], row: &mut [f64]| {
-            let each = row.iter_mut().zip(&self.steps).rev();
+        let along = |state: &mut [[f64; 1]; N], row: &mut [f64]| {
+            let each = row.as_chunks_mut().0.iter_mut().zip(&self.steps).rev();
             each.for_each(|(value, step)| step.transposed(state, value));
         };
-        let mut state = [0.0; N];
+        let mut state = [[0.0]; N];
         along(&mut state, &mut white.to_vec());
         along(&mut times(&self.end, &state), white);
     }
 }
 
-/// A matrix times a state.
+/// A matrix times states, side by side.
 #[inline(always)]
-pub fn times<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
-    let mut end = [0.0; N];
-    for row in 0..N {
-        for column in 0..N {
-            end[row] += way[row][column] * state[column];
+pub fn times<const N: usize, const L: usize>(
+    way: &Square<N>,
+    state: &[[f64; L]; N],
+) -> [[f64; L]; N] {
+    let mut end = [[0.0; L]; N];
+    for (end, way) in end.iter_mut().zip(way) {
+        for (state, way) in state.iter().zip(way) {
+            for (end, of) in end.iter_mut().zip(state) {
+                *end += way * of;
+            }
         }
     }
     end
 }
 
-/// A transposed matrix times a state.
+/// A transposed matrix times states, side by side.
 #[inline(always)]
-pub fn back<const N: usize>(way: &Square<N>, state: &[f64; N]) -> [f64; N] {
-    let mut end = [0.0; N];
-    for (row, value) in way.iter().zip(state) {
-        for (end, of) in end.iter_mut().zip(row) {
-            *end += of * value;
+pub fn back<const N: usize, const L: usize>(
+    way: &Square<N>,
+    state: &[[f64; L]; N],
+) -> [[f64; L]; N] {
+    let mut end = [[0.0; L]; N];
+    for (row, state) in way.iter().zip(state) {
+        for (end, way) in end.iter_mut().zip(row) {
+            for (end, of) in end.iter_mut().zip(state) {
+                *end += way * of;
+            }
         }
     }
     end

@@ -1,5 +1,7 @@
 //! A model: effects beside what the twins declare, with all their numbers, fitted together to all recordings.
 
+use std::borrow::Cow;
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -8,7 +10,7 @@ use super::columns::Columns;
 use super::correct::Correction;
 use super::disc;
 use super::effect::{Carrier, Effect, Growth, Here, Site};
-use super::filter::Noise;
+use super::filter::{Noise, SIDE_BY_SIDE};
 use super::lsq::{self, Basis, Solution};
 use super::noise::{Free, Tails};
 use super::pattern::{LARGE, Pattern};
@@ -55,6 +57,9 @@ pub struct Model {
     /// Its effects.
     pub terms: Vec<Term>,
 }
+
+/// An effect, and what it or a change of it does to the edges of each recording, rad.
+type Raw<'a> = (Effect, Vec<Cow<'a, [f64]>>);
 
 /// A fit.
 #[derive(Clone, Debug)]
@@ -495,35 +500,58 @@ impl Board {
             .par_iter()
             .map(|bench| bench.columns(effect))
             .collect();
-        let column = |size: usize| {
-            let each: Vec<&[f64]> = raw.iter().map(|raw| &*raw[size]).collect();
-            self.shown(effect, &each)
-        };
-        (0..effect.sizes()).into_par_iter().map(column).collect()
+        let rows = (0..effect.sizes()).map(|size| {
+            let each = raw.iter().map(|raw| Cow::Borrowed(&*raw[size]));
+            (*effect, each.collect())
+        });
+        self.shown(&rows.collect::<Vec<_>>())
     }
 
-    /// What an effect does to the edges of each recording, rad, white, in a row.
-    fn shown(&self, effect: &Effect, angles: &[&[f64]]) -> Vec<f64> {
-        match &self.pattern {
-            Some(pattern) if pattern.size2 > 0.0 && effect.is_of_disc() => {
+    /// What effects do to the edges of each recording, rad, each white, in a row.
+    fn shown(&self, rows: &[Raw<'_>]) -> Vec<Vec<f64>> {
+        let of_disc = |pattern: &&Pattern, row: &Raw<'_>| pattern.size2 > 0.0 && row.0.is_of_disc();
+        let some = rows.par_chunks(SIDE_BY_SIDE).flat_map(|rows| {
+            let mut rest: Vec<&Raw<'_>> = rows.iter().collect();
+            let mut discs = Vec::new();
+            if let Some(pattern) = &self.pattern {
+                (discs, rest) = rest.into_iter().partition(|row| of_disc(&pattern, row));
+            }
+            let benches = self.benches.iter().enumerate();
+            let mut white = vec![Vec::new(); rest.len()];
+            for (at, bench) in benches {
+                let raw = rest.iter().map(|(_, angles)| angles[at].to_vec());
+                let each = white.iter_mut().zip(bench.white_rows(raw.collect()));
+                each.for_each(|(white, of)| white.extend(of));
+            }
+            let Some(pattern) = &self.pattern else {
+                return white;
+            };
+            let mut white = pattern.taken_off_rows(&self.benches, white).into_iter();
+            let errors = discs.iter().map(|(_, angles)| {
                 let mut errors = vec![0.0; pattern.edges];
                 for (bench, angles) in self.benches.iter().zip(angles) {
                     for (at, value) in angles.iter().enumerate() {
                         errors[bench.record.slot(at)] = *value;
                     }
                 }
-                pattern.taken_off_disc(&self.benches, &errors)
-            }
-            _ => {
-                let each = self.benches.iter().zip(angles);
-                let white: Vec<Vec<f64>> = each.map(|(bench, of)| bench.white(of)).collect();
-                self.beside_pattern(white.concat())
-            }
-        }
+                errors
+            });
+            let errors: Vec<Vec<f64>> = errors.collect();
+            let mut discs = pattern.taken_off_disc(&self.benches, &errors).into_iter();
+            let each = rows.iter().filter_map(|row| {
+                if of_disc(&pattern, row) {
+                    discs.next()
+                } else {
+                    white.next()
+                }
+            });
+            each.collect()
+        });
+        some.collect()
     }
 
-    /// What a small change of a knob of a term does, white, in a row.
-    fn slope(&self, term: &Term, knob: usize) -> Vec<f64> {
+    /// What a small change of a knob of a term does to the edges of each recording, rad.
+    fn slope(&self, term: &Term, knob: usize) -> Raw<'_> {
         let step = SMALL * self.reach(&term.effect)[knob];
         let moved = |by: f64| {
             let mut knobs = term.effect.knobs();
@@ -539,11 +567,9 @@ impl Board {
                 let each = sum.iter_mut().zip(above.iter().zip(below));
                 each.for_each(|(sum, (above, below))| *sum += by * (above - below));
             }
-            sum
+            Cow::Owned(sum)
         });
-        let raw: Vec<Vec<f64>> = each.collect();
-        let each: Vec<&[f64]> = raw.iter().map(Vec::as_slice).collect();
-        self.shown(&term.effect, &each)
+        (term.effect, each.collect())
     }
 
     /// What a model says of each edge, rad, for each recording.
@@ -800,17 +826,23 @@ impl Board {
 
     /// Sizes for knobs as they are; columns of these alone.
     fn sized(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
-        let each = model.terms.par_iter().map(|term| {
-            let mut columns = self.columns(&term.effect);
-            columns.iter_mut().for_each(|column| basis.clear(column));
-            columns
+        let raw = model.terms.par_iter().map(|term| {
+            let benches = self.benches.iter();
+            benches.map(|bench| bench.columns(&term.effect)).collect()
         });
-        let each: Vec<Vec<Vec<f64>>> = each.collect();
-        let (mut columns, mut of) = (Vec::new(), Vec::new());
-        for (at, some) in each.into_iter().enumerate() {
-            of.extend((0..some.len()).map(|number| (at, number)));
-            columns.extend(some);
+        let raw: Vec<Vec<Columns>> = raw.collect();
+        let (mut rows, mut of) = (Vec::new(), Vec::new());
+        for (at, (term, raw)) in model.terms.iter().zip(&raw).enumerate() {
+            for size in 0..term.effect.sizes() {
+                let each = raw.iter().map(|raw| Cow::Borrowed(&*raw[size]));
+                rows.push((term.effect, each.collect()));
+                of.push((at, size));
+            }
         }
+        let mut columns = self.shown(&rows);
+        columns
+            .par_iter_mut()
+            .for_each(|column| basis.clear(column));
         let by_size: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let Solution {
             sizes,
@@ -843,12 +875,11 @@ impl Board {
         if knobs.is_empty() {
             return fit;
         }
-        let slopes = knobs.par_iter().map(|&(at, knob)| {
-            let mut slope = self.slope(&fit.model.terms[at], knob);
-            basis.clear(&mut slope);
-            slope
-        });
-        let slopes: Vec<Vec<f64>> = slopes.collect();
+        let slopes = knobs.par_iter();
+        let slopes = slopes.map(|&(at, knob)| self.slope(&fit.model.terms[at], knob));
+        let slopes: Vec<Raw<'_>> = slopes.collect();
+        let mut slopes = self.shown(&slopes);
+        slopes.par_iter_mut().for_each(|slope| basis.clear(slope));
         for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
             fit.columns.push(slope);
             fit.of.push((at, fit.model.terms[at].effect.sizes() + knob));

@@ -13,6 +13,7 @@ use realfft::{RealFftPlanner, RealToComplex};
 
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
+use super::filter::SIDE_BY_SIDE;
 use super::lsq::dot;
 use super::mean_turn::MeanTurn;
 
@@ -67,12 +68,11 @@ struct Normal {
 impl Normal {
     fn of(pattern: &Pattern, benches: &[Bench]) -> Self {
         let count = pattern.edges;
-        let columns = (0..count).into_par_iter().map(|edge| {
-            let mut one = vec![0.0; count];
-            one[edge] = 1.0;
-            pattern.fold(benches, &pattern.unfold(benches, &one))
-        });
-        let columns: Vec<Vec<f64>> = columns.collect();
+        let mut ones = vec![vec![0.0; count]; count];
+        (0..count).for_each(|edge| ones[edge][edge] = 1.0);
+        let some = ones.par_chunks(SIDE_BY_SIDE);
+        let some = some.map(|ones| pattern.fold_rows(benches, &pattern.unfold_rows(benches, ones)));
+        let columns: Vec<Vec<f64>> = some.flatten().collect();
         let matrix = DMatrix::from_fn(count, count, |a, b| 0.5 * (columns[a][b] + columns[b][a]));
         Self {
             matrix,
@@ -188,30 +188,47 @@ impl Pattern {
     /// Score of each edge of the grid: what one rad of its error adds.
     #[must_use]
     pub fn fold(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
-        let mut fold = vec![0.0; self.edges];
+        let rows = [white.to_vec()];
+        self.fold_rows(benches, &rows).swap_remove(0)
+    }
+
+    /// The same of some rows.
+    fn fold_rows(&self, benches: &[Bench], white: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut folds = vec![vec![0.0; self.edges]; white.len()];
         let mut from = 0;
         for bench in benches {
             let until = from + bench.record.len();
-            for (at, score) in bench.score(&white[from..until]).into_iter().enumerate() {
-                fold[bench.record.slot(at)] += score;
+            let own = white.iter().map(|white| white[from..until].to_vec());
+            let scores = bench.score_rows(own.collect());
+            for (fold, scores) in folds.iter_mut().zip(scores) {
+                for (at, score) in scores.into_iter().enumerate() {
+                    fold[bench.record.slot(at)] += score;
+                }
             }
             from = until;
         }
-        fold
+        folds
     }
 
     /// Errors of the grid's edges as angles of each edge, white, in a row.
     pub fn unfold(&self, benches: &[Bench], errors: &[f64]) -> Vec<f64> {
-        let each: Vec<Vec<f64>> = benches
-            .iter()
-            .map(|bench| {
-                let raw: Vec<f64> = (0..bench.record.len())
-                    .map(|at| errors[bench.record.slot(at)])
-                    .collect();
-                bench.white(&raw)
-            })
-            .collect();
-        each.concat()
+        let rows = [errors.to_vec()];
+        self.unfold_rows(benches, &rows).swap_remove(0)
+    }
+
+    /// The same of some errors.
+    fn unfold_rows(&self, benches: &[Bench], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut all = vec![Vec::new(); errors.len()];
+        for bench in benches {
+            let raw = errors.iter().map(|errors| {
+                let slots = (0..bench.record.len()).map(|at| bench.record.slot(at));
+                slots.map(|slot| errors[slot]).collect()
+            });
+            let white = bench.white_rows(raw.collect());
+            let each = all.iter_mut().zip(white);
+            each.for_each(|(all, white)| all.extend(white));
+        }
+        all
     }
 
     /// Sets the size to the one of most orders, and returns its evidence: twice the logarithm of the likelihood over that without a
@@ -349,41 +366,40 @@ impl Pattern {
     }
 
     /// The same of a folded score, until a part of it is left.
-    fn errors_of(&self, benches: &[Bench], mut rest: Vec<f64>, small: f64) -> Vec<f64> {
-        let mut errors = vec![0.0; self.edges];
+    fn errors_of(&self, benches: &[Bench], fold: Vec<f64>, small: f64) -> Vec<f64> {
+        self.errors_of_rows(benches, vec![fold], small)
+            .swap_remove(0)
+    }
+
+    /// The same of some folded scores.
+    fn errors_of_rows(&self, benches: &[Bench], folds: Vec<Vec<f64>>, small: f64) -> Vec<Vec<f64>> {
         if self.size2 <= 0.0 {
-            return errors;
+            return vec![vec![0.0; self.edges]; folds.len()];
         }
         if let Some(factor) = self.factor(benches) {
-            let solved = factor.solve(&DVector::from_vec(rest));
-            return solved.as_slice().to_vec();
+            let each = folds.into_iter();
+            let each = each.map(|fold| factor.solve(&DVector::from_vec(fold)));
+            return each.map(|solved| solved.as_slice().to_vec()).collect();
         }
-        let start = dot(&rest, &self.turn.divided(&rest));
-        let mut step = self.turn.divided(&rest);
-        let mut square = start;
+        let each = folds.into_iter();
+        let mut all: Vec<Descent> = each.map(|fold| Descent::new(&self.turn, fold)).collect();
         for _ in 0..STEPS {
-            if square.is_nan() || square <= small * small * start {
+            let mut open: Vec<&mut Descent> =
+                all.iter_mut().filter(|row| row.is_open(small)).collect();
+            if open.is_empty() {
                 break;
             }
-            let mut product = self.fold(benches, &self.unfold(benches, &step));
-            product
-                .iter_mut()
-                .zip(&step)
-                .for_each(|(product, of)| *product += of / self.size2);
-            let along = square / dot(&step, &product);
-            for at in 0..self.edges {
-                errors[at] += along * step[at];
-                rest[at] -= along * product[at];
+            let steps: Vec<Vec<f64>> = open.iter().map(|row| row.step.clone()).collect();
+            let mut products = self.fold_rows(benches, &self.unfold_rows(benches, &steps));
+            for (row, product) in open.iter_mut().zip(&mut products) {
+                product
+                    .iter_mut()
+                    .zip(&row.step)
+                    .for_each(|(product, of)| *product += of / self.size2);
+                row.go(&self.turn, product);
             }
-            let divided = self.turn.divided(&rest);
-            let next = dot(&rest, &divided);
-            let by = next / square;
-            square = next;
-            step.iter_mut()
-                .zip(divided)
-                .for_each(|(step, of)| *step = of + by * *step);
         }
-        errors
+        all.into_iter().map(|row| row.errors).collect()
     }
 
     /// What one rad at each edge adds, as errors of edges say it, to a sum of squares that is least over them: of those of one place
@@ -407,43 +423,97 @@ impl Pattern {
     /// those beside a pattern that is fitted with them.
     #[must_use]
     pub fn taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
-        let errors = self.errors(benches, &white);
-        self.without(benches, white, &errors)
+        self.taken_off_rows(benches, vec![white]).swap_remove(0)
+    }
+
+    /// The same of some rows.
+    #[must_use]
+    pub fn taken_off_rows(&self, benches: &[Bench], white: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        self.without(benches, white, SMALL)
     }
 
     /// The same as closely as numbers allow: of what a fit leaves small parts count.
     #[must_use]
     pub fn closely_taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
-        let errors = self.closest(benches, &white);
-        self.without(benches, white, &errors)
+        self.without(benches, vec![white], SMALLER).swap_remove(0)
     }
 
-    fn without(&self, benches: &[Bench], mut white: Vec<f64>, errors: &[f64]) -> Vec<f64> {
-        let shown = self.unfold(benches, errors);
-        white
-            .iter_mut()
-            .zip(shown)
-            .for_each(|(white, of)| *white -= of);
+    fn without(&self, benches: &[Bench], mut white: Vec<Vec<f64>>, small: f64) -> Vec<Vec<f64>> {
+        let folds = self.fold_rows(benches, &white);
+        let errors = self.errors_of_rows(benches, folds, small);
+        let shown = self.unfold_rows(benches, &errors);
         let size = self.size2.sqrt();
-        white.extend(
-            errors
-                .iter()
-                .map(|error| if size > 0.0 { -error / size } else { 0.0 }),
-        );
+        for ((white, shown), errors) in white.iter_mut().zip(shown).zip(errors) {
+            white
+                .iter_mut()
+                .zip(shown)
+                .for_each(|(white, of)| *white -= of);
+            let over = |error: f64| if size > 0.0 { -error / size } else { 0.0 };
+            white.extend(errors.into_iter().map(over));
+        }
         white
     }
 
-    /// The same of a row that is itself of the disc, given as errors of its edges: what the pattern leaves of it is small, and is worked out
-    /// as such.
+    /// The same of rows that are themselves of the disc, given as errors of its edges: what the pattern leaves of them is small, and is
+    /// worked out as such.
     #[must_use]
-    pub fn taken_off_disc(&self, benches: &[Bench], errors: &[f64]) -> Vec<f64> {
-        let over = |error: &f64| error / self.size2;
-        let kept = self.errors_of(benches, errors.iter().map(over).collect(), SMALL);
-        let mut white = self.unfold(benches, &kept);
+    pub fn taken_off_disc(&self, benches: &[Bench], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let over = |errors: &Vec<f64>| errors.iter().map(|error| error / self.size2).collect();
+        let folds: Vec<Vec<f64>> = errors.iter().map(over).collect();
+        let kept = self.errors_of_rows(benches, folds, SMALL);
+        let mut white = self.unfold_rows(benches, &kept);
         let size = self.size2.sqrt();
-        let rest = errors.iter().zip(&kept);
-        white.extend(rest.map(|(error, kept)| (kept - error) / size));
+        for ((white, errors), kept) in white.iter_mut().zip(errors).zip(&kept) {
+            let rest = errors.iter().zip(kept);
+            white.extend(rest.map(|(error, kept)| (kept - error) / size));
+        }
         white
+    }
+}
+
+/// Errors on the way to those that fit a folded score best, by conjugate gradients.
+struct Descent {
+    errors: Vec<f64>,
+    rest: Vec<f64>,
+    step: Vec<f64>,
+    /// Square of the rest over the preconditioner, and at the start.
+    square: f64,
+    start: f64,
+}
+
+impl Descent {
+    fn new(turn: &MeanTurn, rest: Vec<f64>) -> Self {
+        let step = turn.divided(&rest);
+        let start = dot(&rest, &step);
+        Self {
+            errors: vec![0.0; rest.len()],
+            rest,
+            step,
+            square: start,
+            start,
+        }
+    }
+
+    /// Whether more than a part of the start is left.
+    fn is_open(&self, small: f64) -> bool {
+        self.square > small * small * self.start
+    }
+
+    /// Goes on by the step, whose product with the normal matrix this is.
+    fn go(&mut self, turn: &MeanTurn, product: &[f64]) {
+        let along = self.square / dot(&self.step, product);
+        for at in 0..self.errors.len() {
+            self.errors[at] += along * self.step[at];
+            self.rest[at] -= along * product[at];
+        }
+        let divided = turn.divided(&self.rest);
+        let next = dot(&self.rest, &divided);
+        let by = next / self.square;
+        self.square = next;
+        self.step
+            .iter_mut()
+            .zip(divided)
+            .for_each(|(step, of)| *step = of + by * *step);
     }
 }
 

@@ -888,6 +888,26 @@ impl Gains {
         }
     }
 
+    /// See [`filter::Filter::whiten_rows`].
+    pub fn whiten_rows(&self, rows: &mut [Vec<f64>]) {
+        match self {
+            Self::Plain(filter) => filter.whiten_rows(rows),
+            Self::Drifting(filter) => filter.whiten_rows(rows),
+            Self::Stiff(filter) => filter.whiten_rows(rows),
+            Self::Sprung(filter) => filter.whiten_rows(rows),
+        }
+    }
+
+    /// See [`filter::Filter::transposed_rows`].
+    pub fn transposed_rows(&self, rows: &mut [Vec<f64>]) {
+        match self {
+            Self::Plain(filter) => filter.transposed_rows(rows),
+            Self::Drifting(filter) => filter.transposed_rows(rows),
+            Self::Stiff(filter) => filter.transposed_rows(rows),
+            Self::Sprung(filter) => filter.transposed_rows(rows),
+        }
+    }
+
     /// See [`filter::Filter::scales`].
     #[must_use]
     pub fn scales(&self) -> Vec<f64> {
