@@ -65,7 +65,7 @@ pub struct Bench {
     /// The present noise.
     noise: Noise,
     /// Columns along this course.
-    kept: Kept,
+    pub kept: Kept,
 }
 
 impl Bench {
@@ -370,6 +370,15 @@ impl Bench {
         rows.iter_mut().for_each(|row| self.weighed(row));
         self.gains.transposed_rows(&mut rows);
         rows
+    }
+
+    /// A sum that another noise has otherwise, or other weights.
+    #[must_use]
+    pub fn mark(&self) -> f64 {
+        let weights = self.weights.iter().zip(&self.tails);
+        let each = self.scales.iter().zip(weights);
+        each.map(|(scale, (weight, tail))| scale * weight * tail)
+            .sum()
     }
 
     /// A row times the weights of edges.

@@ -1,12 +1,13 @@
 //! A model: effects beside what the twins declare, with all their numbers, fitted together to all recordings.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::bench::{self, Bench};
-use super::columns::Columns;
+use super::columns::{Columns, White};
 use super::correct::Correction;
 use super::disc;
 use super::effect::{Carrier, Effect, Growth, Here, Site};
@@ -36,6 +37,8 @@ pub struct Board {
     pub rounds: usize,
     /// Numbers that the twins declare and that are fitted, in the order of [`Site::Declared`].
     pub corrections: Vec<Correction>,
+    /// White columns in the present noise.
+    pub white: White,
 }
 
 /// An effect in a model.
@@ -313,6 +316,7 @@ impl Board {
             rounds: SIZED,
             disc_given: known,
             corrections: Vec::new(),
+            white: White::default(),
         };
         let looped = board
             .benches
@@ -495,16 +499,34 @@ impl Board {
     /// Columns of an effect for unit of each size, white, in a row.
     #[must_use]
     pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
-        let raw: Vec<Columns> = self
-            .benches
-            .par_iter()
-            .map(|bench| bench.columns(effect))
-            .collect();
-        let rows = (0..effect.sizes()).map(|size| {
-            let each = raw.iter().map(|raw| Cow::Borrowed(&*raw[size]));
-            (*effect, each.collect())
+        self.columns_of(std::slice::from_ref(effect)).swap_remove(0)
+    }
+
+    /// The same of some effects.
+    fn columns_of(&self, effects: &[Effect]) -> Vec<Vec<Vec<f64>>> {
+        let raw = effects.par_iter().map(|effect| {
+            let benches = self.benches.iter();
+            benches.map(|bench| bench.columns(effect)).collect()
         });
-        self.shown(&rows.collect::<Vec<_>>())
+        let raw: Vec<Vec<Columns>> = raw.collect();
+        let rows = effects.iter().zip(&raw).flat_map(|(effect, raw)| {
+            (0..effect.sizes()).map(move |size| {
+                let each = raw.iter().map(|raw| Cow::Borrowed(&*raw[size]));
+                (*effect, each.collect())
+            })
+        });
+        let mut shown = self.shown(&rows.collect::<Vec<_>>()).into_iter();
+        let each = effects.iter();
+        each.map(|effect| shown.by_ref().take(effect.sizes()).collect())
+            .collect()
+    }
+
+    /// Of which courses in which noise, and beside which pattern, a white column is.
+    fn mark(&self) -> Vec<u64> {
+        let benches = self.benches.iter();
+        let marks = benches.flat_map(|bench| [bench.kept.course, bench.mark().to_bits()]);
+        let size2 = self.pattern.iter().map(|pattern| pattern.size2.to_bits());
+        marks.chain(size2).collect()
     }
 
     /// What effects do to the edges of each recording, rad, each white, in a row.
@@ -826,20 +848,24 @@ impl Board {
 
     /// Sizes for knobs as they are; columns of these alone.
     fn sized(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
-        let raw = model.terms.par_iter().map(|term| {
-            let benches = self.benches.iter();
-            benches.map(|bench| bench.columns(&term.effect)).collect()
-        });
-        let raw: Vec<Vec<Columns>> = raw.collect();
-        let (mut rows, mut of) = (Vec::new(), Vec::new());
-        for (at, (term, raw)) in model.terms.iter().zip(&raw).enumerate() {
-            for size in 0..term.effect.sizes() {
-                let each = raw.iter().map(|raw| Cow::Borrowed(&*raw[size]));
-                rows.push((term.effect, each.collect()));
-                of.push((at, size));
-            }
+        let effects: Vec<Effect> = model.terms.iter().map(|term| term.effect).collect();
+        // What the twins declare has other columns beside other twins.
+        let (declared, others): (Vec<Effect>, Vec<Effect>) = effects
+            .iter()
+            .partition(|effect| matches!(effect.site, Site::Declared(_)));
+        let work_out = |effects: &[Effect]| self.columns_of(effects);
+        let mut others = self.white.of(self.mark(), &others, work_out).into_iter();
+        let mut declared = self.columns_of(&declared).into_iter().map(Arc::new);
+        let (mut columns, mut of) = (Vec::new(), Vec::new());
+        for (at, effect) in effects.iter().enumerate() {
+            let own = match effect.site {
+                Site::Declared(_) => declared.next(),
+                _ => others.next(),
+            };
+            let own = own.iter().flat_map(|own| own.iter().cloned());
+            columns.extend(own);
+            of.extend((0..effect.sizes()).map(|size| (at, size)));
         }
-        let mut columns = self.shown(&rows);
         columns
             .par_iter_mut()
             .for_each(|column| basis.clear(column));

@@ -82,12 +82,7 @@ impl Normal {
 
     /// Other benches, or the same in another noise, have another one.
     fn mark(benches: &[Bench]) -> f64 {
-        let each = benches.iter().flat_map(|bench| {
-            let weights = bench.weights.iter().zip(&bench.tails);
-            let each = bench.scales.iter().zip(weights);
-            each.map(|(scale, (weight, tail))| scale * weight * tail)
-        });
-        each.sum()
+        benches.iter().map(Bench::mark).sum()
     }
 }
 
