@@ -372,6 +372,8 @@ fn late(twin: &Twin, course: &Course, off: &mut [f64]) {
     }
 }
 
+/// Part of a torque that is open over an interval in which the course is not known.
+const OPEN: f64 = 0.3;
 /// Part of the speed by which it changes over an interval from which on its course within is in doubt.
 const SUDDEN: f64 = 0.3;
 
@@ -389,10 +391,18 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)
             _ => None,
         })
         .collect();
+    // What an unknown drive does where ripples may hold the shaft is not linear in the speed.
+    let deep: f64 = waves.iter().map(|(order, size)| 2.0 * size / order).sum();
+    let push: f64 = waves.iter().map(|(_, size)| size).sum();
     let mut jolts = Vec::new();
     for at in 1..course.len() {
         let (v0, v1) = (course.speed[at - 1], course.speed[at]);
         let h = course.time_s[at] - course.time_s[at - 1];
+        if law.undriven && 0.5 * v0.abs().max(v1.abs()).powi(2) < deep {
+            let jolt = OPEN * push * h;
+            jolts.push((at, [0.5 * jolt * h, jolt]));
+            continue;
+        }
         if (v1 - v0).abs() < SUDDEN * v0.abs().max(v1.abs()) {
             continue;
         }
@@ -403,7 +413,7 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)
             .map(|(order, size)| size * (order * apart).min(1.0))
             .sum();
         let friction = if v0 * v1 < 0.0 {
-            0.3 * law.friction(0.5 * (v0.abs() + v1.abs())).0
+            OPEN * law.friction(0.5 * (v0.abs() + v1.abs())).0
         } else {
             0.0
         };

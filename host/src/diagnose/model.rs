@@ -15,6 +15,7 @@ use super::filter::{Noise, SIDE_BY_SIDE};
 use super::lsq::{self, Basis, Solution};
 use super::noise::{Free, Tails};
 use super::pattern::{LARGE, Pattern};
+use crate::mechanism::RUN_OUT_RAD;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -796,30 +797,37 @@ impl Board {
     }
 
     /// Whether all edges come in their order with what a model shifts: an edge does not pass the next one, and one of many that are off
-    /// alike does not come near it.
+    /// alike does not come near it. No rhythm is larger than a machine's.
     #[must_use]
     fn keeps_order(&self, model: &Model) -> bool {
         let shifts = |term: &&Term| {
             !term.nuisance && matches!(term.effect.site, Site::Disc(_) | Site::Level(_))
         };
         model.terms.iter().filter(shifts).all(|term| {
-            let most = match term.effect.carrier {
-                Carrier::Order(_) | Carrier::Tone(_) => LARGE,
-                _ => 1.0,
+            let (most, amplitude) = match term.effect.carrier {
+                Carrier::Order(_) | Carrier::Tone(_) => (LARGE, RUN_OUT_RAD),
+                _ => (1.0, f64::INFINITY),
             };
-            self.benches.iter().all(|bench| {
-                let columns = bench.columns(&term.effect);
-                let off = |at: usize| {
-                    let each = columns.iter().zip(&term.sizes);
-                    each.map(|(column, size)| size * column[at]).sum::<f64>()
-                };
-                let place = &bench.record.place;
-                (1..bench.record.len()).all(|at| {
-                    let steps = (place[at] - place[at - 1]).abs() as f64;
-                    steps == 0.0
-                        || (off(at) - off(at - 1)).abs() < most * steps * bench.record.step_rad()
+            let size = term
+                .sizes
+                .iter()
+                .fold(0.0, |sum: f64, size| sum.hypot(*size));
+            let varies = term.effect.growth != Growth::Constant;
+            (varies || size <= amplitude)
+                && self.benches.iter().all(|bench| {
+                    let columns = bench.columns(&term.effect);
+                    let off = |at: usize| {
+                        let each = columns.iter().zip(&term.sizes);
+                        each.map(|(column, size)| size * column[at]).sum::<f64>()
+                    };
+                    let place = &bench.record.place;
+                    (1..bench.record.len()).all(|at| {
+                        let steps = (place[at] - place[at - 1]).abs() as f64;
+                        steps == 0.0
+                            || (off(at) - off(at - 1)).abs()
+                                < most * steps * bench.record.step_rad()
+                    })
                 })
-            })
         })
     }
 

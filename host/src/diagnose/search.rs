@@ -220,6 +220,7 @@ impl Found {
             let mut told = found
                 .iter()
                 .filter(|candidate| candidate.gain > precision)
+                .filter(|candidate| !board.undriven || !candidate.effects.iter().any(is_course))
                 .filter(|candidate| !is_spur(board, candidate, &basis, &spurs));
             let mut tried: Vec<(f64, Vec<Effect>)> = Vec::new();
             // Those that no machine can have leave it to the next ones.
@@ -469,6 +470,12 @@ fn is_open(board: &Board, effects: &[Effect]) -> bool {
         let changes = pushes(effect.site) && matches!(effect.carrier, Carrier::Window(..));
         board.undriven && changes || open_disc && effect.is_of_disc()
     })
+}
+
+/// Whether an effect is an angle that swings more slowly than the shaft turns, as its course does under a drive of which nothing is known.
+fn is_course(effect: &Effect) -> bool {
+    let slow = matches!(effect.carrier, Carrier::Order(order) if order < 1.0);
+    slow && matches!(effect.site, Site::Disc(_))
 }
 
 /// Effects of what the twins leave open as they enter: a torque of an unknown drive makes the course, which nothing damps.

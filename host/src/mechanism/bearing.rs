@@ -9,7 +9,7 @@
 //!
 //! Source: ball pass frequency of the outer ring (R. B. Randall, Vibration-based Condition Monitoring, 2011, ch. 2).
 
-use super::card::{ERROR_RAD, ORDERS};
+use super::card::{ORDERS, RUN_OUT_RAD};
 use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
 
 /// Its card.
@@ -22,7 +22,7 @@ pub const CARD: Card = Card {
     twin: "bearing",
     parameters: &[
         Quantity::new("order", "1", ORDERS, "n, cycles a turn"),
-        Quantity::new("runout_rad", "rad", [0.0, ERROR_RAD], "r, its amplitude"),
+        Quantity::new("runout_rad", "rad", [0.0, RUN_OUT_RAD], "r, its amplitude"),
         Quantity::phase("phi, its phase at angle 0"),
     ],
     locked_to: &[LockedTo::FractionalOrder],

@@ -90,6 +90,8 @@ impl Quantity {
 pub const TORQUE_N_M: f64 = 1e7;
 /// Largest error of an edge, rad: half of the way between a pole pair's Hall edges.
 pub const ERROR_RAD: f64 = 0.53;
+/// Largest amplitude of a rhythm of the disc, rad: a tenth of the radius, which no rig passes for centred, or a tilt of 36 degrees.
+pub const RUN_OUT_RAD: f64 = 0.1;
 /// Longest delay of an edge, s: slow optocouplers have some 0.1 ms, filters of a slow input some ms.
 pub const DELAY_S: f64 = 0.05;
 /// Times on a recording's clock, s: what began before it counts back.

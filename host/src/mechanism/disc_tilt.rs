@@ -7,10 +7,8 @@
 //!
 //! Source: angle of a Hooke's joint, second order in beta (J. E. Shigley, J. J. Uicker, Theory of Machines and Mechanisms).
 
+use super::card::RUN_OUT_RAD;
 use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
-
-/// Largest amplitude: a tilt of 36 degrees.
-const LARGEST_RAD: f64 = 0.1;
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -24,7 +22,7 @@ pub const CARD: Card = Card {
         Quantity::new(
             "amplitude_rad",
             "rad",
-            [0.0, LARGEST_RAD],
+            [0.0, RUN_OUT_RAD],
             "at order 2, beta^2 / 4 of a tilt",
         ),
         Quantity::phase("phi, as in amplitude sin(2 theta - phase)"),

@@ -8,10 +8,8 @@
 //! Source: plane geometry of a circle about a point off its centre, first order in d / R; A. Ernst, Digital Length and Angle
 //! Measurement Technology, 1998.
 
+use super::card::RUN_OUT_RAD;
 use super::{Card, EdgeClasses, LockedTo, Mechanism, Quantity};
-
-/// Largest d / R: a tenth of the radius, which no rig passes for centred.
-const LARGEST_RAD: f64 = 0.1;
 
 /// Its card.
 pub const CARD: Card = Card {
@@ -26,7 +24,7 @@ pub const CARD: Card = Card {
         Quantity::new(
             "amplitude_rad",
             "rad",
-            [0.0, LARGEST_RAD],
+            [0.0, RUN_OUT_RAD],
             "d / R, at order 1",
         ),
         Quantity::phase("theta0, as in amplitude sin(theta - phase)"),

@@ -41,7 +41,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 pub use capture_latency::TASK_HZ;
-pub use card::{Card, Quantity};
+pub use card::{Card, Quantity, RUN_OUT_RAD};
 pub use mark::{EdgeClasses, LockedTo};
 
 /// Makes of each line a mechanism, its id and its card.
