@@ -394,7 +394,9 @@ impl Follower<'_> {
         match from.speed {
             _ if forward != from.forward => {
                 // To turn back, a shaft has to halve its speed first, or to take as long for the way there and back.
-                to.score -= cost::REVERSAL;
+                // Once it has turned back or stood still, it goes on either way.
+                let stands = from.timed && from.speed.is_none();
+                to.score -= if stands { LN_2 } else { cost::REVERSAL };
                 to.score += from.speed.map_or(BROAD, |[log_speed, _, variance]| {
                     let longer = log_speed + log_interval;
                     let halved = (LN_2 - longer).clamp(0.0, LN_2).powi(2) / (2.0 * variance);

@@ -364,6 +364,58 @@ fn a_shaft_that_stands_still_for_a_while_and_goes_on_makes_no_pulse_too_many() {
 }
 
 #[test]
+fn a_shaft_that_rocks_about_an_edge_where_it_stands_makes_no_pulse_too_many() {
+    let mut rows = Vec::new();
+    let (mut at, mut ticks) = (0_i64, 0_u64);
+    let mut go = |by: i64, after_s: f64| {
+        let levels = [0, Levels::A, Levels::A | Levels::B, Levels::B];
+        at += by;
+        ticks += (after_s * CLOCK_HZ as f64) as u64;
+        rows.push(Row {
+            ticks,
+            levels: Levels(levels[at.rem_euclid(4) as usize]),
+        });
+    };
+    // It slows down as a drive with some lag has it.
+    for edge in 0..400 {
+        let uneven = if edge % 2 == 0 { 0.96 } else { 1.04 };
+        go(1, 0.006 * uneven / (1.0 - 0.002 * f64::from(edge)));
+    }
+    for after_s in [0.033, 0.034, 0.041, 0.041, 0.052, 0.059, 0.101] {
+        go(1, after_s);
+    }
+    let rocks = [
+        (-1, 1.253),
+        (1, 0.011),
+        (-1, 0.17),
+        (1, 0.04),
+        (-1, 0.03),
+        (1, 0.397),
+        (-1, 1.811),
+        (-1, 1.82),
+        (1, 0.331),
+        (-1, 1.215),
+        (-1, 0.388),
+        (1, 0.897),
+        (-1, 0.647),
+        (-1, 1.459),
+        (-1, 0.477),
+        (-1, 0.119),
+        (-1, 0.078),
+    ];
+    rocks.into_iter().for_each(|(by, after_s)| go(by, after_s));
+    (0..200).for_each(|edge| go(-1, 0.066 / (1.0 + f64::from(edge)).sqrt()));
+    let sensor = Sensor::Quadrature {
+        lines: 200,
+        index: None,
+    };
+    let edges = place(&sensor, CLOCK_HZ, &rows).unwrap();
+    assert_eq!(edges.events, []);
+    // The first row only says where it is.
+    assert_eq!(edges.place.len(), rows.len() - 1);
+}
+
+#[test]
 fn a_swing_of_the_speed_is_no_stop() {
     for seed in 0..5 {
         let present = vec![true; 36];
