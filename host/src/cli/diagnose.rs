@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::diagnose::answer::Answer;
+use crate::diagnose::diagnosis::Answer;
 use crate::diagnose::pipeline;
 use crate::diagnose::rig::{DiagnoseError, Recorded};
 use crate::diagnose::write;

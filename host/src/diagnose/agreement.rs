@@ -2,8 +2,8 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::answer::Curve;
 use super::bench::Bench;
+use super::diagnosis::Curve;
 use super::disc;
 use super::edges::Unused;
 use super::effect::Site;

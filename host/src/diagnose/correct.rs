@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::answer::Sized;
 use super::bench::Bench;
 use super::diagnosis::Parameter;
+use super::diagnosis::Sized;
 use super::effect::{Carrier, Effect, Site};
 use super::lsq::{self, Basis, dot};
 use super::model::{Board, Fit, Model};

@@ -382,7 +382,8 @@ impl<const N: usize> Filter<N> {
     #[must_use]
     pub fn around(&self, edges: usize) -> Around<N> {
         let steps = self.gains[self.gains.len() - edges..].to_vec();
-        let fades = |along: &dyn Fn(&mut [[f64; 1]; N], &mut [f64; 1], &Gain<N>), back: bool| {
+        type Along<const N: usize> = dyn Fn(&mut [[f64; 1]; N], &mut [f64; 1], &Gain<N>);
+        let fades = |along: &Along<N>, back: bool| {
             let ends = (0..N).map(|at| {
                 let mut state = [[0.0]; N];
                 state[at] = [1.0];

@@ -2,8 +2,8 @@
 
 use super::agreement::{self, NOT_WHITE};
 use super::alike::Alike;
-use super::answer::{Answer, Map, Sized};
 use super::bench::Bench;
+use super::diagnosis::{Answer, Map, Sized};
 use super::effect::{Carrier, Site};
 use super::judge::{self, Parts};
 use super::lsq::dot;

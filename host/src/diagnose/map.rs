@@ -1,6 +1,6 @@
 //! The mismatch map: what each site explains of the residual following each carrier, in one table.
 
-use super::answer::Map;
+use super::diagnosis::Map;
 use super::effect::{Carrier, Effect, Site};
 use super::scan::Candidate;
 

@@ -8,7 +8,6 @@
 pub mod agreement;
 pub mod align;
 mod alike;
-pub mod answer;
 pub mod bench;
 pub mod cells;
 mod columns;
@@ -37,6 +36,7 @@ pub mod numbers;
 pub mod pattern;
 pub mod pipeline;
 pub mod plant;
+mod possible;
 pub mod record;
 pub mod rig;
 pub mod scan;

@@ -497,10 +497,10 @@ impl Descent {
     /// Goes on by the step, whose product with the normal matrix this is.
     fn go(&mut self, turn: &MeanTurn, product: &[f64]) {
         let along = self.square / dot(&self.step, product);
-        for at in 0..self.errors.len() {
-            self.errors[at] += along * self.step[at];
-            self.rest[at] -= along * product[at];
-        }
+        let errors = self.errors.iter_mut().zip(&self.step);
+        errors.for_each(|(error, step)| *error += along * step);
+        let rest = self.rest.iter_mut().zip(product);
+        rest.for_each(|(rest, product)| *rest -= along * product);
         let divided = turn.divided(&self.rest);
         let next = dot(&self.rest, &divided);
         let by = next / self.square;

@@ -1,8 +1,8 @@
 //! The pipeline: recordings and twins in, an answer out.
 
 use super::alike::swapped;
-use super::answer::Answer;
 use super::bench::Bench;
+use super::diagnosis::Answer;
 use super::edges::{Undecided, Unused, turned};
 use super::filter::Noise;
 use super::findings::answer;

@@ -1,6 +1,6 @@
 //! Whole diagnoses of simulated recordings, and the filter held against its own transposed.
 
-use super::answer::Answer;
+use super::diagnosis::Answer;
 use super::edges::{Edges, Sensor, place};
 use super::filter::{Filter, Noise, STIFF};
 use super::pipeline::diagnose;

@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use super::answer::{Answer, Sized};
 use super::diagnosis::Finding;
+use super::diagnosis::{Answer, Sized};
 use super::edges::CountKind;
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::events::ROWS_A_GLITCH;

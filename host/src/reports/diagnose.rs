@@ -14,7 +14,7 @@ mod tests;
 mod told;
 pub mod words;
 
-use crate::diagnose::answer::Answer;
+use crate::diagnose::diagnosis::Answer;
 use crate::diagnose::diagnosis::{Diagnosis, Finding, Verdict};
 use crate::report::{Body, Footer, Level, Report, Tile};
 

@@ -1,6 +1,6 @@
 //! The numbers behind an answer: evidence, identifiable parameters, recordings.
 
-use crate::diagnose::answer::Answer;
+use crate::diagnose::diagnosis::Answer;
 use crate::diagnose::diagnosis::{Diagnosis, Finding, Parameter, RecordingFacts};
 use crate::report::{Body, Cell, si, si_digits};
 use crate::reports::diagnose::recordings::{origin, speed, table};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::diagnose::answer::Sized;
+use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::report::si_digits;
 use crate::reports::diagnose::words::value;

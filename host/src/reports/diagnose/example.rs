@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use crate::diagnose::answer::{Answer, Curve, Map, Sized};
+use crate::diagnose::diagnosis::{Answer, Curve, Map, Sized};
 use crate::diagnose::diagnosis::{
     Diagnosis, Evidence, Finding, Fit, HeldOut, NextRecording, Parameter, Place, RecordingFacts,
     RunnerUp, Verdict,

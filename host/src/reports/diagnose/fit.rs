@@ -1,6 +1,6 @@
 //! How well it fits: the residual in numbers, and along each recording.
 
-use crate::diagnose::answer::Answer;
+use crate::diagnose::diagnosis::Answer;
 use crate::diagnose::diagnosis::Fit;
 use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Body, Cell, Colour, si};

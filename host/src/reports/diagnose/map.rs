@@ -1,7 +1,7 @@
 //! The mismatch map, before and after, and its strongest cell.
 
-use crate::diagnose::answer::{Answer, Map};
 use crate::diagnose::diagnosis::Diagnosis;
+use crate::diagnose::diagnosis::{Answer, Map};
 use crate::report::plot::Heat;
 use crate::report::{Body, si_digits};
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnose::answer::Sized;
 use crate::diagnose::diagnosis::RecordingFacts;
+use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::plant::{Here, sign};
 use crate::report::plot::{Axis, Series, Xy};

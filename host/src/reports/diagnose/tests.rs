@@ -211,7 +211,7 @@ fn sentences_stay_under_thirty_words() {
 #[test]
 fn an_answer_without_map_cells_or_curves_still_gets_a_page() {
     let mut answer = full();
-    answer.map = crate::diagnose::answer::Map::default();
+    answer.map = crate::diagnose::diagnosis::Map::default();
     answer.cells.clear();
     answer.shares.clear();
     answer.curves.clear();

@@ -1,6 +1,6 @@
 //! A finding in named facts, the same on the page and on the terminal.
 
-use crate::diagnose::answer::{Answer, Sized};
+use crate::diagnose::diagnosis::{Answer, Sized};
 use crate::diagnose::diagnosis::{Finding, Parameter};
 use crate::effect::Site;
 use crate::mechanism::Mechanism;

@@ -1,0 +1,95 @@
+//! What no machine can be: friction that drives a shaft, edges that pass each other, a disc that is off its centre by more than any.
+
+use super::effect::{Carrier, Growth, Here, Site};
+use super::model::{Board, Model, Term};
+use super::pattern::LARGE;
+use crate::mechanism::RUN_OUT_RAD;
+
+/// Speeds at which friction is seen, and part of its largest that errors of its numbers may make push.
+const SPEEDS: u32 = 8;
+const FREE: f64 = 0.05;
+
+impl Board {
+    /// Whether a machine can be so.
+    #[must_use]
+    pub fn can_be(&self, model: &Model) -> bool {
+        self.keeps_order(model) && self.dissipates(model)
+    }
+
+    /// Whether all friction together, declared and found, takes energy from the shaft at every speed that it has.
+    fn dissipates(&self, model: &Model) -> bool {
+        let own = |term: &&Term| term.effect.is_friction() && term.effect.site == Site::Torque;
+        let found: Vec<&Term> = model.terms.iter().filter(own).collect();
+        if found.is_empty() {
+            return true;
+        }
+        self.benches.iter().all(|bench| {
+            let law = &bench.plant.law;
+            let steady = bench.course.steady.iter().map(|speed| speed.abs());
+            let (least, most) = steady.fold((f64::INFINITY, 0.0_f64), |(least, most), speed| {
+                (least.min(speed), most.max(speed))
+            });
+            let here = |speed| Here {
+                time_s: 0.0,
+                inside_s: 0.0,
+                angle: 0.0,
+                speed,
+                way: 1.0,
+            };
+            let pushes = (0..=SPEEDS).map(|at| {
+                let speed = least + (most - least) * f64::from(at) / f64::from(SPEEDS);
+                let each = found.iter();
+                let each = each.map(|term| term.effect.sized(&term.sizes, here(speed)));
+                let declared = law.inertia * (law.friction(speed).0 + law.viscous * speed);
+                each.sum::<f64>() - declared
+            });
+            // Each kind by itself as well: none feeds the shaft what another one takes.
+            let kinds = found.iter().flat_map(|term| {
+                let alike = found.iter().filter(|other| other.effect == term.effect);
+                let sizes: f64 = alike.map(|other| other.sizes[0]).sum();
+                let all = sizes + law.inertia * law.coefficient(term.effect.carrier);
+                [least, most].map(|speed| term.effect.sized(&[all], here(speed)))
+            });
+            let pushes: Vec<f64> = pushes.chain(kinds).collect();
+            let largest = pushes
+                .iter()
+                .fold(0.0_f64, |most, push| most.max(push.abs()));
+            pushes.into_iter().all(|push| push <= FREE * largest)
+        })
+    }
+
+    /// Whether all edges come in their order with what a model shifts: an edge does not pass the next one, and one of many that are off
+    /// alike does not come near it. No rhythm is larger than a machine's.
+    #[must_use]
+    fn keeps_order(&self, model: &Model) -> bool {
+        let shifts = |term: &&Term| {
+            !term.nuisance && matches!(term.effect.site, Site::Disc(_) | Site::Level(_))
+        };
+        model.terms.iter().filter(shifts).all(|term| {
+            let (most, amplitude) = match term.effect.carrier {
+                Carrier::Order(_) | Carrier::Tone(_) => (LARGE, RUN_OUT_RAD),
+                _ => (1.0, f64::INFINITY),
+            };
+            let size = term
+                .sizes
+                .iter()
+                .fold(0.0, |sum: f64, size| sum.hypot(*size));
+            let varies = term.effect.growth != Growth::Constant;
+            (varies || size <= amplitude)
+                && self.benches.iter().all(|bench| {
+                    let columns = bench.columns(&term.effect);
+                    let off = |at: usize| {
+                        let each = columns.iter().zip(&term.sizes);
+                        each.map(|(column, size)| size * column[at]).sum::<f64>()
+                    };
+                    let place = &bench.record.place;
+                    (1..bench.record.len()).all(|at| {
+                        let steps = (place[at] - place[at - 1]).abs() as f64;
+                        steps == 0.0
+                            || (off(at) - off(at - 1)).abs()
+                                < most * steps * bench.record.step_rad()
+                    })
+                })
+        })
+    }
+}
