@@ -1,13 +1,17 @@
 //! Whole diagnoses of simulated recordings, and the filter held against its own transposed.
 
+use super::bench::Bench;
 use super::diagnosis::Answer;
 use super::edges::{Edges, Sensor, place};
+use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::{Filter, Noise, STIFF};
+use super::model::{Board, Model};
+use super::pattern::Pattern;
 use super::pipeline::diagnose;
 use super::plant::{Law, Plant};
 use super::record::Record;
 use super::rig::Recorded;
-use super::{course::Course, declared, lsq::dot};
+use super::{course::Course, declared, judge, lsq::dot};
 use crate::diagnose::diagnosis::Verdict;
 use crate::mechanism::Mechanism;
 use crate::recording::Row;
@@ -50,6 +54,19 @@ fn against(real: &str, given: &str) -> Answer {
         twin: twin(given),
     };
     diagnose(&[one], &mut |_, _| {}).unwrap()
+}
+
+/// The recording of a twin beside itself.
+fn board(text: &str) -> Board {
+    let twin = twin(text);
+    let record = Record::of(&edges(&twin), &twin);
+    let errors = crate::sim::true_errors(&twin).unwrap();
+    let noise = Noise {
+        torque: 1.0,
+        stamp_s: record.tick_s,
+        ..Noise::default()
+    };
+    Board::new(vec![Bench::new(record, &twin, &errors, &noise)])
 }
 
 /// Findings in words.
@@ -157,6 +174,101 @@ fn the_transposed_filter_is_the_filters_adjoint() {
     filter.transposed(&mut back);
     let (a, b) = (dot(&there, &other), dot(&one, &back));
     assert!((a - b).abs() < 1e-9 * a.abs().max(b.abs()), "{a} {b}");
+}
+
+#[test]
+fn rows_side_by_side_are_filtered_as_each_alone() {
+    let board = board(PAIR_FAST);
+    let gains = &board.benches[0].gains;
+    let row = |by: f64| -> Vec<f64> {
+        let each = 0..board.edges();
+        each.map(|at| (by * (at * at) as f64).sin()).collect()
+    };
+    let rows: Vec<Vec<f64>> = [0.3, 0.7, 1.1, 1.9, 2.3].map(row).to_vec();
+    let (mut white, mut back) = (rows.clone(), rows.clone());
+    gains.whiten_rows(&mut white);
+    gains.transposed_rows(&mut back);
+    for (at, row) in rows.iter().enumerate() {
+        let (mut one, mut other) = (row.clone(), row.clone());
+        gains.whiten(&mut one);
+        gains.transposed(&mut other);
+        assert_eq!((&white[at], &back[at]), (&one, &other), "{at}");
+    }
+}
+
+#[test]
+fn errors_of_a_disc_with_few_edges_solve_its_normal_equations() {
+    let board = board(WHEEL);
+    let mut pattern = Pattern::known(&board.benches, 1e-8).unwrap();
+    let white = board.target();
+    let off = |pattern: &Pattern| {
+        let errors = pattern.errors(&board.benches, &white);
+        let fold = pattern.fold(&board.benches, &white);
+        let shown = pattern.fold(&board.benches, &pattern.unfold(&board.benches, &errors));
+        let each = fold.iter().zip(&shown).zip(&errors);
+        let rest = each.map(|((fold, shown), error)| fold - shown - error / 1e-8);
+        rest.map(|rest| rest * rest).sum::<f64>() / dot(&fold, &fold)
+    };
+    assert!(off(&pattern) < 1e-16, "{}", off(&pattern));
+    pattern.weigh(&board.benches);
+    assert!(off(&pattern) < 1e-16, "{}", off(&pattern));
+}
+
+#[test]
+fn no_kind_of_friction_drives_the_shaft_beside_another_one() {
+    let board = board(PAIR_FAST);
+    let friction = |carrier| Effect::new(Site::Torque, carrier);
+    let mut model = Model::default();
+    model.add(
+        &[
+            friction(Carrier::Power(0.0)),
+            friction(Carrier::Stribeck(60.0)),
+        ],
+        0,
+    );
+    let mut sized = |coulomb: f64, stribeck: f64| {
+        model.terms[0].sizes = vec![coulomb];
+        model.terms[1].sizes = vec![stribeck];
+        board.can_be(&model)
+    };
+    assert!(sized(1e-2, 1e-2));
+    assert!(sized(1e-2, 0.0));
+    assert!(!sized(1e-2, -1e-2));
+    assert!(!sized(-1e-2, 3e-2));
+}
+
+#[test]
+fn an_order_beside_a_whole_one_of_changing_size_is_its_sideband_and_a_gear_is_not() {
+    let order = |order, growth| Effect {
+        growth,
+        ..Effect::new(Site::Torque, Carrier::Order(order))
+    };
+    // The order that is fitted to what a torque makes, and whose sideband it is.
+    let fitted = |cos: Effect, sin: Effect, start: f64| {
+        let mut board = board(PAIR_FAST);
+        let (cos, sin) = (
+            board.benches[0].columns(&cos),
+            board.benches[0].columns(&sin),
+        );
+        let each = cos[0].iter().zip(&sin[1]);
+        board.benches[0].residual = each.map(|(cos, sin)| 6e-4 * (cos + sin)).collect();
+        let mut model = Model::default();
+        model.add(&[order(start, Growth::Constant)], 0);
+        let fit = board.fit(&model);
+        let Carrier::Order(order) = fit.model.terms[0].effect.carrier else {
+            unreachable!()
+        };
+        (order, judge::sideband_of(&board, &fit, 0))
+    };
+    // It turns its phase along the recording.
+    let part = |phase| order(4.0, Growth::Modulated(0.4, 1.0, phase));
+    let (beside, whole) = fitted(part(1.6), part(-1.6), 4.0 + 1e-3);
+    assert!((beside - 4.0).abs() > 0.01, "{beside}");
+    assert_eq!(whole, Some(4.0));
+    let gear = order(4.3, Growth::Constant);
+    let (gear, whole) = fitted(gear, gear, 4.3);
+    assert!((gear - 4.3).abs() < 1e-6, "{gear}");
+    assert_eq!(whole, None);
 }
 
 #[test]
