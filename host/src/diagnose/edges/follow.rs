@@ -407,6 +407,10 @@ impl Follower<'_> {
             None => {
                 to.score += BROAD;
                 if from.timed {
+                    // It may stand still once more.
+                    let mut still = to;
+                    still.score -= LN_2;
+                    self.push(still, still.seen(lost > 0), f64::NAN);
                     let distance = self.distance(from, &to);
                     to.learn(self.spread, log_interval, distance, 0.0, 1.0);
                 }

@@ -438,3 +438,42 @@ fn a_swing_of_the_speed_is_no_stop() {
         assert_eq!(turned(edges.clone(), &twin).unwrap(), edges);
     }
 }
+
+#[test]
+fn a_shaft_that_rocks_about_an_edge_and_then_turns_back_makes_no_pulse_too_many() {
+    let mut rows = Vec::new();
+    let (mut at, mut ticks) = (0_i64, 0_u64);
+    let mut go = |by: i64, after_s: f64| {
+        let levels = [0, Levels::A, Levels::A | Levels::B, Levels::B];
+        at += by;
+        ticks += (after_s * CLOCK_HZ as f64) as u64;
+        rows.push(Row {
+            ticks,
+            levels: Levels(levels[at.rem_euclid(4) as usize]),
+        });
+    };
+    for _ in 0..200 {
+        go(1, 0.0018);
+    }
+    let slower = [
+        0.0021, 0.0023, 0.0026, 0.0031, 0.0037, 0.0044, 0.0055, 0.0071,
+    ];
+    slower.iter().for_each(|after_s| go(1, *after_s));
+    // Each of these is a wait, and no speed.
+    go(1, 0.3557);
+    go(-1, 0.3826);
+    go(-1, 0.5183);
+    let faster = [
+        0.0158, 0.0117, 0.0093, 0.0078, 0.0068, 0.0062, 0.0057, 0.0053,
+    ];
+    faster.iter().for_each(|after_s| go(-1, *after_s));
+    for _ in 0..200 {
+        go(-1, 0.005);
+    }
+    let sensor = Sensor::Quadrature {
+        lines: 60,
+        index: None,
+    };
+    let edges = place(&sensor, CLOCK_HZ, &rows).unwrap();
+    assert!(edges.events.is_empty(), "{:?}", edges.events);
+}
