@@ -41,9 +41,10 @@ impl Course {
             .zip(known)
             .map(|(angle, known)| angle - known[ANGLE])
             .collect();
-        let mut speed = speeds(record, &rest);
-        let each = speed.iter_mut().zip(known);
-        each.for_each(|(speed, known)| *speed += known[SPEED]);
+        // An edge that the shaft rocks about says nothing of a speed.
+        let each = speeds(record, &rest).into_iter().zip(known);
+        let speed = each.map(|(speed, known)| speed.map_or(0.0, |speed| speed + known[SPEED]));
+        let speed = speed.collect();
         let mut course = Self {
             time_s: record.time_s.clone(),
             angle,
@@ -168,8 +169,8 @@ impl Course {
     }
 }
 
-/// Speeds from the angles of edges one line apart: half of it to either side, within one direction.
-fn speeds(record: &Record, angle: &[f64]) -> Vec<f64> {
+/// Speeds from the angles of edges one line apart: half of it to either side, within one direction; none where that is no way.
+fn speeds(record: &Record, angle: &[f64]) -> Vec<Option<f64>> {
     let reach = ((record.classes as usize) / 2).max(1);
     let last = record.len().saturating_sub(1);
     (0..record.len())
@@ -184,11 +185,7 @@ fn speeds(record: &Record, angle: &[f64]) -> Vec<f64> {
                 until += 1;
             }
             let h = record.time_s[until] - record.time_s[from];
-            if h > 0.0 {
-                (angle[until] - angle[from]) / h
-            } else {
-                0.0
-            }
+            (h > 0.0).then(|| (angle[until] - angle[from]) / h)
         })
         .collect()
 }
