@@ -1,6 +1,6 @@
 //! What no machine can be: friction that drives a shaft, edges that pass each other, a disc that is off its centre by more than any.
 
-use super::effect::{Carrier, Growth, Here, Site};
+use super::effect::{Carrier, Effect, Growth, Here, Site};
 use super::model::{Board, Model, Term};
 use super::pattern::LARGE;
 use crate::mechanism::RUN_OUT_RAD;
@@ -13,7 +13,24 @@ impl Board {
     /// Whether a machine can be so.
     #[must_use]
     pub fn can_be(&self, model: &Model) -> bool {
-        self.keeps_order(model) && self.dissipates(model)
+        let mut terms = model.terms.iter();
+        terms.all(|term| !self.is_alias(&term.effect))
+            && self.keeps_order(model)
+            && self.dissipates(model)
+    }
+
+    /// Whether an order of the disc is another effect's: past half of the edges it is that of a lower one, and what is the same at each line
+    /// is that of edge classes.
+    #[must_use]
+    pub fn is_alias(&self, effect: &Effect) -> bool {
+        let (Site::Disc(_), Carrier::Order(order)) = (effect.site, effect.carrier) else {
+            return false;
+        };
+        self.benches.iter().any(|bench| {
+            let record = &bench.record;
+            let lines = (record.edges / record.classes) as f64;
+            order > 0.5 * record.edges as f64 || (order / lines).fract() == 0.0
+        })
     }
 
     /// Whether all friction together, declared and found, takes energy from the shaft at every speed that it has.
@@ -59,7 +76,7 @@ impl Board {
     }
 
     /// Whether all edges come in their order with what a model shifts: an edge does not pass the next one, and one of many that are off
-    /// alike does not come near it. No rhythm is larger than a machine's.
+    /// alike does not come near it. No rhythm and no play is larger than a machine's.
     #[must_use]
     fn keeps_order(&self, model: &Model) -> bool {
         let shifts = |term: &&Term| {
@@ -68,6 +85,7 @@ impl Board {
         model.terms.iter().filter(shifts).all(|term| {
             let (most, amplitude) = match term.effect.carrier {
                 Carrier::Order(_) | Carrier::Tone(_) => (LARGE, RUN_OUT_RAD),
+                Carrier::Direction => (1.0, RUN_OUT_RAD),
                 _ => (1.0, f64::INFINITY),
             };
             let size = term

@@ -126,13 +126,6 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
             carriers.push(carrier);
         }
     }
-    // Errors at the places of a grid are those of an order below half of its edges.
-    let edges = board.benches.iter().map(|bench| bench.record.edges);
-    let finest = 0.5 * edges.min().unwrap_or(0) as f64;
-    let alias = |site: Site, carrier: Carrier| match (site, carrier) {
-        (Site::Disc(_), Carrier::Order(order)) => order > finest,
-        _ => false,
-    };
     // Whatever showed it, it may enter at any site.
     let everywhere = carriers.iter().flat_map(|carrier| {
         let over = if matches!(carrier, Carrier::Order(_)) {
@@ -142,11 +135,11 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
         };
         sites
             .iter()
-            .filter(move |(site, own)| *own == over && !alias(*site, *carrier))
+            .filter(move |(_, own)| *own == over)
             .map(move |(site, _)| Effect::new(*site, *carrier))
     });
     let everywhere: Vec<Effect> = everywhere
-        .filter(|effect| !taken(board, model, effect))
+        .filter(|effect| !board.is_alias(effect) && !taken(board, model, effect))
         .collect();
     let exact = everywhere.par_iter().map(|effect| {
         let rounded = whole(effect, board.reach(effect)[0]);
