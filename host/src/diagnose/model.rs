@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::bench::{self, Bench};
 use super::columns::{Columns, White};
 use super::correct::Correction;
+use super::course::Course;
 use super::disc;
 use super::effect::{Carrier, Effect, Growth, Site};
 use super::filter::{Noise, SIDE_BY_SIDE};
@@ -79,12 +80,14 @@ pub struct Fit {
     pub left: Vec<f64>,
     /// Sum of its squares.
     pub rss: f64,
+    /// The same where knobs go on as their slopes say.
+    lowest: f64,
 }
 
 /// Change of a knob for its slope, in its reach.
 const SMALL: f64 = 0.02;
 /// Rounds of re-linearisation at the most.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 8;
 /// Rounds in which pattern and noise are found at the most, and where likelihoods of models alike are compared, and the change of a logarithm of the noise that is none.
 const SIZED: usize = 12;
 const COMPARED: usize = 2;
@@ -209,6 +212,7 @@ impl Fit {
             covariance,
             left,
             rss,
+            lowest: rss,
         }
     }
 
@@ -252,7 +256,7 @@ impl Fit {
             .filter(|(_, (term, _))| self.model.terms[*term].group != group)
             .map(|(column, _)| column.as_slice())
             .collect();
-        (lsq::solve(&others, &target).rss - self.rss).max(0.0)
+        (lsq::solve(&others, &target).rss - self.lowest).max(0.0)
     }
 }
 
@@ -402,7 +406,7 @@ impl Board {
             squares.sum::<f64>() / found.len().max(1) as f64
         };
         let mut each = self.benches.iter().zip(&found);
-        if !self.corrections.is_empty() || each.all(|(bench, found)| change(bench, found) < 1.0) {
+        if each.all(|(bench, found)| change(bench, found) < 1.0) {
             return false;
         }
         for (bench, off) in self.benches.iter_mut().zip(found) {
@@ -746,7 +750,7 @@ impl Board {
 
     /// All numbers of a model, re-linearised until nothing changes; what is of the basis is taken off its columns.
     fn settled(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
-        let mut now = self.with_slopes(self.sized(model, target, basis), target, basis);
+        let mut now = self.with_slopes(self.sized(model, target, basis), basis);
         for _ in 0..ROUNDS {
             if now
                 .of
@@ -759,7 +763,7 @@ impl Board {
                 break;
             };
             let gain = now.rss - better.rss;
-            now = self.with_slopes(better, target, basis);
+            now = self.with_slopes(better, basis);
             if gain < NO_GAIN {
                 break;
             }
@@ -808,11 +812,12 @@ impl Board {
             covariance,
             left,
             rss,
+            lowest: rss,
         }
     }
 
     /// The same with what a small change of each knob does, at these sizes.
-    fn with_slopes(&self, sized: Fit, target: &[f64], basis: &Basis) -> Fit {
+    fn with_slopes(&self, sized: Fit, basis: &Basis) -> Fit {
         let mut fit = sized;
         let knobs = fit.model.terms.iter().enumerate().flat_map(|(at, term)| {
             let fitted = self.fitted(&term.effect);
@@ -832,7 +837,9 @@ impl Board {
             fit.of.push((at, fit.model.terms[at].effect.sizes() + knob));
         }
         let all: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-        fit.covariance = lsq::solve(&all, target).covariance;
+        let solved = lsq::solve(&all, &fit.left);
+        fit.covariance = solved.covariance;
+        fit.lowest = solved.rss;
         fit
     }
 
@@ -970,16 +977,16 @@ impl Board {
         board
     }
 
-    /// The same board with a torque noise that is held over an interval at top speed, as drives and simulators make it; none where the twins
-    /// say how long it is held.
+    /// The same board with a torque noise that is held over an interval at some speed of the course, as drives and simulators make it; none
+    /// where the twins say how long it is held.
     #[must_use]
-    pub fn in_held_noise(&self) -> Option<Self> {
+    pub fn in_held_noise(&self, speed: fn(&Course) -> f64) -> Option<Self> {
         let mut board = self.clone();
         for bench in &mut board.benches {
             if bench.plant.law.hold_s > 0.0 {
                 return None;
             }
-            let turn_s = std::f64::consts::TAU / bench.course.top();
+            let turn_s = std::f64::consts::TAU / speed(&bench.course);
             bench.hold_noise(turn_s / bench.record.edges as f64);
         }
         board.set_noise(board.noise);
