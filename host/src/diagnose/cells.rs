@@ -244,36 +244,7 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
             );
         }
     }
-    let power = |p: f64| Effect::new(Site::Torque, Carrier::Power(p));
-    let top = board
-        .benches
-        .iter()
-        .map(|bench| bench.course.top())
-        .fold(0.0, f64::max);
-    for some in [
-        vec![0.0],
-        vec![1.0],
-        vec![2.0],
-        vec![0.0, 1.0],
-        vec![0.0, 2.0],
-        vec![1.0, 2.0],
-        vec![0.0, 1.0, 2.0],
-    ] {
-        all.push(some.into_iter().map(power).collect());
-    }
-    let least = board
-        .benches
-        .iter()
-        .flat_map(|bench| &bench.course.speed)
-        .fold(f64::INFINITY, |least, speed| least.min(speed.abs()));
-    // It has to show somewhere.
-    let shows = |share: &f64| least < 2.0 * share * top;
-    for share in STRIBECK.into_iter().filter(shows) {
-        let stribeck = Effect::new(Site::Torque, Carrier::Stribeck(share * top));
-        all.push(vec![stribeck]);
-        all.push(vec![power(0.0), stribeck]);
-        all.push(vec![power(0.0), power(1.0), stribeck]);
-    }
+    all.extend(friction(board));
     let longest = board.seconds();
     let driven = board
         .benches
@@ -305,8 +276,50 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     all
 }
 
-/// The same frequency at other sites, along the angle as well as along the time, of constant size.
-pub fn elsewhere(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+/// Kinds of friction, where the speed changes enough to show them. About one speed all that they do is to damp what noise makes, and noise
+/// that is not white is damped in its own way.
+fn friction(board: &Board) -> Vec<Vec<Effect>> {
+    if !board.undriven && board.speed_spread() < SPEEDS {
+        return Vec::new();
+    }
+    let mut all: Vec<Vec<Effect>> = Vec::new();
+    let power = |p: f64| Effect::new(Site::Torque, Carrier::Power(p));
+    let top = board
+        .benches
+        .iter()
+        .map(|bench| bench.course.top())
+        .fold(0.0, f64::max);
+    for some in [
+        vec![0.0],
+        vec![1.0],
+        vec![2.0],
+        vec![0.0, 1.0],
+        vec![0.0, 2.0],
+        vec![1.0, 2.0],
+        vec![0.0, 1.0, 2.0],
+    ] {
+        all.push(some.into_iter().map(power).collect());
+    }
+    let least = board
+        .benches
+        .iter()
+        .flat_map(|bench| &bench.course.speed)
+        .fold(f64::INFINITY, |least, speed| least.min(speed.abs()));
+    // It has to show somewhere.
+    let shows = |share: &f64| least < 2.0 * share * top;
+    for share in STRIBECK.into_iter().filter(shows) {
+        let stribeck = Effect::new(Site::Torque, Carrier::Stribeck(share * top));
+        all.push(vec![stribeck]);
+        all.push(vec![power(0.0), stribeck]);
+        all.push(vec![power(0.0), power(1.0), stribeck]);
+    }
+    all
+}
+
+/// The same frequency at other sites, along the angle as well as along the time, of constant size; of a torque with harmonics as
+/// well, where it is so loud that they count as noise.
+#[must_use]
+pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> {
     let [effect] = own else { return Vec::new() };
     let speed = board.benches.iter().map(|bench| bench.course.mean());
     let turns_a_s = speed.fold(0.0, f64::max) / TAU;
@@ -341,8 +354,18 @@ pub fn elsewhere(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
             && other.growth == effect.growth
             && std::mem::discriminant(&other.carrier) == std::mem::discriminant(&effect.carrier)
     };
-    let others = all.into_iter().map(of).filter(|other| !same(other));
-    others.map(|effect| vec![effect]).collect()
+    let each = all.into_iter().map(of).flat_map(|other| {
+        let mut each = if loud {
+            harmonics(board, &[other])
+        } else {
+            Vec::new()
+        };
+        if !same(&other) {
+            each.push(vec![other]);
+        }
+        each
+    });
+    each.collect()
 }
 
 /// The same effect with sizes that go with time or speed, to be fitted in its place.

@@ -36,6 +36,8 @@ const NEARLY: f64 = 0.8;
 const ALIKE: f64 = 10.0;
 /// Part of what counts as noise that has to be explained for the noise to be another one without it.
 const LOUD: f64 = 0.05;
+/// Rounds in which the course and what shifts edges are found, as each bears on the other.
+const COURSES: usize = 3;
 /// Findings that are put elsewhere at the most, after one has been added.
 const EXCHANGES: usize = 4;
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
@@ -324,13 +326,20 @@ impl Found {
             } else {
                 break;
             }
-            let shifted = board.go_by(&fit.model);
-            if board.hold(&fit.model) || shifted {
-                *bank = Bank::new(board);
-                slopes = None;
+            let mut moved = false;
+            for _ in 0..COURSES {
+                let shifted = board.go_by(&fit.model);
+                if !board.hold(&fit.model) && !shifted {
+                    break;
+                }
+                moved = true;
                 *fit = board.fit(&fit.model);
                 board.fit_noise(&fit.model);
                 *fit = board.fit(&fit.model);
+            }
+            if moved {
+                *bank = Bank::new(board);
+                slopes = None;
             }
             // What another one has made superfluous.
             let model = dropped(board, fit);
@@ -355,7 +364,8 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
             let rest = fit.without(group);
             let basis = rest.basis();
             let worth = evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
-            let rivals = cells::elsewhere(board, &fit.model.effects(group));
+            let loud = worth > LOUD * fit.rss;
+            let rivals = cells::elsewhere(board, &fit.model.effects(group), loud);
             let fitted = rivals.into_par_iter().map(|effects| {
                 let (effects, gain) = board.beside(&rest, &basis, &effects);
                 let mut model = fit.model.without(group);
