@@ -3,8 +3,10 @@
 use super::agreement::{self, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
-use super::diagnosis::{Answer, Map, Sized};
-use super::effect::{Carrier, Site};
+use super::diagnosis::{
+    self, Answer, Diagnosis, Evidence, Finding, Map, NextRecording, Place, RunnerUp, Sized, Verdict,
+};
+use super::effect::{Carrier, Effect, Site};
 use super::judge::{self, Parts};
 use super::lsq::dot;
 use super::model::{Board, Fit};
@@ -12,17 +14,44 @@ use super::noise::Tails;
 use super::rig::Recorded;
 use super::scan::SURE;
 use super::{correct, disc, events, name, search, stamps, task};
-use crate::diagnose::diagnosis::{
-    Diagnosis, Evidence, Finding, NextRecording, Place, RunnerUp, Verdict,
-};
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
 
-/// Share of what is left that has to be foretold by the edges before to be more than noise of which the twins do not say how it is.
+/// Share of what is left that has to be foretold by the edges before to be more than noise of which the twins do not say how it is, or for
+/// how long it is held beside a drive that nobody declared.
 const LEFT: f64 = 0.03;
+
+/// A finding with what the result keeps beside it.
+#[derive(Clone, Debug)]
+struct Said {
+    finding: Finding,
+    cells: Vec<Sized>,
+    /// By how much the sum of squares falls with it; none of what bends no edge.
+    loss: Option<f64>,
+    /// Whether it is a mechanism of the catalogue, or a number that the twin declares.
+    named: bool,
+}
+
+impl Said {
+    /// A finding that is no effect of the model.
+    const fn alone(finding: Finding) -> Self {
+        Self {
+            named: !matches!(finding.mechanism, Mechanism::Unknown),
+            finding,
+            cells: Vec::new(),
+            loss: None,
+        }
+    }
+
+    /// How strongly it shows.
+    fn strength(&self) -> f64 {
+        let worth = self.finding.evidence.delta_bic;
+        self.loss.map_or(worth, |loss| loss.max(worth))
+    }
+}
 
 /// The answer of a fit; its map is still empty.
 #[must_use]
@@ -35,214 +64,51 @@ pub fn answer(
     worths: &[(usize, f64)],
     noise: f64,
 ) -> Answer {
-    let parts = Parts::blocks(board, fit);
-    let [none, early, _] = Parts::held_out(board, fit).judged(fit);
-    // Where all findings together make held-out turns worse, none that can be foretold has a name.
-    let worse = early > none;
-    let total: f64 = fit
-        .model
-        .groups()
-        .iter()
-        .map(|group| fit.loss(*group))
-        .sum::<f64>()
-        .max(f64::MIN_POSITIVE);
+    let mut all = effects(board, fit, alike, worths);
     let other_disc = disc::finding(board, fit, (fit.rss / board.edges() as f64).max(1.0).sqrt());
-    let total = total + other_disc.as_ref().map_or(0.0, |(_, loss)| *loss);
-    let mut findings: Vec<(Finding, Vec<Sized>, Option<f64>)> = Vec::new();
-    let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
-    let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
-    let known_inertia = board.benches.iter().all(inertia);
-    for group in fit.model.groups() {
-        let effects = fit.model.effects(group);
-        let loss = fit.loss(group);
-        let worth = search::evidence(board, loss, fit.model.numbers(group));
-        // In noise of any kind it may be worth less.
-        let judged = worths.iter().find(|(of, _)| *of == group);
-        let worth = judged.map_or(worth, |(_, judged)| worth.min(*judged));
-        let foretold = Parts::of_group(board, fit, group).foretold(fit, group);
-        // What comes once, or once along the course, can't be foretold from elsewhere.
-        let once = effects.iter().any(|effect| {
-            matches!(
-                effect.carrier,
-                Carrier::Window(..)
-                    | Carrier::Settling(..)
-                    | Carrier::Time
-                    | Carrier::Direction
-                    | Carrier::Power(_)
-                    | Carrier::Stribeck(_)
-            )
-        });
-        let corrected = correct::measured(board, fit, group);
-        let once = if corrected.is_empty() {
-            once
-        } else {
-            parts.only_once(fit, group)
-        };
-        let mut mechanism = board.mechanism(&effects);
-        let sideband = judge::sideband_of(board, fit, group);
-        if sideband.is_some()
-            || !once && (worse || !judge::foretells(foretold.fall, foretold.shown))
-        {
-            mechanism = Mechanism::Unknown;
-        }
-        let others: &[(Mechanism, f64)] = alike
-            .iter()
-            .find(|one| one.group == group)
-            .map_or(&[], |one| &one.others);
-        let mut numbers = if corrected.is_empty() {
-            fit.numbers(group)
-        } else {
-            corrected.iter().map(|one| one.number.clone()).collect()
-        };
-        for number in &mut numbers {
-            number.error = number.error.map(|error| error * spread);
-        }
-        let card = mechanism.card();
-        let mut look_alikes: Vec<Mechanism> = others.iter().map(|(other, _)| *other).collect();
-        for same in card.same_mark.iter().chain(card.told_by_rig) {
-            if !look_alikes.contains(same) {
-                look_alikes.push(*same);
-            }
-        }
-        if corrected.is_empty() && mechanism == Mechanism::Unknown {
-            look_alikes.clear();
-        }
-        let against: f64 = others
-            .iter()
-            .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
-            .sum();
-        let confidence = (1.0 - (-0.5 * worth).exp()).max(0.0) / (1.0 + against);
-        let next = (!look_alikes.is_empty()).then(|| NextRecording {
-            text: card.separated_by.to_owned(),
-            expected_delta_bic: None,
-            expected: Vec::new(),
-        });
-        let mut place = name::place(board, &effects);
-        if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
-            place.speed_exponent = Some(f64::from(exponent));
-        }
-        let finding = Finding {
-            mechanism,
-            text: match sideband {
-                Some(whole) => format!(
-                    "{}: beside order {whole}, of a size or phase that changes along the recording",
-                    name::text(&effects)
-                ),
-                None if !corrected.is_empty() => correct::text(&corrected, spread),
-                None => name::text(&effects),
-            },
-            confidence,
-            parameters: if !corrected.is_empty() {
-                correct::parameters(&corrected, spread)
-            } else if mechanism == Mechanism::Unknown {
-                std::collections::BTreeMap::new()
-            } else {
-                name::parameters(mechanism, &numbers, known_inertia)
-            },
-            place,
-            evidence: Evidence {
-                delta_bic: worth,
-                p_value: (-0.5 * worth).exp().min(1.0),
-                held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),
-                runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
-                    mechanism: *mechanism,
-                    delta_bic: *apart,
-                }),
-            },
-            look_alikes,
-            next_recording: next,
-        };
-        let sized = fit.model.terms.iter().filter(|term| term.group == group);
-        let sized = sized
-            .map(|term| Sized {
-                effect: term.effect,
-                sizes: term.sizes.clone(),
-            })
-            .collect();
-        findings.push((finding, sized, Some(loss / total)));
-    }
-    if let Some((finding, loss)) = other_disc {
-        findings.push((finding, Vec::new(), Some(loss / total)));
-    }
+    all.extend(other_disc.map(|(finding, loss)| Said {
+        loss: Some(loss),
+        ..Said::alone(finding)
+    }));
     let stamps = stamps::find(board, fit);
-    // A latency is skewed, and has long tails of its own, declared or found.
-    let declares = |bench: &Bench| bench.twin.capture_latency.is_some();
-    let late = board.benches.iter().any(declares)
-        || stamps
-            .as_ref()
-            .is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
-    // Of a twin that says nothing of its noise none is another one.
-    let declares = |bench: &Bench| bench.twin.noise.is_some();
-    let told_noise = board.benches.iter().all(declares);
-    let other_noise = told_noise && noise > SURE;
-    let other_noise = other_noise.then(|| other_noise_of(board)).flatten();
-    let other_noise = other_noise.filter(|_| !late).map(|text| (text, noise));
-    let more_noise = || agreement::more_noise(board, fit);
-    if let Some((text, worth)) = other_noise.or_else(more_noise) {
-        let mut unknown = unknown();
-        unknown.text = text;
-        unknown.evidence.delta_bic = worth;
-        findings.push((unknown, Vec::new(), None));
-    } else if let Some(stamps) = stamps {
-        findings.push((stamps, Vec::new(), None));
-    }
+    let other_noise = other_noise(board, fit, stamps.as_ref(), noise);
     let tasks = given.benches.iter().enumerate();
     let tasks = tasks.filter_map(|(at, bench)| task::finding(bench, board, fit, at));
-    findings.extend(tasks.map(|finding| (finding, Vec::new(), None)));
-    findings.extend(
-        events::findings(rig)
-            .into_iter()
-            .map(|finding| (finding, Vec::new(), None)),
-    );
-    let of_stamps = |finding: &Finding| {
-        matches!(
-            finding.mechanism,
-            Mechanism::TimestampJitter | Mechanism::CaptureLatency
-        )
-    };
-    let noisy = findings.iter().any(|(finding, ..)| of_stamps(finding));
+    let told = other_noise.or(stamps).into_iter();
+    let told = told.chain(tasks).chain(events::findings(rig));
+    all.extend(told.map(Said::alone));
     let fitted = agreement::agreement(given, board, fit);
-    // Rounding to ticks hangs together where the course is quiet, and counts as far as it is what is left.
-    let (rounded, rests) = (board.rounded(&fit.model), agreement::rests(board, fit));
-    let square = |angles: &[Vec<f64>]| {
-        let white = board.with_pattern(angles);
-        dot(&white, &white).max(f64::MIN_POSITIVE)
-    };
-    let share = square(&rounded) / square(&rests);
-    let spurs = share * share * agreement::correlation(board, &rounded).0;
-    let left = agreement::correlation(board, &rests).0;
-    let correlated = told_noise || fitted.correlated.unwrap_or(0.0) > LEFT;
-    let not_white = correlated && fitted.whiteness_p.is_some_and(|p| p < NOT_WHITE);
-    let left_over = not_white && !noisy && left > ROUNDED * spurs;
-    if left_over && !findings.iter().any(nameless) {
-        let mut unknown = unknown();
-        unknown.evidence.delta_bic = left;
-        findings.push((unknown, Vec::new(), None));
+    if let Some(left) = left_over(board, fit, &all, &fitted) {
+        all.push(Said::alone(left));
     }
-    merge_unknown(&mut findings);
-    // Beside something that no cell explains, a name is no surer than it is the larger: it may be a part of that.
-    let without: f64 = findings
-        .iter()
-        .filter(|one| nameless(one))
-        .map(|(finding, ..)| finding.evidence.delta_bic)
-        .fold(0.0, f64::max);
-    let with_name = findings
-        .iter_mut()
-        .filter(|one| !nameless(one) && !events::counted(one.0.mechanism));
-    for (finding, ..) in with_name {
-        let part = without / (without + finding.evidence.delta_bic.max(0.0)).max(f64::MIN_POSITIVE);
-        finding.confidence = finding.confidence.min(1.0 - part);
+    // What is not larger than something that no cell explains may be a part of that.
+    let without = all.iter().filter(|one| !one.named).map(Said::strength);
+    let without: f64 = without.fold(0.0, f64::max);
+    for one in &mut all {
+        if !one.named || events::counted(one.finding.mechanism) {
+            continue;
+        }
+        let part = without / (without + one.strength()).max(f64::MIN_POSITIVE);
+        one.finding.confidence = one.finding.confidence.min(1.0 - part);
+        if part > 0.5 {
+            one.named = false;
+            let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
+            one.cells.retain(|cell| !declared(cell));
+            one.finding = Finding {
+                text: one.finding.text.clone(),
+                evidence: one.finding.evidence.clone(),
+                ..unknown()
+            };
+        }
     }
-    findings.sort_by(|a, b| b.0.evidence.delta_bic.total_cmp(&a.0.evidence.delta_bic));
-    let verdict = verdict(&findings);
-    let last = verdict != Verdict::Unknown;
-    findings.sort_by_key(|one| nameless(one) == last);
-    let (mut said, mut cells, mut shares) = (Vec::new(), Vec::new(), Vec::new());
-    for (finding, sized, share) in findings {
-        said.push(finding);
-        cells.push(sized);
-        shares.push(share);
-    }
+    let all = merged(all);
+    let verdict = verdict(&all);
+    let total: f64 = all.iter().filter_map(|one| one.loss).sum();
+    let share = |one: &Said| one.loss.map(|loss| loss / total.max(f64::MIN_POSITIVE));
+    let shares = all.iter().map(share).collect();
+    let named: Vec<bool> = all.iter().map(|one| one.named).collect();
+    let (said, cells): (Vec<Finding>, Vec<Vec<Sized>>) =
+        all.into_iter().map(|one| (one.finding, one.cells)).unzip();
     let next = said
         .iter()
         .find_map(|finding| finding.next_recording.clone());
@@ -250,7 +116,11 @@ pub fn answer(
         .iter()
         .map(|cells| correct::declared(board, cells))
         .collect();
-    let corrects: Vec<bool> = declared.iter().map(|some| !some.is_empty()).collect();
+    let corrects: Vec<bool> = declared
+        .iter()
+        .zip(&named)
+        .map(|(some, named)| *named && !some.is_empty())
+        .collect();
     let summary = summary(verdict, &said, &corrects);
     let pattern = disc::learned(board, &fit.model);
     Answer {
@@ -282,8 +152,180 @@ pub fn answer(
     }
 }
 
+/// Effects of the fit, as far as other turns foretell them with a name.
+fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -> Vec<Said> {
+    let parts = Parts::blocks(board, fit);
+    let [none, early, _] = Parts::held_out(board, fit).judged(fit);
+    // Where all findings together make held-out turns worse, none that can be foretold has a name.
+    let worse = early > none;
+    let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
+    let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
+    let known_inertia = board.benches.iter().all(inertia);
+    let each = fit.model.groups().into_iter().map(|group| {
+        let effects = fit.model.effects(group);
+        let loss = fit.loss(group);
+        let worth = search::evidence(board, loss, fit.model.numbers(group));
+        // In noise of any kind it may be worth less.
+        let judged = worths.iter().find(|(of, _)| *of == group);
+        let worth = judged.map_or(worth, |(_, judged)| worth.min(*judged));
+        let foretold = Parts::of_group(board, fit, group).foretold(fit, group);
+        let corrected = correct::measured(board, fit, group);
+        // What comes once, or once along the course, can't be foretold from elsewhere.
+        let once = if corrected.is_empty() {
+            effects.iter().any(comes_once)
+        } else {
+            parts.only_once(fit, group)
+        };
+        let mut mechanism = board.mechanism(&effects);
+        let sideband = judge::sideband_of(board, fit, group);
+        if sideband.is_some()
+            || !once && (worse || !judge::foretells(foretold.fall, foretold.shown))
+        {
+            mechanism = Mechanism::Unknown;
+        }
+        let others = alike.iter().find(|one| one.group == group);
+        let others: &[(Mechanism, f64)] = others.map_or(&[], |one| &one.others);
+        let mut numbers = if corrected.is_empty() {
+            fit.numbers(group)
+        } else {
+            corrected.iter().map(|one| one.number.clone()).collect()
+        };
+        for number in &mut numbers {
+            number.error = number.error.map(|error| error * spread);
+        }
+        let card = mechanism.card();
+        let mut look_alikes: Vec<Mechanism> = Vec::new();
+        let measured = others.iter().map(|(other, _)| other);
+        for other in measured.chain(card.same_mark).chain(card.told_by_rig) {
+            if !look_alikes.contains(other) {
+                look_alikes.push(*other);
+            }
+        }
+        if corrected.is_empty() && mechanism == Mechanism::Unknown {
+            look_alikes.clear();
+        }
+        let against: f64 = others
+            .iter()
+            .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
+            .sum();
+        let next = (!look_alikes.is_empty()).then(|| NextRecording {
+            text: card.separated_by.to_owned(),
+            expected_delta_bic: None,
+            expected: Vec::new(),
+        });
+        let mut place = name::place(board, &effects);
+        if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
+            place.speed_exponent = Some(f64::from(exponent));
+        }
+        let finding = Finding {
+            mechanism,
+            text: match sideband {
+                Some(whole) => format!(
+                    "{}: beside order {whole}, of a size or phase that changes along the recording",
+                    name::text(&effects)
+                ),
+                None if !corrected.is_empty() => correct::text(&corrected, spread),
+                None => name::text(&effects),
+            },
+            confidence: (1.0 - (-0.5 * worth).exp()).max(0.0) / (1.0 + against),
+            parameters: if !corrected.is_empty() {
+                correct::parameters(&corrected, spread)
+            } else if mechanism == Mechanism::Unknown {
+                std::collections::BTreeMap::new()
+            } else {
+                name::parameters(mechanism, &numbers, known_inertia)
+            },
+            place,
+            evidence: Evidence {
+                delta_bic: worth,
+                p_value: (-0.5 * worth).exp().min(1.0),
+                held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),
+                runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
+                    mechanism: *mechanism,
+                    delta_bic: *apart,
+                }),
+            },
+            look_alikes,
+            next_recording: next,
+        };
+        let terms = fit.model.terms.iter().filter(|term| term.group == group);
+        let sized = terms.map(|term| Sized {
+            effect: term.effect,
+            sizes: term.sizes.clone(),
+        });
+        Said {
+            named: mechanism != Mechanism::Unknown || !corrected.is_empty(),
+            finding,
+            cells: sized.collect(),
+            loss: Some(loss),
+        }
+    });
+    each.collect()
+}
+
+/// Whether an effect comes at an instant or goes by the course of the speed.
+const fn comes_once(effect: &Effect) -> bool {
+    matches!(
+        effect.carrier,
+        Carrier::Window(..)
+            | Carrier::Settling(..)
+            | Carrier::Time
+            | Carrier::Direction
+            | Carrier::Power(_)
+            | Carrier::Stribeck(_)
+    )
+}
+
+/// Noise of another kind or another density than the twins declare.
+fn other_noise(board: &Board, fit: &Fit, stamps: Option<&Finding>, worth: f64) -> Option<Finding> {
+    // A latency is skewed, and has long tails of its own, declared or found.
+    let declares = |bench: &Bench| bench.twin.capture_latency.is_some();
+    let late = board.benches.iter().any(declares)
+        || stamps.is_some_and(|found| found.mechanism == Mechanism::CaptureLatency);
+    let of_a_kind = (tells_noise(board) && worth > SURE && !late).then(|| kind_of_noise(board));
+    let of_a_kind = of_a_kind.flatten().map(|text| (text, worth));
+    let (text, worth) = of_a_kind.or_else(|| agreement::more_noise(board, fit))?;
+    let mut unknown = unknown();
+    unknown.text = text;
+    unknown.evidence.delta_bic = worth;
+    Some(unknown)
+}
+
+/// Whether the twins say how noisy the shaft is: of one that doesn't no noise is another one.
+fn tells_noise(board: &Board) -> bool {
+    board.benches.iter().all(|bench| bench.twin.noise.is_some())
+}
+
+/// That innovations still hang together, where neither noise nor rounding makes them do so.
+fn left_over(board: &Board, fit: &Fit, said: &[Said], fitted: &diagnosis::Fit) -> Option<Finding> {
+    let noisy = |one: &Said| {
+        matches!(
+            one.finding.mechanism,
+            Mechanism::TimestampJitter | Mechanism::CaptureLatency
+        )
+    };
+    let told = tells_noise(board) && !board.undriven;
+    let correlated = told || fitted.correlated.unwrap_or(0.0) > LEFT;
+    let white = fitted.whiteness_p.is_none_or(|p| p >= NOT_WHITE);
+    if white || !correlated || said.iter().any(|one| noisy(one) || !one.named) {
+        return None;
+    }
+    // Rounding to ticks hangs together where the course is quiet, and counts as far as it is what is left.
+    let (rounded, rests) = (board.rounded(&fit.model), agreement::rests(board, fit));
+    let square = |angles: &[Vec<f64>]| {
+        let white = board.with_pattern(angles);
+        dot(&white, &white).max(f64::MIN_POSITIVE)
+    };
+    let share = square(&rounded) / square(&rests);
+    let spurs = share * share * agreement::correlation(board, &rounded).0;
+    let left = agreement::correlation(board, &rests).0;
+    let mut unknown = unknown();
+    unknown.evidence.delta_bic = left;
+    (left > ROUNDED * spurs).then_some(unknown)
+}
+
 /// How the noise is not as twins declare it, in words: white, normal and the same throughout.
-fn other_noise_of(board: &Board) -> Option<String> {
+fn kind_of_noise(board: &Board) -> Option<String> {
     let noise = board.noise;
     let level = |bench: &Bench| bench.weights.iter().all(|weight| *weight == 1.0);
     let wanders = noise.fade > 0.0 && noise.drift > noise.torque * noise.fade * noise.fade;
@@ -320,52 +362,34 @@ fn unknown() -> Finding {
     }
 }
 
-/// Whether a finding has no name and is no number of drive or shaft either, which no mechanism of the catalogue is of.
-fn nameless((finding, cells, _): &(Finding, Vec<Sized>, Option<f64>)) -> bool {
-    let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
-    finding.mechanism == Mechanism::Unknown && !cells.iter().any(declared)
-}
-
-/// All that has no name is one finding.
-fn merge_unknown(findings: &mut Vec<(Finding, Vec<Sized>, Option<f64>)>) {
-    let (nameless, named): (Vec<_>, Vec<_>) = findings.drain(..).partition(nameless);
-    *findings = named;
-    let mut nameless = nameless.into_iter();
-    let Some(mut first) = nameless.next() else {
-        return;
-    };
-    for (finding, cells, share) in nameless {
-        first.1.extend(cells);
-        first.2 = match (first.2, share) {
-            (Some(one), Some(other)) => Some(one + other),
-            (one, other) => one.or(other),
+/// All that has no name as one finding after the named ones, which come the strongest first.
+fn merged(all: Vec<Said>) -> Vec<Said> {
+    let (mut named, nameless): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.named);
+    named.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
+    named.extend(nameless.into_iter().reduce(|mut one, other| {
+        one.cells.extend(other.cells);
+        one.loss = match (one.loss, other.loss) {
+            (Some(loss), Some(other)) => Some(loss + other),
+            (loss, other) => loss.or(other),
         };
-        if finding.evidence.delta_bic > first.0.evidence.delta_bic {
-            first.0.evidence = finding.evidence;
-            first.0.text = finding.text;
-            first.0.place = finding.place;
+        if other.finding.evidence.delta_bic > one.finding.evidence.delta_bic {
+            one.finding = other.finding;
         }
-    }
-    findings.push(first);
+        one
+    }));
+    named
 }
 
-fn verdict(findings: &[(Finding, Vec<Sized>, Option<f64>)]) -> Verdict {
-    let unknown = findings.iter().filter(|one| nameless(one)).count();
-    if findings.is_empty() {
+fn verdict(all: &[Said]) -> Verdict {
+    let named = all.iter().filter(|one| one.named).count();
+    if all.is_empty() {
         Verdict::Complete
-    } else if unknown == findings.len() {
+    } else if named == 0 {
         Verdict::Unknown
-    } else if findings.iter().any(|(finding, ..)| open(finding)) {
+    } else if all.iter().any(|one| open(&one.finding)) {
         Verdict::Ambiguous
-    } else if unknown > 0 {
-        // What has no name may be the larger part.
-        let strongest = findings
-            .iter()
-            .max_by(|a, b| a.0.evidence.delta_bic.total_cmp(&b.0.evidence.delta_bic));
-        match strongest {
-            Some(strongest) if nameless(strongest) => Verdict::Unknown,
-            _ => Verdict::Partly,
-        }
+    } else if named < all.len() {
+        Verdict::Partly
     } else {
         Verdict::Explained
     }

@@ -105,29 +105,32 @@ fn bounds(count: usize) -> Vec<f64> {
     (0..=count).map(|at| at as f64 / count as f64).collect()
 }
 
-/// The whole order whose sideband a group's order may be: a part of each turn that comes and goes, or turns its phase, along the recording
-/// shows as an order beside it. Its size in each of some blocks explains as much then.
+/// The whole order whose sideband a group's order, with its harmonics, may be: a part of each turn that comes and goes, or turns its phase,
+/// along the recording shows as an order beside it. Its size in each of some blocks explains as much then.
 #[must_use]
 pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
-    let first = *fit.model.effects(group).first()?;
-    let Carrier::Order(order) = first.carrier else {
+    let effects = fit.model.effects(group);
+    let wholes = effects.iter().map(|effect| match effect.carrier {
+        Carrier::Order(order) if order.fract() != 0.0 && order.round() > 0.0 => Some(Effect {
+            carrier: Carrier::Order(order.round()),
+            ..*effect
+        }),
+        _ => None,
+    });
+    let wholes: Vec<Effect> = wholes.collect::<Option<_>>()?;
+    let Carrier::Order(whole) = wholes.first()?.carrier else {
         return None;
     };
-    let whole = order.round();
-    if order == whole || whole == 0.0 {
-        return None;
-    }
     let own = fit.own(group);
     let shown = parts(board, &bounds(SLIPS), &|at| own[at] * own[at]);
-    let of_whole = Effect {
-        carrier: Carrier::Order(whole),
-        ..first
-    };
-    let benches = board.benches.iter();
-    let raw: Vec<_> = benches.map(|bench| bench.columns(&of_whole)).collect();
-    let sizes = (0..of_whole.sizes()).map(|size| {
-        let each: Vec<Vec<f64>> = raw.iter().map(|raw| raw[size].clone()).collect();
-        board.with_pattern(&each)
+    let sizes = wholes.iter().flat_map(|effect| {
+        let benches = board.benches.iter();
+        let raw: Vec<_> = benches.map(|bench| bench.columns(effect)).collect();
+        let sizes = (0..effect.sizes()).map(|size| {
+            let each: Vec<Vec<f64>> = raw.iter().map(|raw| raw[size].clone()).collect();
+            board.with_pattern(&each)
+        });
+        sizes.collect::<Vec<_>>()
     });
     let sizes: Vec<Vec<f64>> = sizes.collect();
     let rest = fit.without(group);
