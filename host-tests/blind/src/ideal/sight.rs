@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::changed;
 use super::passed::Passed;
 use crate::capture::arrivals;
-use crate::effect::Effect;
-use crate::rig::Rig;
+use crate::effect::{Effect, Place};
+use crate::rig::{Profile, Rig};
 use crate::turning::{Course, Crossing, turn_evenly};
 
 /// Way at either end of a run that is left out, rad: as far as an effect moves an edge.
@@ -99,6 +99,9 @@ impl Sight {
             changed.longest_s *= LONGER;
             return self.lag(rig, &turn_evenly(&changed, effects));
         }
+        if let Some(shift) = self.shift(&changed, effect) {
+            return shift;
+        }
         let course = turn_evenly(&changed, effects);
         let times = arrivals(&course, &changed, effects);
         // An edge is the same if it is the nth time that its place is passed.
@@ -120,11 +123,20 @@ impl Sight {
             (!held).then(|| (time - self.times[at]) * smooth)
         });
         let signal: Vec<Option<f64>> = each.collect();
-        // Few are not met, as at a reversal: the difference beside one holds.
+        // Few are not met, as at a reversal: the difference beside one holds. Where the shaft stands, a push may have it wait elsewhere,
+        // and go on earlier or later: of an unknown course that says nothing. A play does show there.
+        let joins = effect.play_rad() == 0.0;
         let met_last = signal.iter().rposition(Option::is_some);
-        let mut last = signal.iter().flatten().next().copied().unwrap_or(0.0);
+        let first = signal.iter().flatten().next().copied().unwrap_or(0.0);
+        let (mut last, mut apart, mut goes_on) = (first, 0.0, true);
         let filled = signal.into_iter().map(|value| {
-            last = value.unwrap_or(last);
+            if let Some(value) = value {
+                if joins && !goes_on {
+                    apart = value - last;
+                }
+                last = value - apart;
+            }
+            goes_on = value.is_some();
             last
         });
         let mut filled: Vec<f64> = filled.collect();
@@ -138,6 +150,33 @@ impl Sight {
             }
         }
         filled
+    }
+
+    /// The same where the effect leaves the shaft's course as it is and only moves marks.
+    fn shift(&self, rig: &Rig, effect: &Effect) -> Option<Vec<f64>> {
+        let disc = effect.disc(rig.encoder);
+        let late =
+            [0, 1, 2].map(|channel| [true, false].map(|rises| effect.delay_s(channel, rises)));
+        let delays = late.as_flattened().iter().any(|late_s| *late_s != 0.0);
+        let sees_edges = matches!(rig.profile, Profile::Loop { .. });
+        if sees_edges || !effect.moves_marks() && !delays && disc.is_none() {
+            return None;
+        }
+        let jumps = effect.jumps(rig.longest_s, 2.0 * rig.turns + 10.0);
+        let each = self.edges.iter().zip(&self.passed.k).map(|(&at, &k)| {
+            let crossing = &self.course.crossings[at];
+            let place = Place {
+                time_s: crossing.time_s,
+                inside_s: crossing.time_s,
+                theta: crossing.place as f64 * rig.encoder.step_rad(),
+                speed: crossing.speed,
+                class: crossing.class,
+            };
+            let late_s = effect.delay_s(crossing.bit.trailing_zeros() as usize, crossing.high);
+            let moved = effect.late_rad(&place, &jumps) + late_s * crossing.speed;
+            disc.as_ref().map_or(0.0, |disc| disc[k]) + moved
+        });
+        Some(each.collect())
     }
 
     /// Angle by which the shaft of another course lags at the time of each edge of an even disc: edge by edge a drive that goes off
