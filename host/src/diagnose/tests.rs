@@ -11,7 +11,7 @@ use super::pipeline::diagnose;
 use super::plant::{Law, Plant};
 use super::record::Record;
 use super::rig::Recorded;
-use super::{course::Course, declared, judge, lsq::dot};
+use super::{cells, course::Course, declared, judge, lsq::dot};
 use crate::diagnose::diagnosis::Verdict;
 use crate::mechanism::Mechanism;
 use crate::recording::Row;
@@ -304,4 +304,66 @@ fn effects_of_a_twin_are_as_many_as_its_sections_say() {
     let twin = twin(include_str!("../../twins/mechanisms.toml"));
     // One gear, two bearings, a tone, a load, a level's ripple and drift, two plays, a drift of the speed.
     assert_eq!(declared::effects(&twin).len(), 10);
+}
+
+#[test]
+fn late_captures_of_a_noisy_shaft_are_told_from_jitter() {
+    // Where the torque noise is the larger part, an innovation has the errors of the edges before with the other sign.
+    let given = "seed = 5\nduration = { turns = 300 }\n\n[encoder.hall]\npole_pairs = 3\n\n[errors]\nwidth_a_rad = 1e-6\n\n[drive.constant]\n\
+        r_min = 70\n\n[shaft]\ninertia_kg_m2 = 1.1e-5\nviscous_n_m_s = 6e-7\nstiffness_n_m_s = 2.7e-6\n\n[noise.white]\n\
+        psd_n2_m2_s = 2.5e-14\n\n[timer]\nclock_hz = 168_000_000\njitter_s = 1.1e-7\n";
+    let late = format!("{given}\n[capture_latency]\nmean_s = 5e-6\n");
+    let jitter = given.replace("1.1e-7", "5e-6");
+    for (real, named) in [
+        (late, Mechanism::CaptureLatency),
+        (jitter, Mechanism::TimestampJitter),
+    ] {
+        let answer = against(&real, given);
+        let findings = &answer.diagnosis.findings;
+        assert_eq!(findings.len(), 1, "{:?}", said(&answer));
+        assert_eq!(findings[0].mechanism, named);
+    }
+}
+
+#[test]
+fn friction_is_tried_where_the_speed_changes_alone() {
+    let rig = |drive: &str| {
+        format!(
+            "seed = 3\nduration = {{ turns = 20 }}\n\n[encoder.quadrature]\nlines = 60\n\n[errors]\nwidth_a_rad = 1e-6\n\n{drive}\n[shaft]\n\
+             inertia_kg_m2 = 3e-3\nviscous_n_m_s = 6.2e-3\nstiffness_n_m_s = 1.1e-2\n\n[noise.white]\npsd_n2_m2_s = 3e-9\n\n[timer]\n\
+             clock_hz = 168_000_000\njitter_s = 8e-8\n"
+        )
+    };
+    let tried = |drive: &str| {
+        let groups = cells::steady(&board(&rig(drive)));
+        groups.iter().flatten().any(Effect::is_friction)
+    };
+    // Noise that is not white damps in its own way there.
+    assert!(!tried("[drive.constant]\nr_min = 150\n"));
+    assert!(tried(
+        "[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 6\n"
+    ));
+}
+
+#[test]
+fn an_edge_that_the_shaft_rocks_about_has_no_speed() {
+    let thin = twin(
+        "[encoder.quadrature]\nlines = 100\n\n[shaft]\ninertia_kg_m2 = 1e-4\n\n[timer]\nclock_hz = 1_000_000\n",
+    );
+    let mut edges = edges(&twin(
+        "seed = 1\nduration = { turns = 4 }\n\n[encoder.quadrature]\nlines = 100\n\n[errors]\nwidth_a_rad = 1e-6\n\n[drive.constant]\n\
+         r_min = 60\n\n[timer]\nclock_hz = 1_000_000\n",
+    ));
+    let count = edges.place.len();
+    for at in count - 6..count {
+        edges.place[at] = edges.place[count - 7];
+        edges.forward[at] = at % 2 == 0;
+        edges.time_s[at] = edges.time_s[at - 1] + 0.5;
+    }
+    let record = Record::of(&edges, &thin);
+    // Something that pushes all the while it stands.
+    let pushed = vec![[0.0, 30.0]; record.len()];
+    let course = Course::bent(&record, &vec![0.0; record.len()], &pushed);
+    let last = &course.speed[record.len() - 5..];
+    assert!(last.iter().all(|speed| *speed == 0.0), "{last:?}");
 }
