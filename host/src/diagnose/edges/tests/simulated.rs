@@ -363,19 +363,25 @@ fn a_shaft_that_stands_still_for_a_while_and_goes_on_makes_no_pulse_too_many() {
     }
 }
 
-#[test]
-fn a_shaft_that_rocks_about_an_edge_where_it_stands_makes_no_pulse_too_many() {
-    let mut rows = Vec::new();
+/// Rows of a quadrature encoder whose shaft goes so many edges on, each so long after the one before, s.
+fn stepped(steps: &[(i64, f64)]) -> Vec<Row> {
+    let levels = [0, Levels::A, Levels::A | Levels::B, Levels::B];
     let (mut at, mut ticks) = (0_i64, 0_u64);
-    let mut go = |by: i64, after_s: f64| {
-        let levels = [0, Levels::A, Levels::A | Levels::B, Levels::B];
+    let each = steps.iter().map(|&(by, after_s)| {
         at += by;
         ticks += (after_s * CLOCK_HZ as f64) as u64;
-        rows.push(Row {
+        Row {
             ticks,
             levels: Levels(levels[at.rem_euclid(4) as usize]),
-        });
-    };
+        }
+    });
+    each.collect()
+}
+
+#[test]
+fn a_shaft_that_rocks_about_an_edge_where_it_stands_makes_no_pulse_too_many() {
+    let mut steps = Vec::new();
+    let mut go = |by: i64, after_s: f64| steps.push((by, after_s));
     // It slows down as a drive with some lag has it.
     for edge in 0..400 {
         let uneven = if edge % 2 == 0 { 0.96 } else { 1.04 };
@@ -409,10 +415,10 @@ fn a_shaft_that_rocks_about_an_edge_where_it_stands_makes_no_pulse_too_many() {
         lines: 200,
         index: None,
     };
-    let edges = place(&sensor, CLOCK_HZ, &rows).unwrap();
+    let edges = place(&sensor, CLOCK_HZ, &stepped(&steps)).unwrap();
     assert_eq!(edges.events, []);
     // The first row only says where it is.
-    assert_eq!(edges.place.len(), rows.len() - 1);
+    assert_eq!(edges.place.len(), steps.len() - 1);
 }
 
 #[test]
@@ -441,39 +447,23 @@ fn a_swing_of_the_speed_is_no_stop() {
 
 #[test]
 fn a_shaft_that_rocks_about_an_edge_and_then_turns_back_makes_no_pulse_too_many() {
-    let mut rows = Vec::new();
-    let (mut at, mut ticks) = (0_i64, 0_u64);
-    let mut go = |by: i64, after_s: f64| {
-        let levels = [0, Levels::A, Levels::A | Levels::B, Levels::B];
-        at += by;
-        ticks += (after_s * CLOCK_HZ as f64) as u64;
-        rows.push(Row {
-            ticks,
-            levels: Levels(levels[at.rem_euclid(4) as usize]),
-        });
-    };
-    for _ in 0..200 {
-        go(1, 0.0018);
+    let mut steps = Vec::new();
+    let mut go = |by: i64, after_s: f64| steps.push((by, after_s));
+    // Braked evenly to a stop, and off again.
+    let apart = |edge: u32| f64::from(edge + 1).sqrt() - f64::from(edge).sqrt();
+    for edge in (1..300).rev() {
+        let uneven = [0.98, 1.01, 1.03, 0.98][edge as usize % 4];
+        go(1, 0.0168 * uneven * apart(edge));
     }
-    let slower = [
-        0.0021, 0.0023, 0.0026, 0.0031, 0.0037, 0.0044, 0.0055, 0.0071,
-    ];
-    slower.iter().for_each(|after_s| go(1, *after_s));
     // Each of these is a wait, and no speed.
-    go(1, 0.3557);
-    go(-1, 0.3826);
-    go(-1, 0.5183);
-    let faster = [
-        0.0158, 0.0117, 0.0093, 0.0078, 0.0068, 0.0062, 0.0057, 0.0053,
-    ];
-    faster.iter().for_each(|after_s| go(-1, *after_s));
-    for _ in 0..200 {
-        go(-1, 0.005);
-    }
+    let waits = [(1, 0.3557), (-1, 0.3826), (-1, 0.5183)];
+    waits.into_iter().for_each(|(by, after_s)| go(by, after_s));
+    go(-1, 0.0158);
+    (1..300).for_each(|edge| go(-1, 0.028 * apart(edge)));
     let sensor = Sensor::Quadrature {
         lines: 60,
         index: None,
     };
-    let edges = place(&sensor, CLOCK_HZ, &rows).unwrap();
+    let edges = place(&sensor, CLOCK_HZ, &stepped(&steps)).unwrap();
     assert!(edges.events.is_empty(), "{:?}", edges.events);
 }
