@@ -84,7 +84,7 @@ impl Bench {
         found: &Found,
         noise: &Noise,
     ) -> Self {
-        let disc = declared::of_recorded(errors, record.edges);
+        let disc = record.pick(errors);
         let law = Law::of(twin).held(found.stiffness);
         let slots: Vec<usize> = (0..record.len()).map(|at| record.slot(at)).collect();
         let more = |at: usize| found.off.get(at).copied().unwrap_or(0.0);
@@ -157,6 +157,22 @@ impl Bench {
         self.noise = *noise;
         self.gains = self.leaps.filter(0..self.record.len(), noise);
         self.scales = self.gains.scales();
+    }
+
+    /// The same along other edges of its recording.
+    ///
+    /// # Errors
+    /// [`TwinError`] for a disc that can't be.
+    pub fn along(&self, record: Record) -> Result<Self, TwinError> {
+        let errors = sim::true_errors(&self.twin)?;
+        let found = Found {
+            off: Vec::new(),
+            ..self.found
+        };
+        let mut other = Self::about(record, &self.twin, &errors, &found, &self.noise);
+        other.place = self.place;
+        other.spread_rad = self.spread_rad;
+        Ok(other)
     }
 
     /// Counts edges of the disc from another one of it on, so many before the present first one.
@@ -315,7 +331,7 @@ impl Bench {
         let disc = if same_disc {
             self.disc.clone()
         } else {
-            declared::of_recorded(&sim::true_errors(twin).ok()?, self.record.edges)
+            self.record.pick(&sim::true_errors(twin).ok()?)
         };
         let law = Law::of(twin).held(self.found.stiffness);
         let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));

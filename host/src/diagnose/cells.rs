@@ -548,14 +548,10 @@ fn kinds_of_bumps(board: &Board) -> Vec<(On, f64, f64)> {
         .into_par_iter()
         .map(|(on, width)| {
             // A unit one is worth the same on each of its edges.
-            let classes = first.record.classes;
-            let here = |slot: &i64| {
-                let class = slot.rem_euclid(classes) as usize;
-                on.has(super::record::change(class, classes))
-            };
-            let middle = first.record.edges / 2;
-            let own = (middle..middle + classes).find(here).unwrap_or(middle);
-            let angle = own as f64 * first.record.step_rad();
+            let here = |slot: &usize| on.has(first.record.change_of(*slot));
+            let (middle, last) = (first.record.edges as usize / 2, first.record.edges as usize);
+            let own = (middle..last).find(here).unwrap_or(middle);
+            let angle = first.record.angle_of(own);
             let column = board
                 .columns(&Effect::new(Site::Disc(on), Carrier::Bump(angle, width)))
                 .swap_remove(0);
@@ -570,7 +566,7 @@ pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     let Some(first) = left.board.benches.first() else {
         return Vec::new();
     };
-    let (edges, classes) = (first.record.edges, first.record.classes);
+    let edges = first.record.edges;
     let mut fold = vec![0.0; edges as usize];
     for (bench, scores) in left
         .board
@@ -597,7 +593,7 @@ pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
                 let mut sum = 0.0;
                 for by in -reach..=reach {
                     let slot = (middle + by).rem_euclid(edges) as usize;
-                    if on.has(super::record::change(slot % classes as usize, classes)) {
+                    if on.has(first.record.change_of(slot)) {
                         sum += (-0.5 * (by as f64 / width_edges).powi(2)).exp() * fold[slot];
                     }
                 }
@@ -607,7 +603,10 @@ pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
             }
             (
                 best.0,
-                Effect::new(Site::Disc(*on), Carrier::Bump(best.1 as f64 * step, *width)),
+                Effect::new(
+                    Site::Disc(*on),
+                    Carrier::Bump(first.record.angle_of(best.1 as usize), *width),
+                ),
             )
         })
         .collect();

@@ -277,14 +277,6 @@ pub fn knots(twin: &Twin) -> Vec<f64> {
     }
 }
 
-/// The disc's errors as a recording of so many edges counts them.
-#[must_use]
-pub fn of_recorded(errors: &[f64], edges: i64) -> Disc {
-    // Of a pulse a tooth only the rise is seen.
-    let every = (errors.len() / edges.max(1) as usize).max(1);
-    errors.iter().copied().step_by(every).collect()
-}
-
 impl Declared {
     /// Whether anything that the twin says moves the shaft.
     #[must_use]

@@ -1,12 +1,9 @@
 //! What was learned of a disc that the twins do not give, or of another one than they give.
 
-use std::f64::consts::TAU;
-
 use super::diagnosis::{Evidence, Finding, Parameter, Place};
 use super::effect::{Here, Site};
 use super::model::{Board, Fit, Model, Term};
 use super::name::NINETY_FIVE;
-use super::record::change;
 use super::search;
 use crate::mechanism::Mechanism;
 use crate::report::si;
@@ -64,19 +61,19 @@ pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
 /// Errors of the edges that repeat each turn with all else of the disc that is no finding, rad.
 pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
     let mut errors = pattern(board, &board.rest(model))?;
-    let (edges, classes) = (errors.len(), board.benches.first()?.record.classes);
+    let record = &board.benches.first()?.record;
     let open = model.terms.iter().filter(|term| term.nuisance);
     for term in open.filter(|term| term.effect.is_of_disc()) {
         for (slot, error) in errors.iter_mut().enumerate() {
             let here = Here {
                 time_s: 0.0,
                 inside_s: 0.0,
-                angle: TAU * slot as f64 / edges as f64,
+                angle: record.angle_of(slot),
                 speed: 1.0,
                 way: 1.0,
             };
-            let class = change(slot % classes as usize, classes);
-            *error += term.effect.sized(&term.sizes, here) * term.effect.ahead(class);
+            let change = record.change_of(slot);
+            *error += term.effect.sized(&term.sizes, here) * term.effect.ahead(change);
         }
     }
     Some(errors)

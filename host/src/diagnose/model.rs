@@ -16,6 +16,7 @@ use super::filter::{Noise, SIDE_BY_SIDE};
 use super::lsq::{self, Basis, Solution};
 use super::noise::{Free, Tails};
 use super::pattern::Pattern;
+use super::record::Record;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -273,7 +274,9 @@ impl Board {
         Self::with(benches, true)
     }
 
-    fn with(benches: Vec<Bench>, levels: bool) -> Self {
+    /// The same in any noise.
+    #[must_use]
+    pub fn of(benches: Vec<Bench>) -> Self {
         let tick_s = benches
             .iter()
             .map(|bench| bench.record.tick_s)
@@ -300,7 +303,7 @@ impl Board {
             .iter()
             .any(|bench| bench.twin.drive == crate::twin::Drive::Unknown);
 
-        let mut board = Self {
+        Self {
             benches,
             noise,
             free: Free {
@@ -312,12 +315,19 @@ impl Board {
                 tails: Tails::Normal,
             },
             undriven,
-            levels,
+            levels: false,
             pattern: None,
             rounds: SIZED,
             disc_given: known,
             corrections: Vec::new(),
             white: White::default(),
+        }
+    }
+
+    fn with(benches: Vec<Bench>, levels: bool) -> Self {
+        let mut board = Self {
+            levels,
+            ..Self::of(benches)
         };
         let looped = board
             .benches
@@ -330,7 +340,7 @@ impl Board {
                 board.fit_noise(&Model::default());
             }
         }
-        board.pattern = if known {
+        board.pattern = if board.disc_given {
             board.pattern_given()
         } else {
             Pattern::new(&board.benches)
@@ -345,6 +355,26 @@ impl Board {
             board.fit_noise(&Model::default());
         }
         board
+    }
+
+    /// The same along other edges of its recordings, in the same noise, beside a model.
+    #[must_use]
+    pub fn along(&self, records: Vec<Record>, model: &Model) -> Option<Self> {
+        let mut board = self.clone();
+        for (bench, record) in board.benches.iter_mut().zip(records) {
+            bench.found.off.clear();
+            bench.weights = vec![1.0; record.len()];
+            bench.tails.clone_from(&bench.weights);
+            bench.record = record;
+        }
+        board.rounds = COMPARED;
+        board = board.found_anew()?;
+        if let Some(pattern) = &mut board.pattern {
+            *pattern = pattern.along(&board.benches)?;
+        }
+        board.go_by(model);
+        board.set_noise(self.noise);
+        Some(board)
     }
 
     /// Errors of the disc as far as the twins that give it leave them open.
@@ -987,7 +1017,7 @@ impl Board {
                 return None;
             }
             let turn_s = std::f64::consts::TAU / speed(&bench.course);
-            bench.hold_noise(turn_s / bench.record.edges as f64);
+            bench.hold_noise(turn_s / bench.record.of_edges as f64);
         }
         board.set_noise(board.noise);
         Some(board)

@@ -114,6 +114,16 @@ impl Pattern {
         })
     }
 
+    /// One of the same size, of recordings with other edges of the disc.
+    #[must_use]
+    pub fn along(&self, benches: &[Bench]) -> Option<Self> {
+        let mut pattern = Self::new(benches)?;
+        pattern.known = self.known;
+        pattern.sparse = self.sparse;
+        pattern.set_size(self.size2);
+        Some(pattern)
+    }
+
     /// Works out anew what orders are worth: in another noise, or of other recordings.
     pub fn weigh(&mut self, benches: &[Bench]) {
         self.worth = Self::worths(benches, self.edges);

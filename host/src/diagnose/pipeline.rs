@@ -2,14 +2,14 @@
 
 use super::alike::swapped;
 use super::bench::Bench;
-use super::diagnosis::Answer;
+use super::diagnosis::{Answer, Map};
 use super::edges::{Undecided, Unused, turned};
 use super::filter::Noise;
 use super::findings::answer;
 use super::model::Board;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
-use super::{align, map, search};
+use super::{align, map, search, task};
 use crate::sim;
 
 /// Edges that a recording needs.
@@ -40,28 +40,50 @@ pub fn diagnose(
             bench.turn(by)?;
         }
     }
-    let mut board = Board::new(benches);
-    let given = board.clone();
+    // Of many edges some are searched first.
+    let few = few_edges(&benches);
+    let each = benches.iter().map(|bench| match few {
+        Some(edges) => bench.along(bench.record.of_some(edges)),
+        None => Ok(bench.clone()),
+    });
+    let mut board = Board::new(each.collect::<Result<_, _>>()?);
+    let records = few.map(|_| {
+        let each = benches.iter();
+        each.map(|bench| bench.record.clone()).collect()
+    });
+    let mut given = board.clone();
     progress(0.15, "Searching");
-    let search::Found {
-        mut fit,
-        bank,
-        not_identifiable,
-        worth,
-        noise,
-    } = search::search(&mut board);
+    let mut found = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
-    let alike = swapped(&mut board, &bank, &mut fit);
-    progress(0.85, "Judging");
-    let mut answer = answer(rig, &given, &board, &fit, &alike, &worth, noise);
-    answer.not_identifiable = not_identifiable;
-    let nuisances = fit.model.nuisances();
-    let before = board.fit(&nuisances);
-    answer.map = map::map(
-        &search::candidates(&board, &bank, &before),
-        &search::candidates(&board, &bank, &fit),
-    );
+    let mut alike = swapped(&mut board, &found.bank, &mut found.fit);
+    progress(0.7, "Mapping");
+    let mut map = mapped(&board, &found);
+    if let Some(whole) = records.and_then(|records| board.along(records, &found.fit.model)) {
+        progress(0.75, "Searching all edges");
+        board = whole;
+        given = Board::of(benches);
+        if found.go_on(&mut board) {
+            alike = swapped(&mut board, &found.bank, &mut found.fit);
+            map = mapped(&board, &found);
+        }
+    }
+    progress(0.9, "Judging");
+    let search::Found {
+        fit, worth, noise, ..
+    } = &found;
+    let mut answer = answer(rig, &given, &board, fit, &alike, worth, *noise);
+    answer.not_identifiable = found.not_identifiable;
+    answer.map = map;
     Ok(answer)
+}
+
+/// The map of what is left beside what is no finding, and beside all that was found.
+fn mapped(board: &Board, found: &search::Found) -> Map {
+    let before = board.fit(&found.fit.model.nuisances());
+    map::map(
+        &search::candidates(board, &found.bank, &before),
+        &search::candidates(board, &found.bank, &found.fit),
+    )
 }
 
 /// A recording with the way that its shaft went.
@@ -172,4 +194,25 @@ fn whole_turns(bench: &Bench) -> Option<Record> {
         }
     }
     turned.then_some(record)
+}
+
+/// Edges of all recordings up to which a search begins with all of them, and edges of the disc that it begins with at the least.
+const MANY: usize = 12_000;
+const FEW: i64 = 127;
+
+/// Edges of the disc that a search begins with, where there are so many edges that it is worth it; none where what the twin says of a
+/// recording goes by every edge.
+fn few_edges(benches: &[Bench]) -> Option<i64> {
+    let edges: usize = benches.iter().map(|bench| bench.record.len()).sum();
+    let all = benches.iter().map(|bench| bench.record.edges).min()?;
+    let by_edge = |bench: &Bench| {
+        let twin = &bench.twin;
+        twin.speed_loop().is_some() || twin.capture_latency.is_some() || task::shows(bench)
+    };
+    if benches.iter().any(by_edge) {
+        return None;
+    }
+    let few = (all as f64 * MANY as f64 / edges as f64) as i64;
+    let few = few.max(FEW);
+    (3 * few < 2 * all).then_some(few)
 }

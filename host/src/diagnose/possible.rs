@@ -28,7 +28,7 @@ impl Board {
         };
         self.benches.iter().any(|bench| {
             let record = &bench.record;
-            let lines = (record.edges / record.classes) as f64;
+            let lines = (record.of_edges / record.classes) as f64;
             order > 0.5 * record.edges as f64 || (order / lines).fract() == 0.0
         })
     }
@@ -100,12 +100,10 @@ impl Board {
                         let each = columns.iter().zip(&term.sizes);
                         each.map(|(column, size)| size * column[at]).sum::<f64>()
                     };
-                    let place = &bench.record.place;
-                    (1..bench.record.len()).all(|at| {
-                        let steps = (place[at] - place[at - 1]).abs() as f64;
-                        steps == 0.0
-                            || (off(at) - off(at - 1)).abs()
-                                < most * steps * bench.record.step_rad()
+                    let record = &bench.record;
+                    (1..record.len()).all(|at| {
+                        let way = (record.grid_rad(at) - record.grid_rad(at - 1)).abs();
+                        way == 0.0 || (off(at) - off(at - 1)).abs() < most * way
                     })
                 })
         })

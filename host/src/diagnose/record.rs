@@ -1,6 +1,7 @@
 //! One recording as the engine sees it: edges with their time, their angle on the grid, and how the level changed.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::edges::Edges;
 use super::held_up::{Held, Task};
@@ -31,6 +32,10 @@ pub struct Record {
     pub tick_s: f64,
     /// Whether places are angles of the disc.
     pub anchored: bool,
+    /// The sensor's edges a turn, of which these N are looked at.
+    pub of_edges: i64,
+    /// Which of the sensor's edges they are, in order; empty where all are looked at.
+    pub looked_at: Arc<[i64]>,
 }
 
 impl Record {
@@ -73,7 +78,58 @@ impl Record {
             classes,
             tick_s: edges.tick_s,
             anchored: edges.anchored,
+            of_edges: grid,
+            looked_at: Arc::default(),
         }
+    }
+
+    /// Some of the edges, about evenly along the disc and of all classes alike: as a disc with fewer lines would give them. So many a turn, or
+    /// a few less.
+    #[must_use]
+    pub fn of_some(&self, edges: i64) -> Self {
+        let apart = |edges: &i64| edges % 2 == 1 && gcd(*edges, self.edges) == 1;
+        let edges = (1..=edges).rev().find(apart).unwrap_or(1);
+        let looked_at: Vec<i64> = (0..edges).map(|at| at * self.edges / edges).collect();
+        let mut numbers = vec![None; self.edges as usize];
+        for (number, slot) in looked_at.iter().enumerate() {
+            numbers[*slot as usize] = Some(number as i64);
+        }
+        let mut some = Self {
+            time_s: Vec::new(),
+            place: Vec::new(),
+            way: Vec::new(),
+            doubt_s: Vec::new(),
+            edges,
+            looked_at: looked_at.into(),
+            ..self.clone()
+        };
+        for at in 0..self.len() {
+            if let Some(number) = numbers[self.slot(at)] {
+                some.time_s.push(self.time_s[at]);
+                some.place
+                    .push(self.place[at].div_euclid(self.edges) * edges + number);
+                some.way.push(self.way[at]);
+                some.doubt_s.push(self.doubt_s[at]);
+            }
+        }
+        some
+    }
+
+    /// Errors of a disc's edges, of those that are looked at.
+    #[must_use]
+    pub fn pick(&self, errors: &[f64]) -> Vec<f64> {
+        if errors.len() == self.edges as usize {
+            return errors.to_vec();
+        }
+        // Of a pulse a tooth only the rise is seen.
+        let every = (errors.len() / self.of_edges.max(1) as usize).max(1);
+        let errors: Vec<f64> = errors.iter().copied().step_by(every).collect();
+        if self.looked_at.is_empty() {
+            return errors;
+        }
+        let each = self.looked_at.iter();
+        each.map(|slot| errors.get(*slot as usize).copied().unwrap_or(0.0))
+            .collect()
     }
 
     /// Edges.
@@ -91,7 +147,14 @@ impl Record {
     /// Angle of an edge on the grid, rad, turns counted through.
     #[must_use]
     pub fn grid_rad(&self, at: usize) -> f64 {
-        self.place[at] as f64 * self.step_rad()
+        let turns = self.place[at].div_euclid(self.edges) as f64;
+        turns * TAU + self.angle_of(self.slot(at))
+    }
+
+    /// Angle of an edge of the disc on the grid, rad.
+    #[must_use]
+    pub fn angle_of(&self, slot: usize) -> f64 {
+        self.edge_of(slot) as f64 * (TAU / self.of_edges as f64)
     }
 
     /// A step of the grid, rad.
@@ -106,16 +169,22 @@ impl Record {
         self.place[at].rem_euclid(self.edges) as usize
     }
 
-    /// Edge class, 0 to C - 1.
+    /// Edge of the sensor's disc that an edge of this one is.
+    fn edge_of(&self, slot: usize) -> i64 {
+        self.looked_at.get(slot).map_or(slot as i64, |edge| *edge)
+    }
+
+    /// What changes at an edge of the disc, as passed forward.
     #[must_use]
-    pub fn class(&self, at: usize) -> usize {
-        self.place[at].rem_euclid(self.classes) as usize
+    pub fn change_of(&self, slot: usize) -> Change {
+        let class = self.edge_of(slot).rem_euclid(self.classes);
+        change(class as usize, self.classes)
     }
 
     /// What changes at an edge, as passed forward.
     #[must_use]
     pub fn change(&self, at: usize) -> Change {
-        change(self.class(at), self.classes)
+        self.change_of(self.slot(at))
     }
 
     /// What changes at an edge, as it was captured: in reverse a rise is a fall.
@@ -151,6 +220,10 @@ impl Record {
     }
 }
 
+fn gcd(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
 /// What changes at an edge of a class, as passed forward.
 #[must_use]
 pub fn change(class: usize, classes: i64) -> Change {
@@ -174,5 +247,71 @@ pub const fn channels(classes: i64) -> u8 {
         4 => 2,
         6 => 3,
         _ => 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three turns of a disc with 400 edges, the last one back.
+    fn record() -> Record {
+        let place: Vec<i64> = (-150..650).chain((250..650).rev()).collect();
+        let count = place.len();
+        Record {
+            time_s: (0..count).map(|at| at as f64).collect(),
+            way: (0..count)
+                .map(|at| if at < 800 { 1.0 } else { -1.0 })
+                .collect(),
+            place,
+            edges: 400,
+            classes: 4,
+            doubt_s: vec![0.0; count],
+            held: Vec::new(),
+            tick_s: 1e-8,
+            anchored: true,
+            of_edges: 400,
+            looked_at: Arc::default(),
+        }
+    }
+
+    #[test]
+    fn some_edges_keep_their_angle_class_and_error() {
+        let all = record();
+        let some = all.of_some(58);
+        assert_eq!(some.edges, 57);
+        assert_eq!(some.len(), 3 * 57);
+        let errors: Vec<f64> = (0..400).map(f64::from).collect();
+        let picked = some.pick(&errors);
+        assert_eq!(some.pick(&picked), picked);
+        for at in 0..some.len() {
+            let same = some.time_s[at] as usize;
+            assert!((some.grid_rad(at) - all.grid_rad(same)).abs() < 1e-12);
+            assert_eq!(some.change(at), all.change(same));
+            assert_eq!(picked[some.slot(at)], errors[all.slot(same)]);
+            assert_eq!(some.way[at], all.way[same]);
+        }
+    }
+
+    #[test]
+    fn some_edges_are_evenly_spaced_and_of_all_classes() {
+        // Numbers of edges with which every so manieth one would be of one class.
+        for edges in [128, 200, 256, 399] {
+            let some = record().of_some(edges);
+            assert!(some.edges > edges - 6, "{} of {edges}", some.edges);
+            let even = TAU / some.edges as f64;
+            let mut of_class = [0; 4];
+            for slot in 0..some.edges as usize {
+                let off = some.angle_of(slot) - slot as f64 * even;
+                assert!(off.abs() < TAU / 400.0);
+                let change = some.change_of(slot);
+                of_class[usize::from(change.channel) * 2 + usize::from(change.rises)] += 1;
+            }
+            let mean = some.edges / 4;
+            assert!(
+                of_class.iter().all(|count| (count - mean).abs() <= 1),
+                "{of_class:?}"
+            );
+        }
     }
 }

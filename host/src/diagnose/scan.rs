@@ -249,7 +249,7 @@ impl Scores<'_> {
                     })
                     .collect();
                 let along: Vec<f64> = match over {
-                    Over::Angle => record.place.iter().map(|place| *place as f64).collect(),
+                    Over::Angle => (0..record.len()).map(|at| record.grid_rad(at)).collect(),
                     Over::Time => record.time_s.clone(),
                 };
                 // A torque acts in the middle of its interval.
@@ -261,7 +261,7 @@ impl Scores<'_> {
                     along
                 };
                 let unit = match over {
-                    Over::Angle => 1.0 / record.edges as f64,
+                    Over::Angle => 1.0 / TAU,
                     Over::Time => 1.0,
                 };
                 Spectrum {

@@ -167,24 +167,57 @@ pub fn search(board: &mut Board) -> Found {
         worth: Vec::new(),
         noise: 0.0,
     };
-    for trial in 1..=TRIALS {
-        if task::find(board, &found.fit) {
-            found.bank = Bank::new(board);
-            found.fit = board.fit(&found.fit.model);
-        }
-        found.add(board);
-        let judged = jury::judge(board, &mut found.fit, trial < TRIALS);
-        found.worth = judged.worth;
-        found.noise += judged.noise;
-        if !judged.changed {
-            break;
-        }
-        found.bank = Bank::new(board);
-    }
+    found.add_in_any_noise(board);
     found
 }
 
 impl Found {
+    /// Goes on with a board of other edges of the same recordings. Whether that finds something else.
+    pub fn go_on(&mut self, board: &mut Board) -> bool {
+        let effects = |fit: &Fit| -> Vec<Effect> {
+            let each = fit.model.groups().into_iter();
+            each.flat_map(|group| fit.model.effects(group)).collect()
+        };
+        let before = effects(&self.fit);
+        let mut model = std::mem::take(&mut self.fit.model);
+        // Of a place of the disc some edges show too little to tell which ones are off.
+        let of_place = |effect: &Effect| matches!(effect.carrier, Carrier::Bump(..));
+        model.terms.retain(|term| !of_place(&term.effect));
+        board.fit_noise(&model);
+        self.fit = board.fit(&model);
+        let mut model = dropped(board, &self.fit);
+        while model.terms.len() < self.fit.model.terms.len() {
+            self.fit = board.fit(&model);
+            model = dropped(board, &self.fit);
+        }
+        self.bank = Bank::new(board);
+        self.add(board);
+        let after = effects(&self.fit);
+        let changed = after.len() != before.len() || after.iter().any(of_place);
+        if changed {
+            self.add_in_any_noise(board);
+        }
+        changed
+    }
+
+    /// Adds findings and judges them in noise of any kind, until neither finds anything.
+    fn add_in_any_noise(&mut self, board: &mut Board) {
+        for trial in 1..=TRIALS {
+            if task::find(board, &self.fit) {
+                self.bank = Bank::new(board);
+                self.fit = board.fit(&self.fit.model);
+            }
+            self.add(board);
+            let judged = jury::judge(board, &mut self.fit, trial < TRIALS);
+            self.worth = judged.worth;
+            self.noise += judged.noise;
+            if !judged.changed {
+                break;
+            }
+            self.bank = Bank::new(board);
+        }
+    }
+
     /// Adds findings until nothing is left that is worth its numbers.
     fn add(&mut self, board: &mut Board) {
         let Self {
@@ -314,15 +347,16 @@ impl Found {
                 findings += 1;
             } else if let Some((_, next)) = next {
                 let before = fit.model.nuisances().terms.len();
-                if next.model.nuisances().terms.len() > before {
-                    changes += 1;
-                } else {
-                    findings += 1;
-                }
+                let open = next.model.nuisances().terms.len() > before;
                 board.decide_ties(&next.model);
                 board.fit_noise(&next.model);
                 *fit = board.fit(&next.model);
-                exchange(board, fit);
+                if open {
+                    changes += 1;
+                } else {
+                    findings += 1;
+                    exchange(board, fit);
+                }
             } else {
                 break;
             }

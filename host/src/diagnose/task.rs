@@ -76,6 +76,12 @@ pub fn find(board: &mut Board, fit: &Fit) -> bool {
     found
 }
 
+/// Whether a recording beside its twin alone shows edges that come late together: all of them are needed then.
+#[must_use]
+pub fn shows(bench: &Bench) -> bool {
+    of(bench, &bench.residual, bench.noise().stamp_s).is_some()
+}
+
 /// Twice the logarithm of a likelihood ratio that stamps within a task's busy times are against it.
 fn against(bench: &Bench, task: &Task, near_s: f64) -> f64 {
     /// Of one of them: a chance of one in a thousand.

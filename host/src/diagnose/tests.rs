@@ -367,3 +367,34 @@ fn an_edge_that_the_shaft_rocks_about_has_no_speed() {
     let last = &course.speed[record.len() - 5..];
     assert!(last.iter().all(|speed| *speed == 0.0), "{last:?}");
 }
+
+/// A rig with more edges than a search begins with.
+const MANY: &str = "duration = { turns = 8 }\n[encoder.quadrature]\nlines = 1000\nindex = true\n\
+    [errors]\nwidth_a_rad = 1e-4\n[shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-3\n\
+    [drive.constant]\nr_min = 300\n[noise.white]\npsd_n2_m2_s = 1e-10\n\
+    [timer]\nclock_hz = 84_000_000\njitter_s = 20e-9\n";
+
+#[test]
+fn of_many_edges_the_few_that_are_off_are_found() {
+    let defect = "[[local_defect]]\nangle_rad = 1.2346\nwidth_rad = 1.6e-3\nerror_rad = 1.5e-5\n";
+    let answer = against(&format!("{MANY}{defect}"), MANY);
+    let finding = &answer.diagnosis.findings[0];
+    assert_eq!(finding.mechanism, Mechanism::LocalDefect);
+    let [least, most] = finding.parameters["angle_rad"].ci95.unwrap();
+    assert!(least < 1.2346 && 1.2346 < most, "{least} {most}");
+    assert_eq!(answer.diagnosis.findings.len(), 1);
+}
+
+#[test]
+fn of_many_edges_all_bear_on_a_size() {
+    let real = MANY.replace("width_a_rad = 1e-4", "width_a_rad = 1.02e-4");
+    let answer = against(&real, MANY);
+    let [finding] = &answer.diagnosis.findings[..] else {
+        panic!("{:?}", said(&answer));
+    };
+    assert_eq!(finding.mechanism, Mechanism::WidthError);
+    let [least, most] = finding.parameters["width_a_rad"].ci95.unwrap();
+    assert!(least < 1.02e-4 && 1.02e-4 < most, "{least} {most}");
+    // A third of the edges leaves 1.6 times as much, 52 nrad.
+    assert!(most - least < 36e-9, "{least} {most}");
+}
