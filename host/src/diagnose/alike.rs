@@ -20,6 +20,8 @@ pub struct Alike {
     pub group: usize,
     /// Others with how much less evidence they have, least first.
     pub others: Vec<(Mechanism, f64)>,
+    /// The same at other places: orders of which so few edges a turn show no difference.
+    pub images: Vec<Effect>,
 }
 
 /// Puts a better explanation in the place of a finding where there is one, and lists those that are as good.
@@ -61,6 +63,15 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 rivals.push((Mechanism::Unknown, fitted, effects));
             }
         }
+        let images = match own.as_slice() {
+            [one] => board.images(one),
+            _ => Vec::new(),
+        };
+        let images = images.into_iter().filter(|image| {
+            let (_, gain) = board.beside(&rest, &basis, &[*image]);
+            worth - search::evidence(board, gain, 2) < ALIKE
+        });
+        let mut images: Vec<Effect> = images.collect();
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut worth = worth;
         let mut named = mechanism;
@@ -76,6 +87,7 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             let mut model = rest.model;
             model.add(&effects, group);
             *fit = board.fit(&model);
+            images.clear();
         }
         let alike = rivals
             .iter()
@@ -85,7 +97,11 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             .collect();
         others.retain(|(other, _)| *other != Mechanism::Unknown);
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
-        all.push(Alike { group, others });
+        all.push(Alike {
+            group,
+            others,
+            images,
+        });
     }
     board.fit_noise(&fit.model);
     *fit = board.fit(&fit.model);

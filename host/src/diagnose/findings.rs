@@ -161,6 +161,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
     let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
     let known_inertia = board.benches.iter().all(inertia);
+    let edges = board.benches.first().map_or(0, |bench| bench.record.edges);
     let each = fit.model.groups().into_iter().map(|group| {
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
@@ -183,8 +184,9 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         {
             mechanism = Mechanism::Unknown;
         }
-        let others = alike.iter().find(|one| one.group == group);
-        let others: &[(Mechanism, f64)] = others.map_or(&[], |one| &one.others);
+        let alike = alike.iter().find(|one| one.group == group);
+        let others: &[(Mechanism, f64)] = alike.map_or(&[], |one| &one.others);
+        let images: &[Effect] = alike.map_or(&[], |one| &one.images);
         let mut numbers = if corrected.is_empty() {
             fit.numbers(group)
         } else {
@@ -225,7 +227,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
                     name::text(&effects)
                 ),
                 None if !corrected.is_empty() => correct::text(&corrected, spread),
-                None => name::text(&effects),
+                None => name::text(&effects) + &name::images(images, edges),
             },
             confidence: (1.0 - (-0.5 * worth).exp()).max(0.0) / (1.0 + against),
             parameters: if !corrected.is_empty() {

@@ -197,7 +197,10 @@ impl Fit {
             left,
             covariance,
             ..
-        } = lsq::solve(&by_column, &self.beside(group));
+        } = lsq::solve(
+            &by_column,
+            &self.beside(&|term| self.model.terms[term].group == group),
+        );
         let before = |term: usize| {
             let terms = self.model.terms[..term].iter();
             terms.filter(|term| term.group == group).count()
@@ -220,10 +223,15 @@ impl Fit {
     /// What a group makes of each innovation.
     #[must_use]
     pub fn own(&self, group: usize) -> Vec<f64> {
+        self.own_of(&|term| self.model.terms[term].group == group)
+    }
+
+    /// What some terms make of each innovation.
+    fn own_of(&self, asked: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let mut own = vec![0.0; self.left.len()];
-        for (column, (term, number)) in self.columns.iter().zip(&self.of) {
-            let term = &self.model.terms[*term];
-            if term.group == group && *number < term.sizes.len() {
+        for (column, (at, number)) in self.columns.iter().zip(&self.of) {
+            let term = &self.model.terms[*at];
+            if asked(*at) && *number < term.sizes.len() {
                 let each = own.iter_mut().zip(column);
                 each.for_each(|(own, of)| *own += term.sizes[*number] * of);
             }
@@ -231,9 +239,9 @@ impl Fit {
         own
     }
 
-    /// What is left where a group's sizes are none.
-    fn beside(&self, group: usize) -> Vec<f64> {
-        let mut target = self.own(group);
+    /// What is left where the sizes of some terms are none.
+    fn beside(&self, gone: &dyn Fn(usize) -> bool) -> Vec<f64> {
+        let mut target = self.own_of(gone);
         let each = target.iter_mut().zip(&self.left);
         each.for_each(|(target, left)| *target += left);
         target
@@ -249,15 +257,17 @@ impl Fit {
     /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
     #[must_use]
     pub fn loss(&self, group: usize) -> f64 {
-        let target = self.beside(group);
-        let others: Vec<&[f64]> = self
-            .columns
-            .iter()
-            .zip(&self.of)
-            .filter(|(_, (term, _))| self.model.terms[*term].group != group)
-            .map(|(column, _)| column.as_slice())
-            .collect();
-        (lsq::solve(&others, &target).rss - self.lowest).max(0.0)
+        self.loss_of(&|term| self.model.terms[term].group == group)
+    }
+
+    /// The same without some terms, by their places.
+    #[must_use]
+    pub fn loss_of(&self, gone: &dyn Fn(usize) -> bool) -> f64 {
+        let target = self.beside(gone);
+        let kept = self.columns.iter().zip(&self.of);
+        let kept = kept.filter(|(_, (term, _))| !gone(*term));
+        let kept: Vec<&[f64]> = kept.map(|(column, _)| column.as_slice()).collect();
+        (lsq::solve(&kept, &target).rss - self.lowest).max(0.0)
     }
 }
 
@@ -731,6 +741,15 @@ impl Board {
             Growth::Modulated(..) => reach.extend([1.0 / seconds, 0.2, 0.3]),
         }
         reach
+    }
+
+    /// Whether two effects can't be told apart.
+    #[must_use]
+    pub fn is_same(&self, one: &Effect, other: &Effect) -> bool {
+        let (here, there) = (one.knobs(), other.knobs());
+        let near = here.iter().zip(&there).zip(self.reach(one));
+        one.with_knobs(&there) == *other && { near }
+            .all(|((here, there), reach)| here == there || (here - there).abs() < reach)
     }
 
     /// Knobs that are fitted: an instant beyond a recording's ends is none.

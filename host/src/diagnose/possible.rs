@@ -8,6 +8,8 @@ use crate::mechanism::RUN_OUT_RAD;
 /// Speeds at which friction is seen, and part of its largest that errors of its numbers may make push.
 const SPEEDS: u32 = 8;
 const FREE: f64 = 0.05;
+/// Order that torques of motors and gears stay below: more edges a turn show all of them as they are.
+const HIGHEST: f64 = 128.0;
 
 impl Board {
     /// Whether a machine can be so.
@@ -31,6 +33,31 @@ impl Board {
             let lines = (record.of_edges / record.classes) as f64;
             order > 0.5 * record.edges as f64 || (order / lines).fract() == 0.0
         })
+    }
+
+    /// Orders of torques that move evenly spaced edges as one of an order does: each follows only so many a turn. Higher
+    /// ones than a motor's are none.
+    #[must_use]
+    pub fn images(&self, effect: &Effect) -> Vec<Effect> {
+        let (Site::Torque, Carrier::Order(order)) = (effect.site, effect.carrier) else {
+            return Vec::new();
+        };
+        let edges = self.benches.first().map_or(0, |bench| bench.record.edges) as f64;
+        let each = [(edges - order).abs(), edges + order].into_iter();
+        each.filter(|image| *image > 0.0 && *image != order && *image < HIGHEST)
+            .map(|image| Effect {
+                carrier: Carrier::Order(image),
+                ..*effect
+            })
+            .collect()
+    }
+
+    /// Whether an effect is a torque that a lower order looks like.
+    #[must_use]
+    pub fn is_image(&self, effect: &Effect) -> bool {
+        let edges = self.benches.iter().map(|bench| bench.record.edges).max();
+        let past = |order: f64| 2.0 * order > edges.unwrap_or(0) as f64;
+        matches!((effect.site, effect.carrier), (Site::Torque, Carrier::Order(order)) if past(order))
     }
 
     /// Whether all friction together, declared and found, takes energy from the shaft at every speed that it has.

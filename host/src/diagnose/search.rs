@@ -11,7 +11,7 @@ use super::identify;
 use super::judge;
 use super::jury;
 use super::lsq::Basis;
-use super::model::{Board, Fit, Model, pushes};
+use super::model::{Board, Fit, Model, Term, pushes};
 use super::name;
 use super::nearby::Left;
 use super::pattern::Pattern;
@@ -185,15 +185,13 @@ impl Found {
         model.terms.retain(|term| !of_place(&term.effect));
         board.fit_noise(&model);
         self.fit = board.fit(&model);
-        let mut model = dropped(board, &self.fit);
-        while model.terms.len() < self.fit.model.terms.len() {
-            self.fit = board.fit(&model);
-            model = dropped(board, &self.fit);
-        }
+        prune(board, &mut self.fit);
         self.bank = Bank::new(board);
         self.add(board);
         let after = effects(&self.fit);
-        let changed = after.len() != before.len() || after.iter().any(of_place);
+        let known = |effect: &Effect| before.iter().any(|one| board.is_same(one, effect));
+        let changed =
+            after.len() != before.len() || !after.iter().all(known) || after.iter().any(of_place);
         if changed {
             self.add_in_any_noise(board);
         }
@@ -244,8 +242,7 @@ impl Found {
                 *board = other;
                 *bank = Bank::new(board);
                 *fit = board.fit(&fit.model);
-                let model = dropped(board, fit);
-                *fit = board.fit(&model);
+                prune(board, fit);
                 continue;
             }
             let basis = fit.basis();
@@ -376,10 +373,7 @@ impl Found {
                 slopes = None;
             }
             // What another one has made superfluous.
-            let model = dropped(board, fit);
-            if model.terms.len() < fit.model.terms.len() {
-                *fit = board.fit(&model);
-            }
+            prune(board, fit);
         }
         // What does not show goes by the noise as it was found.
         let plain = board.fit(&fit.model.nuisances());
@@ -481,10 +475,15 @@ fn best_of(
     fit: &Fit,
     mut tried: Vec<(f64, Vec<Effect>)>,
 ) -> Option<(f64, Vec<Effect>)> {
-    let worth = |one: &(f64, Vec<Effect>)| {
-        let late = if is_open(board, &one.1) { ALIKE } else { 0.0 };
-        one.0 - late
+    let late = |effects: &[Effect]| {
+        let image = effects.iter().any(|effect| board.is_image(effect));
+        if image || is_open(board, effects) {
+            ALIKE
+        } else {
+            0.0
+        }
     };
+    let worth = |one: &(f64, Vec<Effect>)| one.0 - late(&one.1);
     tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     let most = tried.first()?.0;
     let mut near = tried.clone();
@@ -495,7 +494,7 @@ fn best_of(
             let mut model = fit.model.clone();
             model.add(&one.1, group);
             let (_, _, lost) = board.at_its_noise(&model);
-            (lost, one)
+            (lost + late(&one.1), one)
         });
         return each.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one);
     }
@@ -640,23 +639,44 @@ fn is_spur(board: &Board, candidate: &Candidate, basis: &Basis, spurs: &[f64]) -
     basis.gain(&columns, spurs) > SPUR * candidate.gain
 }
 
-/// A model without groups that are no longer worth their numbers.
-fn dropped(board: &Board, fit: &Fit) -> Model {
-    let mut model = fit.model.clone();
-    for group in model.groups() {
+/// Takes off a fit what is no longer worth its numbers: groups, and orders of a family.
+fn prune(board: &Board, fit: &mut Fit) {
+    while let Some(model) = dropped(board, fit) {
+        *fit = board.fit(&model);
+    }
+}
+
+/// A model without the first group that is not worth its numbers, or an order of a family that is not; none where all are.
+fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
+    let terms = &fit.model.terms;
+    for group in fit.model.groups() {
+        let own = terms.iter().filter(|term| term.group == group);
         let own = Model {
-            terms: model
-                .terms
-                .iter()
-                .filter(|term| term.group == group)
-                .cloned()
-                .collect(),
+            terms: own.cloned().collect(),
         };
-        let worth = evidence(board, fit.loss(group), model.numbers(group));
+        let worth = evidence(board, fit.loss(group), fit.model.numbers(group));
         if worth < SURE || !board.can_be(&own) {
-            model.terms.retain(|term| term.group != group);
-            return model;
+            return Some(fit.model.without(group));
+        }
+        let order = |term: &Term| {
+            let carrier = term.effect.carrier;
+            term.effect.site == Site::Torque && matches!(carrier, Carrier::Order(_))
+        };
+        if own.terms.len() < 2 || !own.terms.iter().all(order) {
+            continue;
+        }
+        // A family has the orders that show, and not those between them.
+        let places = (0..terms.len()).filter(|at| terms[*at].group == group);
+        let loss = |at: usize| fit.loss_of(&|term| term == at);
+        let least = places.map(|at| (loss(at), at));
+        let least = least.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((loss, at)) = least
+            && evidence(board, loss, terms[at].effect.sizes()) < 0.0
+        {
+            let mut model = fit.model.clone();
+            model.terms.remove(at);
+            return Some(model);
         }
     }
-    model
+    None
 }
