@@ -198,7 +198,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         let card = mechanism.card();
         let mut look_alikes: Vec<Mechanism> = Vec::new();
         let measured = others.iter().map(|(other, _)| other);
-        for other in measured.chain(card.same_mark).chain(card.told_by_rig) {
+        for other in measured.chain(&card.same_mark).chain(&card.told_by_rig) {
             if !look_alikes.contains(other) {
                 look_alikes.push(*other);
             }
@@ -211,7 +211,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
             .sum();
         let next = (!look_alikes.is_empty()).then(|| NextRecording {
-            text: card.separated_by.to_owned(),
+            text: card.separated_by.clone(),
             expected_delta_bic: None,
             expected: Vec::new(),
         });
@@ -399,7 +399,7 @@ fn verdict(all: &[Said]) -> Verdict {
 
 /// Whether a recording would tell more.
 fn open(finding: &Finding) -> bool {
-    let told_by_rig = finding.mechanism.card().told_by_rig;
+    let told_by_rig = &finding.mechanism.card().told_by_rig;
     finding
         .look_alikes
         .iter()

@@ -2,8 +2,11 @@
 
 use std::fmt;
 
+use serde::Deserialize;
+
 /// What a residual keeps step with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LockedTo {
     /// The angle: it repeats each turn, with any content.
     Angle,
@@ -57,7 +60,8 @@ impl fmt::Display for LockedTo {
 }
 
 /// How a mechanism tells edges apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum EdgeClasses {
     /// All edges alike.
     Alike,

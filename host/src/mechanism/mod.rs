@@ -1,52 +1,24 @@
-//! The mechanisms that a diagnosis can name: a file for each, with its physics, its numbers, its mark and its look-alikes.
+//! The mechanisms that a diagnosis can name. `catalogue.toml` has a card for each: its physics, its numbers, its mark and its
+//! look-alikes.
 //!
-//! A new mechanism is a file with a [`Card`] and a line in the table here; which cell of the diagnosis it names is said in
+//! A new mechanism is a table of that file and a line of the table here; which cell of the diagnosis it names is said in
 //! [`crate::diagnose::name`]. A twin has a section for every mechanism but [`Mechanism::Unknown`], and [`crate::sim`] runs it.
 
-mod backlash;
-mod bearing;
-mod capture_latency;
 mod card;
-mod channel_skew;
-mod closed_loop;
-mod disc_tilt;
-mod eccentricity;
-mod edge_delay;
-mod extra_edges;
-mod friction;
-mod gear_mesh;
-mod hysteresis;
-mod index_slip;
-mod line_error;
-mod load_step;
-mod local_defect;
-mod lost_edges;
 mod mark;
-mod quadrature_error;
-mod speed_drift;
-mod stick_slip;
 #[cfg(test)]
 mod tests;
-mod threshold_drift;
-mod threshold_ripple;
-mod timestamp_jitter;
-mod torque_ripple;
-mod torque_tone;
-mod torsional_resonance;
-mod unknown;
-mod width_error;
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub use capture_latency::TASK_HZ;
-pub use card::{Card, Quantity, RUN_OUT_RAD};
+pub use card::{Card, Quantity, RUN_OUT_RAD, TASK_HZ};
 pub use mark::{EdgeClasses, LockedTo};
 
-/// Makes of each line a mechanism, its id and its card.
+/// Makes of each line a mechanism and its id.
 macro_rules! table {
-    ($($(#[$doc:meta])* $name:ident = $file:ident,)*) => {
+    ($($(#[$doc:meta])* $name:ident = $id:ident,)*) => {
         /// A cause of a difference between simulation and recording.
         ///
         /// The id, as in the JSON, is the name in `snake_case`.
@@ -58,21 +30,13 @@ macro_rules! table {
 
         impl Mechanism {
             /// All of them, in the order of the table; [`Self::Unknown`] is the last.
-            pub const ALL: [Self; [$(stringify!($file)),*].len()] = [$(Self::$name),*];
+            pub const ALL: [Self; [$(stringify!($id)),*].len()] = [$(Self::$name),*];
 
             /// The id, as in the JSON.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self {
-                    $(Self::$name => stringify!($file),)*
-                }
-            }
-
-            /// All that is known of it.
-            #[must_use]
-            pub const fn card(self) -> &'static Card {
-                match self {
-                    $(Self::$name => &$file::CARD,)*
+                    $(Self::$name => stringify!($id),)*
                 }
             }
         }
@@ -145,22 +109,28 @@ impl Mechanism {
         Self::ALL.into_iter().find(|mechanism| mechanism.id() == id)
     }
 
+    /// All that is known of it.
+    #[must_use]
+    pub fn card(self) -> &'static Card {
+        &card::CARDS[&self]
+    }
+
     /// A few words for people, without a full stop.
     #[must_use]
-    pub const fn title(self) -> &'static str {
-        self.card().title
+    pub fn title(self) -> &'static str {
+        &self.card().title
     }
 
     /// The recording to make next: what to change and what then shows. One or two sentences.
     #[must_use]
-    pub const fn separated_by(self) -> &'static str {
-        self.card().separated_by
+    pub fn separated_by(self) -> &'static str {
+        &self.card().separated_by
     }
 
     /// Mechanisms that the same recording may show alike; if one is another's look-alike, so is the other the one's.
     #[must_use]
-    pub const fn look_alikes(self) -> &'static [Self] {
-        self.card().look_alikes
+    pub fn look_alikes(self) -> &'static [Self] {
+        &self.card().look_alikes
     }
 }
 

@@ -40,6 +40,7 @@ fn card(mechanism: Mechanism) -> String {
         equation,
         source,
         twin,
+        parameters,
         locked_to,
         speed_exponent,
         edge_classes,
@@ -67,17 +68,17 @@ fn card(mechanism: Mechanism) -> String {
     row("Look-alikes", &ids(look_alikes).join(", "));
     row("Told apart by", separated_by);
     text += "\nParameters, with the range outside of which a fit gets no name\n";
-    text += &quantities(mechanism.card().parameters);
+    text += &quantities(parameters);
     text
 }
 
 fn quantities(all: &[Quantity]) -> String {
     let longest = |name: fn(&Quantity) -> &str| all.iter().map(|one| name(one).len()).max();
-    let name = longest(|one| one.name).unwrap_or(0);
-    let unit = longest(|one| one.unit).unwrap_or(0);
+    let name = longest(|one| &one.name).unwrap_or(0);
+    let unit = longest(|one| &one.unit).unwrap_or(0);
     let mut text = String::new();
     for one in all {
-        let range = format!("{} to {}", number(one.from), number(one.to));
+        let range = one.range.map(number).join(" to ");
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
@@ -142,8 +143,8 @@ mod tests {
             });
             assert!(line.unwrap().ends_with(mechanism.title()));
             let card = text(Some(mechanism));
-            for part in mechanism.card().parameters {
-                assert!(card.contains(part.name), "{card}");
+            for part in &mechanism.card().parameters {
+                assert!(card.contains(&part.name), "{card}");
             }
             for other in mechanism.look_alikes() {
                 assert!(card.contains(other.id()), "{card}");
