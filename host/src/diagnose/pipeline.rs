@@ -40,17 +40,18 @@ pub fn diagnose(
             bench.turn(by)?;
         }
     }
-    // Of many edges some are searched first.
-    let few = few_edges(&benches);
-    let each = benches.iter().map(|bench| match few {
-        Some(edges) => bench.along(bench.record.of_some(edges)),
+    let mut stages = stages(&benches).into_iter();
+    let along = |few: Option<i64>| -> Vec<Record> {
+        let each = benches.iter().map(|bench| &bench.record);
+        each.map(|record| few.map_or_else(|| record.clone(), |few| record.of_some(few)))
+            .collect()
+    };
+    let few = stages.next().flatten();
+    let first = benches.iter().map(|bench| match few {
+        Some(few) => bench.along(bench.record.of_some(few)),
         None => Ok(bench.clone()),
     });
-    let mut board = Board::new(each.collect::<Result<_, _>>()?);
-    let records = few.map(|_| {
-        let each = benches.iter();
-        each.map(|bench| bench.record.clone()).collect()
-    });
+    let mut board = Board::new(first.collect::<Result<_, _>>()?);
     let mut given = board.clone();
     progress(0.15, "Searching");
     let mut found = search::search(&mut board);
@@ -58,14 +59,19 @@ pub fn diagnose(
     let mut alike = swapped(&mut board, &found.bank, &mut found.fit);
     progress(0.7, "Mapping");
     let mut map = mapped(&board, &found);
-    if let Some(whole) = records.and_then(|records| board.along(records, &found.fit.model)) {
-        progress(0.75, "Searching all edges");
-        board = whole;
-        given = Board::of(benches);
-        if found.go_on(&mut board) {
+    for few in stages {
+        progress(0.75, "Going on with more edges");
+        let Some(more) = board.along(along(few), &found.fit.model) else {
+            break;
+        };
+        board = more;
+        if board.edges() > SEARCHED {
+            found.settle(&mut board);
+        } else if found.go_on(&mut board) {
             alike = swapped(&mut board, &found.bank, &mut found.fit);
             map = mapped(&board, &found);
         }
+        given = Board::of(benches.clone());
     }
     progress(0.9, "Judging");
     let search::Found {
@@ -127,7 +133,10 @@ fn likelier(one: &Recorded) -> Result<Bench, DiagnoseError> {
 /// A recording beside its twin.
 fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let edges = &one.edges;
-    let record = Record::of(edges, &one.twin);
+    let mut record = Record::of(edges, &one.twin);
+    if let Some(some) = some_of(record.edges, record.len(), SIZED) {
+        record = record.of_some(some);
+    }
     let turns = record.turns();
     if record.len() < EDGES_LEAST || turns < TURNS_LEAST {
         if edges
@@ -196,23 +205,34 @@ fn whole_turns(bench: &Bench) -> Option<Record> {
     turned.then_some(record)
 }
 
-/// Edges of all recordings up to which a search begins with all of them, and edges of the disc that it begins with at the least.
-const MANY: usize = 12_000;
+/// Edges of all recordings that a search begins with, and edges of the disc that it begins with at the least; edges that it ends with, and
+/// that bear on the sizes of what it found: about so many at the most, if the recordings have more.
+const MANY: usize = 18_000;
 const FEW: i64 = 127;
+const SEARCHED: usize = 72_000;
+const SIZED: usize = 720_000;
 
-/// Edges of the disc that a search begins with, where there are so many edges that it is worth it; none where what the twin says of a
-/// recording goes by every edge.
-fn few_edges(benches: &[Bench]) -> Option<i64> {
-    let edges: usize = benches.iter().map(|bench| bench.record.len()).sum();
-    let all = benches.iter().map(|bench| bench.record.edges).min()?;
+/// Edges of the disc that are looked at, one stage after the other; none for all of them. What the twin says of a recording may go by every
+/// edge.
+fn stages(benches: &[Bench]) -> Vec<Option<i64>> {
     let by_edge = |bench: &Bench| {
         let twin = &bench.twin;
         twin.speed_loop().is_some() || twin.capture_latency.is_some() || task::shows(bench)
     };
     if benches.iter().any(by_edge) {
-        return None;
+        return vec![None];
     }
-    let few = (all as f64 * MANY as f64 / edges as f64) as i64;
-    let few = few.max(FEW);
-    (3 * few < 2 * all).then_some(few)
+    let edges: usize = benches.iter().map(|bench| bench.record.len()).sum();
+    let all = benches.iter().map(|bench| bench.record.edges).min();
+    let some = [MANY, SEARCHED].map(|most| some_of(all.unwrap_or(0), edges, most));
+    let mut stages: Vec<_> = some.into_iter().flatten().map(Some).collect();
+    stages.push(None);
+    stages
+}
+
+/// Edges of a disc that make about so many of a recording's, where leaving out the others is worth it.
+fn some_of(all: i64, edges: usize, most: usize) -> Option<i64> {
+    let some = (all as f64 * (most as f64 / 1.5) / edges as f64) as i64;
+    let some = some.max(FEW);
+    (3 * some < 2 * all).then_some(some)
 }

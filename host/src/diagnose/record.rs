@@ -89,10 +89,11 @@ impl Record {
     pub fn of_some(&self, edges: i64) -> Self {
         let apart = |edges: &i64| edges % 2 == 1 && gcd(*edges, self.edges) == 1;
         let edges = (1..=edges).rev().find(apart).unwrap_or(1);
-        let looked_at: Vec<i64> = (0..edges).map(|at| at * self.edges / edges).collect();
+        let slots = (0..edges).map(|at| (at * self.edges / edges) as usize);
+        let looked_at: Vec<i64> = slots.clone().map(|slot| self.edge_of(slot)).collect();
         let mut numbers = vec![None; self.edges as usize];
-        for (number, slot) in looked_at.iter().enumerate() {
-            numbers[*slot as usize] = Some(number as i64);
+        for (number, slot) in slots.enumerate() {
+            numbers[slot] = Some(number as i64);
         }
         let mut some = Self {
             time_s: Vec::new(),

@@ -172,6 +172,13 @@ pub fn search(board: &mut Board) -> Found {
 }
 
 impl Found {
+    /// Sizes of what was found by a board of more edges of the same recordings, in noise of any kind.
+    pub fn settle(&mut self, board: &mut Board) {
+        board.fit_noise(&self.fit.model);
+        self.fit = board.fit(&self.fit.model);
+        prune(board, &mut self.fit);
+    }
+
     /// Goes on with a board of other edges of the same recordings. Whether that finds something else.
     pub fn go_on(&mut self, board: &mut Board) -> bool {
         let effects = |fit: &Fit| -> Vec<Effect> {
