@@ -121,7 +121,11 @@ pub fn answer(
         .zip(&named)
         .map(|(some, named)| *named && !some.is_empty())
         .collect();
-    let summary = summary(verdict, &said, &corrects);
+    let mut summary = summary(verdict, &said, &corrects);
+    if verdict == Verdict::Complete && !board.disc_given {
+        summary = "Beside the disc, which it does not give, the twin explains the recordings; what is left is noise."
+            .to_owned();
+    }
     let pattern = disc::learned(board, &fit.model);
     Answer {
         diagnosis: Diagnosis {
@@ -194,6 +198,11 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         };
         for number in &mut numbers {
             number.error = number.error.map(|error| error * spread);
+        }
+        let values = numbers.iter();
+        let values = values.map(|number| (number.name.as_str(), number.value));
+        if corrected.is_empty() && mechanism.card().implausible(values).is_some() {
+            mechanism = Mechanism::Unknown;
         }
         let card = mechanism.card();
         let mut look_alikes: Vec<Mechanism> = Vec::new();

@@ -2,6 +2,7 @@
 
 use super::alike::swapped;
 use super::bench::Bench;
+use super::cells::SPEEDS;
 use super::diagnosis::{Answer, Map};
 use super::edges::{Undecided, Unused, turned};
 use super::filter::Noise;
@@ -79,6 +80,10 @@ pub fn diagnose(
     } = &found;
     let mut answer = answer(rig, &given, &board, fit, &alike, worth, *noise);
     answer.not_identifiable = found.not_identifiable;
+    if !board.disc_given && board.speed_spread() < SPEEDS {
+        let open = "torques at whole orders: at one speed the disc's own errors look the same";
+        answer.not_identifiable.push(open.to_owned());
+    }
     answer.map = map;
     Ok(answer)
 }

@@ -27,11 +27,7 @@ pub fn report(answer: &Answer, footer: Footer) -> Report {
     let diagnosis = &answer.diagnosis;
     let mut report = Report::new("Diagnosis", subtitle(diagnosis));
     report
-        .verdict(
-            level(diagnosis),
-            words::headline(diagnosis),
-            tiles(diagnosis),
-        )
+        .verdict(level(diagnosis), words::headline(diagnosis), tiles(answer))
         .action(action(answer));
     let body = report.body();
     map::section(body, answer);
@@ -75,7 +71,7 @@ pub fn text(answer: &Answer) -> Vec<(String, String)> {
             }
         }
     }
-    let found = !diagnosis.findings.is_empty();
+    let found = fit::fell(answer);
     for (at, part) in fit::parts(&diagnosis.fit).iter().enumerate() {
         let name = match at {
             0 => "Residual, RMS".to_owned(),
@@ -122,6 +118,10 @@ fn action(answer: &Answer) -> String {
     };
     let rest = match (diagnosis.verdict, left) {
         // What rounding to ticks makes has a gain as well, and is nothing to be explained.
+        (Verdict::Complete, _) if answer.learned_disc_rms_rad.is_some() => {
+            "Write the disc that was learned into the twin (--write-twin), or use it as it is."
+                .to_owned()
+        }
         (Verdict::Complete, _) => "Use the twin as it is.".to_owned(),
         (_, Some(cell)) => format!("Still to be explained: {}.", cell.words()),
         (Verdict::Explained, None) => String::new(),
@@ -147,9 +147,10 @@ fn open(findings: &[Finding]) -> Option<usize> {
     findings.iter().position(alike).map(|at| at + 1)
 }
 
-fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
+fn tiles(answer: &Answer) -> Vec<Tile> {
+    let diagnosis = &answer.diagnosis;
     let fit = &diagnosis.fit;
-    let found = !diagnosis.findings.is_empty();
+    let found = fit::fell(answer);
     let verdict = Tile::new(
         "Verdict",
         words::verdict_id(diagnosis.verdict),
@@ -160,7 +161,7 @@ fn tiles(diagnosis: &Diagnosis) -> Vec<Tile> {
     let after = fit.rms_after_rad.filter(|_| found);
     let residuals = [
         (name, fit.rms_before_rad, "RMS, the twin as given"),
-        ("Residual after", after, "RMS, with the findings"),
+        ("Residual after", after, "RMS, with what was found"),
         ("Noise", fit.floor_rad, "RMS, no twin can do better"),
     ];
     let tile =

@@ -37,6 +37,11 @@ pub(super) fn parts(fit: &Fit) -> Vec<Part> {
     all.into_iter().filter(given).collect()
 }
 
+/// Whether what was found makes the residual another one: a finding, or a disc that the twin leaves open.
+pub(super) fn fell(answer: &Answer) -> bool {
+    !answer.diagnosis.findings.is_empty() || answer.learned_disc_rms_rad.is_some()
+}
+
 /// A part in a line.
 pub(super) fn line(part: &Part, found: bool) -> String {
     let [before, after, floor] = part.rms_rad;
@@ -82,7 +87,7 @@ fn share(value: f64) -> String {
 /// The section with its table and curves.
 pub(super) fn section(body: &mut Body, answer: &Answer) {
     let fit = &answer.diagnosis.fit;
-    let found = !answer.diagnosis.findings.is_empty();
+    let found = fell(answer);
     let mut text = "The residual is the innovation: how far each edge comes from where the twin, the edges before it and the noise of \
                     the shaft let it expect."
         .to_owned();
@@ -110,7 +115,7 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
     let rows: Vec<Vec<Cell>> = rows.collect();
     if !rows.is_empty() {
         let columns: &[&str] = match found {
-            true => &["RMS", "Twin as given", "With the findings", "Noise alone"],
+            true => &["RMS", "Twin as given", "With what was found", "Noise alone"],
             false => &["RMS", "Twin as given", "Noise alone"],
         };
         body.table("All recordings together", columns, rows);
@@ -121,7 +126,7 @@ pub(super) fn section(body: &mut Body, answer: &Answer) {
         );
         // Noise that was found leaves the residual as it is.
         if found && curve.after_rad != curve.before_rad {
-            let after = Series::line("with the findings", &curve.time_s, &curve.after_rad);
+            let after = Series::line("with what was found", &curve.time_s, &curve.after_rad);
             plot = plot.series(after.colour(Colour::AFTER));
         }
         body.figure(
