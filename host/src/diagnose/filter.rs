@@ -5,7 +5,11 @@
 //! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
 //! Trans. Information Theory 11, 1965).
 
+use std::fmt::Debug;
+
 use nalgebra::DMatrix;
+
+use super::square::{Square, back, through, times};
 
 /// Numbers of a state.
 pub const STATES: usize = 6;
@@ -29,9 +33,6 @@ pub const KEPT: usize = 3;
 pub const SWING: usize = 4;
 /// Its speed.
 pub const SWINGS: usize = 5;
-
-/// A square matrix.
-pub type Square<const N: usize> = [[f64; N]; N];
 
 /// Sizes of the noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,8 +64,6 @@ pub struct Leap<const N: usize> {
     pub jolt: [f64; 2],
     /// Speed at the edge, rad/s.
     pub speed: f64,
-    /// Whether nothing is known of the state.
-    pub fresh: bool,
     /// RMS error of this stamp beside the others', s.
     pub doubt_s: f64,
     /// Whether a drive keeps a speed of its own.
@@ -89,14 +88,11 @@ impl<const N: usize> Leap<N> {
             load: self.load.as_deref().map(|load| Box::new(part(load))),
             jolt: self.jolt,
             speed: self.speed,
-            fresh: self.fresh,
             doubt_s: self.doubt_s,
             kept: self.kept,
         }
     }
-}
 
-impl<const N: usize> Leap<N> {
     /// The transition where the drift fades, and what scales its covariance (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
     fn fading(&self, noise: &Noise) -> (Square<N>, f64) {
         let mut way = self.way;
@@ -127,7 +123,6 @@ struct Gain<const N: usize> {
     gain: [f64; N],
     /// 1 / deviation of the innovation; 0 where the edge only sets the filter.
     scale: f64,
-    fresh: bool,
 }
 
 /// Rows of angles that run side by side: a step waits for the one before it, so that some rows cost hardly more than one.
@@ -201,7 +196,7 @@ pub struct Filter<const N: usize> {
     gains: Vec<Gain<N>>,
 }
 
-/// Edges after a fresh start that only set the filter, with or without a drift: likelihoods of both are compared.
+/// Edges at the start that only set the filter, with or without a drift: likelihoods of both are compared.
 const SETTLES: usize = 3;
 /// Part of the greatest speed by which torques may have a shaft off the speed that its drive keeps, to begin with.
 const SWAY: f64 = 0.1;
@@ -217,65 +212,53 @@ impl<const N: usize> Filter<N> {
             .map(|leap| leap.speed.abs())
             .fold(0.0, f64::max);
         let span: f64 = leaps.iter().map(|leap| leap.way[ANGLE][SPEED]).sum();
-        let mut start = [[0.0; N]; N];
-        start[ANGLE][ANGLE] = ANYWHERE;
-        start[SPEED][SPEED] = top * top;
+        let mut p = [[0.0; N]; N];
+        p[ANGLE][ANGLE] = ANYWHERE;
+        p[SPEED][SPEED] = top * top;
         if N > DRIFT && noise.drift > 0.0 {
             // As fast as any speed of the recording in a hundredth of it.
             let most = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
             // One that fades is no torque that was always there.
             let faded = span.min(0.5 / noise.fade);
-            start[DRIFT][DRIFT] = if noise.fade > 0.0 {
+            p[DRIFT][DRIFT] = if noise.fade > 0.0 {
                 most.min(noise.drift * faded)
             } else {
                 most
             };
         }
         if N > KEPT && leaps.iter().any(|leap| leap.kept) {
-            start[KEPT][KEPT] = top * top;
-            start[SPEED][SPEED] = SWAY * SWAY * top * top;
+            p[KEPT][KEPT] = top * top;
+            p[SPEED][SPEED] = SWAY * SWAY * top * top;
         }
         if N > SWINGS {
-            start[SWINGS][SWINGS] = 1e-2 * top * top;
-            start[SWING][SWING] = 1e-6;
+            p[SWINGS][SWINGS] = 1e-2 * top * top;
+            p[SWING][SWING] = 1e-6;
         }
-        let mut p = start;
-        let mut settling = 0;
         let gains = leaps.iter().enumerate().map(|(at, leap)| {
             let (way, drift_size) = leap.fading(noise);
-            let fresh = at == 0 || leap.fresh;
-            if fresh {
-                p = start;
-                settling = SETTLES;
-            } else {
+            if at > 0 {
                 p = through(&way, &p);
-                for (row, (torque, drift)) in p.iter_mut().zip(leap.torque.iter().zip(&leap.drift))
-                {
-                    for (p, (torque, drift)) in row.iter_mut().zip(torque.iter().zip(drift)) {
-                        *p += noise.torque * torque + drift_size * drift;
+                for row in 0..N {
+                    for column in 0..N {
+                        p[row][column] += noise.torque * leap.torque[row][column]
+                            + drift_size * leap.drift[row][column];
+                        if let Some(load) = &leap.load {
+                            p[row][column] += load[row][column];
+                        }
                     }
                 }
-            }
-            if let Some(load) = leap.load.as_deref().filter(|_| !fresh) {
-                for (row, load) in p.iter_mut().zip(load) {
-                    row.iter_mut().zip(load).for_each(|(p, load)| *p += load);
-                }
-            }
-            if leap.jolt[SPEED] > 0.0 && !fresh {
                 for (row, one) in leap.jolt.iter().enumerate() {
                     for (column, other) in leap.jolt.iter().enumerate() {
                         p[row][column] += one * other;
                     }
                 }
             }
-            let own = leap.speed
-                * leap.speed
-                * (noise.stamp_s * noise.stamp_s + leap.doubt_s * leap.doubt_s)
-                + noise.angle_rad * noise.angle_rad
+            let own = leap.speed.powi(2) * (noise.stamp_s.powi(2) + leap.doubt_s.powi(2))
+                + noise.angle_rad.powi(2)
                 + 1e-30;
             let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
-            let gain = p[ANGLE].map(|of| of * inverse);
             let row = p[ANGLE];
+            let gain = row.map(|of| of * inverse);
             for at in 0..N {
                 for other in at..N {
                     p[at][other] = if at == ANGLE {
@@ -286,95 +269,25 @@ impl<const N: usize> Filter<N> {
                     p[other][at] = p[at][other];
                 }
             }
-            let scale = if settling > 0 {
-                settling -= 1;
-                0.0
-            } else {
-                inverse.sqrt()
-            };
-            Gain {
-                way,
-                gain,
-                scale,
-                fresh,
-            }
+            let scale = if at < SETTLES { 0.0 } else { inverse.sqrt() };
+            Gain { way, gain, scale }
         });
         Self {
             gains: gains.collect(),
         }
     }
 
-    /// Innovations of a row of angles over their deviations, in place; 0 where an edge only sets the filter.
-    pub fn whiten(&self, angles: &mut [f64]) {
-        self.whiten_from(0, angles);
-    }
-
-    /// The same of a row that begins at an edge, nothing before.
-    pub fn whiten_from(&self, first: usize, angles: &mut [f64]) {
-        self.whiten_lanes::<1>(first, angles.as_chunks_mut().0);
-    }
-
-    /// The same of some rows.
-    pub fn whiten_rows(&self, rows: &mut [Vec<f64>]) {
-        side_by_side(
-            rows,
-            |one| self.whiten_lanes(0, one),
-            |some| self.whiten_lanes(0, some),
-        );
-    }
-
     fn whiten_lanes<const L: usize>(&self, first: usize, angles: &mut [[f64; L]]) {
         let mut state = [[0.0; L]; N];
         for (angles, step) in angles.iter_mut().zip(&self.gains[first..]) {
-            if step.fresh {
-                state = [[0.0; L]; N];
-            }
             step.whiten(&mut state, angles);
         }
-    }
-
-    /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
-    pub fn colour(&self, white: &mut [f64]) {
-        let mut state = [[0.0]; N];
-        for (value, step) in white.iter_mut().zip(&self.gains) {
-            state = if step.fresh {
-                [[0.0]; N]
-            } else {
-                times(&step.way, &state)
-            };
-            let innovation = if step.scale > 0.0 {
-                *value / step.scale
-            } else {
-                0.0
-            };
-            *value = innovation + state[ANGLE][0];
-            for ([state], gain) in state.iter_mut().zip(&step.gain) {
-                *state += gain * innovation;
-            }
-        }
-    }
-
-    /// The transposed of [`Self::whiten`], in place.
-    pub fn transposed(&self, white: &mut [f64]) {
-        self.transposed_lanes::<1>(white.as_chunks_mut().0);
-    }
-
-    /// The same of some rows.
-    pub fn transposed_rows(&self, rows: &mut [Vec<f64>]) {
-        side_by_side(
-            rows,
-            |one| self.transposed_lanes(one),
-            |some| self.transposed_lanes(some),
-        );
     }
 
     fn transposed_lanes<const L: usize>(&self, white: &mut [[f64; L]]) {
         let mut state = [[0.0; L]; N];
         for (values, step) in white.iter_mut().zip(&self.gains).rev() {
             step.transposed(&mut state, values);
-            if step.fresh {
-                state = [[0.0; L]; N];
-            }
         }
     }
 
@@ -408,10 +321,77 @@ impl<const N: usize> Filter<N> {
         let end = fades(&|state, value, step| step.transposed(state, value), true);
         Around { steps, start, end }
     }
+}
+
+/// A filter of whatever number of states.
+pub trait Whitens: Debug + Send + Sync {
+    /// Innovations of a row of angles over their deviations, in place; 0 where an edge only sets the filter.
+    fn whiten(&self, angles: &mut [f64]) {
+        self.whiten_from(0, angles);
+    }
+
+    /// The same of a row that begins at an edge, nothing before.
+    fn whiten_from(&self, first: usize, angles: &mut [f64]);
+
+    /// The same of some rows.
+    fn whiten_rows(&self, rows: &mut [Vec<f64>]);
+
+    /// Angles that have these innovations: the inverse of [`Self::whiten`], in place.
+    fn colour(&self, white: &mut [f64]);
+
+    /// The transposed of [`Self::whiten`], in place.
+    fn transposed(&self, white: &mut [f64]);
+
+    /// The same of some rows.
+    fn transposed_rows(&self, rows: &mut [Vec<f64>]);
 
     /// 1 / deviation of each innovation, 1/rad; 0 where an edge only sets the filter.
-    pub fn scales(&self) -> impl Iterator<Item = f64> + '_ {
-        self.gains.iter().map(|step| step.scale)
+    fn scales(&self) -> Vec<f64>;
+}
+
+impl<const N: usize> Whitens for Filter<N> {
+    fn whiten_from(&self, first: usize, angles: &mut [f64]) {
+        self.whiten_lanes::<1>(first, angles.as_chunks_mut().0);
+    }
+
+    fn whiten_rows(&self, rows: &mut [Vec<f64>]) {
+        side_by_side(
+            rows,
+            |one| self.whiten_lanes(0, one),
+            |some| self.whiten_lanes(0, some),
+        );
+    }
+
+    fn colour(&self, white: &mut [f64]) {
+        let mut state = [[0.0]; N];
+        for (value, step) in white.iter_mut().zip(&self.gains) {
+            state = times(&step.way, &state);
+            let innovation = if step.scale > 0.0 {
+                *value / step.scale
+            } else {
+                0.0
+            };
+            *value = innovation + state[ANGLE][0];
+            for ([state], gain) in state.iter_mut().zip(&step.gain) {
+                *state += gain * innovation;
+            }
+        }
+    }
+
+    fn transposed(&self, white: &mut [f64]) {
+        self.transposed_lanes::<1>(white.as_chunks_mut().0);
+    }
+
+    fn transposed_rows(&self, rows: &mut [Vec<f64>]) {
+        side_by_side(
+            rows,
+            |one| self.transposed_lanes(one),
+            |some| self.transposed_lanes(some),
+        );
+    }
+
+    fn scales(&self) -> Vec<f64> {
+        self.gains.iter().map(|step| step.scale).collect()
     }
 }
 
@@ -446,58 +426,4 @@ impl<const N: usize> Around<N> {
         along(&mut state, &mut white.to_vec());
         along(&mut times(&self.end, &state), white);
     }
-}
-
-/// A matrix times states, side by side.
-#[inline(always)]
-pub fn times<const N: usize, const L: usize>(
-    way: &Square<N>,
-    state: &[[f64; L]; N],
-) -> [[f64; L]; N] {
-    let mut end = [[0.0; L]; N];
-    for (end, way) in end.iter_mut().zip(way) {
-        for (state, way) in state.iter().zip(way) {
-            for (end, of) in end.iter_mut().zip(state) {
-                *end += way * of;
-            }
-        }
-    }
-    end
-}
-
-/// A transposed matrix times states, side by side.
-#[inline(always)]
-pub fn back<const N: usize, const L: usize>(
-    way: &Square<N>,
-    state: &[[f64; L]; N],
-) -> [[f64; L]; N] {
-    let mut end = [[0.0; L]; N];
-    for (row, state) in way.iter().zip(state) {
-        for (end, way) in end.iter_mut().zip(row) {
-            for (end, of) in end.iter_mut().zip(state) {
-                *end += way * of;
-            }
-        }
-    }
-    end
-}
-
-/// F P F'.
-#[must_use]
-pub fn through<const N: usize>(way: &Square<N>, p: &Square<N>) -> Square<N> {
-    let mut half = [[0.0; N]; N];
-    for row in 0..N {
-        for column in 0..N {
-            half[row][column] = (0..N).map(|k| way[row][k] * p[k][column]).sum();
-        }
-    }
-    let mut end = [[0.0; N]; N];
-    for row in 0..N {
-        for column in row..N {
-            let sum: f64 = (0..N).map(|k| half[row][k] * way[column][k]).sum();
-            end[row][column] = sum;
-            end[column][row] = sum;
-        }
-    }
-    end
 }

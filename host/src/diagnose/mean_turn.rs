@@ -91,7 +91,6 @@ impl MeanTurn {
                 load: None,
                 jolt: [0.0; 2],
                 speed: 1.0,
-                fresh: at == 0,
                 doubt_s: 0.0,
                 kept: false,
             }
@@ -149,6 +148,7 @@ impl MeanTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::filter::Whitens;
 
     /// A turn of edges that come unevenly.
     fn turn(edges: usize) -> Vec<Leap<DRIFTING>> {
@@ -169,7 +169,6 @@ mod tests {
                 load: None,
                 jolt: [0.0; 2],
                 speed: 1.0,
-                fresh: at == 0,
                 doubt_s: 0.1,
                 kept: false,
             }

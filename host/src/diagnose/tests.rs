@@ -4,7 +4,7 @@ use super::bench::Bench;
 use super::diagnosis::Answer;
 use super::edges::{Edges, Sensor, place};
 use super::effect::{Carrier, Effect, Growth, Site};
-use super::filter::{Filter, Noise, STIFF};
+use super::filter::{Filter, Noise, STIFF, Whitens};
 use super::model::{Board, Model};
 use super::pattern::Pattern;
 use super::pipeline::diagnose;

@@ -1,0 +1,279 @@
+//! How a shaft's state and its noise go from edge to edge, and the filters that this makes.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::law::Mode;
+use super::response::{Motion, Plant, parts, reach, swept};
+use crate::diagnose::course::Course;
+use crate::diagnose::filter::{
+    ANGLE, DRIFT, DRIFTING, Filter, HELD, KEPT, Leap, Noise, PLAIN, SPEED, STATES, STIFF, SWING,
+    SWINGS, Whitens,
+};
+use crate::diagnose::square::{Square, identity, product, through};
+
+/// The filter of any shaft.
+pub type Gains = Arc<dyn Whitens>;
+
+/// Steps of the noise's grid in an interval from which on the noise is as good as white.
+const STEPS_MOST: f64 = 6.0;
+
+impl Plant {
+    /// Leaps of the filter of a stiff shaft, or of one with a mode.
+    #[must_use]
+    pub fn leaps<const N: usize>(&self, course: &Course) -> Vec<Leap<N>> {
+        let law = &self.law;
+        let kept = law.undriven && law.hold_s <= 0.0 && law.viscous + law.stiffness > 0.0;
+        let leap = |at: usize| {
+            let before = at.saturating_sub(1);
+            let h = (course.time_s[at] - course.time_s[before]).max(0.0);
+            let (way, torque, drift) = if kept {
+                self.kept_up::<N>(self.damping[at], h)
+            } else {
+                self.spread::<N>(self.fades(at), course.time_s[at], h)
+            };
+            let load = law.mode.filter(|mode| mode.load > 0.0).map(|mode| {
+                let far = [(SWINGS, mode.load.sqrt())];
+                Box::new(self.stirred::<N>(&mode, self.damping[at], h, &far))
+            });
+            Leap {
+                way,
+                torque,
+                drift,
+                load,
+                jolt: [0.0; 2],
+                speed: course.speed[at],
+                doubt_s: course.doubt_s[at],
+                kept,
+            }
+        };
+        (0..course.len()).map(leap).collect()
+    }
+
+    /// Transition and covariances of unit noises over a time where an unknown drive keeps a speed: a slow drift of the acceleration makes
+    /// that, torque noise makes another one beside it, which friction and drive damp.
+    fn kept_up<const N: usize>(&self, b: f64, h: f64) -> (Square<N>, Square<N>, Square<N>) {
+        let mut way = identity::<N>();
+        let (r, stays) = reach(b, h);
+        way[ANGLE][SPEED] = r;
+        way[SPEED][SPEED] = stays;
+        way[ANGLE][KEPT] = h;
+        way[ANGLE][DRIFT] = 0.5 * h * h;
+        way[KEPT][DRIFT] = h;
+        (way, self.white(b, h), drift_noise(KEPT, h))
+    }
+
+    /// Transition and covariances of unit noises over a time that ends at an instant.
+    fn spread<const N: usize>(
+        &self,
+        b: f64,
+        ends_s: f64,
+        h: f64,
+    ) -> (Square<N>, Square<N>, Square<N>) {
+        let hold = self.law.hold_s;
+        let drift = drift_noise(SPEED, h);
+        if hold <= 0.0 || h > STEPS_MOST * hold {
+            return (self.way(b, h, false), self.white(b, h), drift);
+        }
+        // The noise's grid: a value is held over each step of it.
+        let starts_s = ends_s - h;
+        let mut way = identity::<N>();
+        let mut torque = [[0.0; N]; N];
+        let mut now = starts_s;
+        let mut grid = (starts_s / hold).floor() + 1.0;
+        loop {
+            let stop = (grid * hold).min(ends_s);
+            if stop > now {
+                let part = self.way::<N>(b, stop - now, true);
+                torque = through(&part, &torque);
+                way = product(&part, &way);
+            }
+            if stop >= ends_s {
+                break;
+            }
+            // A new value: nothing of the old one stays.
+            for k in 0..N {
+                way[HELD][k] = 0.0;
+                torque[HELD][k] = 0.0;
+                torque[k][HELD] = 0.0;
+            }
+            torque[HELD][HELD] = 1.0 / hold;
+            now = stop;
+            grid += 1.0;
+        }
+        (way, torque, drift)
+    }
+
+    /// How a state goes on; with `held`, the held torque pushes.
+    fn way<const N: usize>(&self, b: f64, h: f64, held: bool) -> Square<N> {
+        let mut way = identity::<N>();
+        if !held {
+            way[HELD][HELD] = 0.0;
+        }
+        let pushed = &[DRIFT, HELD][..1 + usize::from(held)];
+        if let Some(mode) = &self.law.mode {
+            let parts = parts(mode.rate(b), h);
+            let places = [ANGLE, SPEED, SWING, SWINGS];
+            let mut column = |column: usize, mut state: [f64; 4], push: f64| {
+                for _ in 0..parts as usize {
+                    state = mode.swung(b, h / parts, state, [push; 3]);
+                }
+                for (row, value) in places.into_iter().zip(state) {
+                    way[row][column] = value;
+                }
+            };
+            for (place, start) in places.into_iter().zip(identity()) {
+                column(place, start, 0.0);
+            }
+            for &place in pushed {
+                column(place, [0.0; 4], 1.0);
+            }
+        } else {
+            let (r, stays) = reach(b, h);
+            way[ANGLE][SPEED] = r;
+            way[SPEED][SPEED] = stays;
+            for &place in pushed {
+                way[ANGLE][place] = swept(b, h, r);
+                way[SPEED][place] = r;
+            }
+        }
+        way
+    }
+
+    /// Covariance that unit white torque noise makes over a time.
+    fn white<const N: usize>(&self, b: f64, h: f64) -> Square<N> {
+        if let Some(mode) = &self.law.mode {
+            let near = [(SPEED, 1.0 + mode.ratio), (SWINGS, mode.ratio)];
+            return self.stirred(mode, b, h, &near);
+        }
+        let mut q = [[0.0; N]; N];
+        let [angle, both, speed] = stir(b * h);
+        q[ANGLE][ANGLE] = h * h * h * angle;
+        q[ANGLE][SPEED] = h * h * both;
+        q[SPEED][ANGLE] = q[ANGLE][SPEED];
+        q[SPEED][SPEED] = h * speed;
+        q
+    }
+
+    /// Covariance that white noise makes over a time of two masses, pushing states by so much: pushes in the middle of short parts.
+    fn stirred<const N: usize>(
+        &self,
+        mode: &Mode,
+        b: f64,
+        h: f64,
+        pushed: &[(usize, f64)],
+    ) -> Square<N> {
+        let mut q = [[0.0; N]; N];
+        let parts = parts(mode.rate(0.0), h).clamp(4.0, 32.0);
+        let step = h / parts;
+        let part = self.way(b, step, false);
+        for _ in 0..parts as usize {
+            q = through(&part, &q);
+            for (row, one) in pushed {
+                for (column, other) in pushed {
+                    q[*row][*column] += step * one * other;
+                }
+            }
+        }
+        q
+    }
+}
+
+/// Covariance that a unit random walk of the acceleration makes over a time, by way of a speed.
+fn drift_noise<const N: usize>(speed: usize, h: f64) -> Square<N> {
+    let mut q = [[0.0; N]; N];
+    let h2 = h * h;
+    let (aa, av, am) = (h2 * h2 * h / 20.0, h2 * h2 / 8.0, h2 * h / 6.0);
+    let (vv, vm, mm) = (h2 * h / 3.0, h2 / 2.0, h);
+    let all = [[aa, av, am], [av, vv, vm], [am, vm, mm]];
+    let places = [ANGLE, speed, DRIFT];
+    for (row, values) in places.into_iter().zip(all) {
+        for (column, value) in places.into_iter().zip(values) {
+            q[row][column] = value;
+        }
+    }
+    q
+}
+
+/// Variance of the angle, covariance with the speed and variance of the speed that unit white noise gives over unit time from rest,
+/// damped by `x` (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
+fn stir(x: f64) -> [f64; 3] {
+    if x.abs() < 1e-2 {
+        return [
+            1.0 / 3.0 - x / 4.0 + 7.0 / 60.0 * x * x,
+            0.5 * (1.0 - x + 7.0 / 12.0 * x * x),
+            1.0 - x + 2.0 / 3.0 * x * x,
+        ];
+    }
+    let forgotten = -(-x).exp_m1();
+    let reach = forgotten / x;
+    [
+        (1.0 - reach - 0.5 * reach * forgotten) / (x * x),
+        0.5 * reach * reach,
+        reach * (1.0 - 0.5 * forgotten),
+    ]
+}
+
+/// The leaps of either shaft.
+#[derive(Clone, Debug)]
+pub enum Leaps {
+    /// Stiff.
+    Stiff(Vec<Leap<STIFF>>),
+    /// With a mode.
+    Sprung(Vec<Leap<STATES>>),
+}
+
+impl Leaps {
+    /// Of a plant.
+    #[must_use]
+    pub fn of(plant: &Plant, course: &Course) -> Self {
+        match plant.law.mode {
+            None => Self::Stiff(plant.leaps(course)),
+            Some(_) => Self::Sprung(plant.leaps(course)),
+        }
+    }
+
+    /// Leaves open how angle and speed changed within intervals.
+    pub fn jolt(&mut self, jolts: &[(usize, Motion)]) {
+        for (at, jolt) in jolts {
+            match self {
+                Self::Stiff(leaps) => leaps[*at].jolt = *jolt,
+                Self::Sprung(leaps) => leaps[*at].jolt = *jolt,
+            }
+        }
+    }
+
+    /// Mean of the speed's size over the edges, rad/s.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        fn mean<const N: usize>(leaps: &[Leap<N>]) -> f64 {
+            let sum: f64 = leaps.iter().map(|leap| leap.speed.abs()).sum();
+            sum / leaps.len().max(1) as f64
+        }
+        match self {
+            Self::Stiff(leaps) => mean(leaps),
+            Self::Sprung(leaps) => mean(leaps),
+        }
+    }
+
+    /// The filter for a noise over a range of edges.
+    #[must_use]
+    pub fn filter(&self, range: Range<usize>, noise: &Noise) -> Gains {
+        let leaps = match self {
+            Self::Stiff(leaps) => &leaps[range],
+            Self::Sprung(leaps) => return Arc::new(Filter::new(&leaps[range], noise)),
+        };
+        // Fewer states take less time.
+        match (leaps.iter().any(Leap::is_held), noise.drift > 0.0) {
+            (true, _) => Arc::new(Filter::new(leaps, noise)),
+            (false, true) => first::<DRIFTING>(leaps, noise),
+            (false, false) => first::<PLAIN>(leaps, noise),
+        }
+    }
+}
+
+/// The filter of the first states.
+fn first<const M: usize>(leaps: &[Leap<STIFF>], noise: &Noise) -> Gains {
+    let leaps: Vec<Leap<M>> = leaps.iter().map(Leap::first).collect();
+    Arc::new(Filter::new(&leaps, noise))
+}
