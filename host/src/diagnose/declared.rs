@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::course::Course;
 use super::effect::{Carrier, Effect, On, Scene, Site, along_time};
 use super::filter::{ANGLE, SPEED};
-use super::plant::{Here, Law, Motion, Plant, sign};
+use super::plant::{Here, Motion, Plant, Swing, sign};
 use super::record::Record;
 use super::speed_loop;
 use crate::twin::{Bearing, CaptureLatency, Channel, Drive, Ripple, SpeedDrift, Twin};
@@ -25,20 +25,12 @@ pub type Disc = Vec<f64>;
 /// A twin's effects that are sums of cells, each with its sizes.
 #[must_use]
 pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
-    let nominal = twin.drive.nominal_rad_s().abs();
-    let law = Law::of(twin);
-    let damping = law.viscous + law.stiffness;
+    let swing = Swing::of(twin);
     let wave = |amplitude: f64, phase: f64| vec![amplitude * phase.sin(), amplitude * phase.cos()];
-    // The torque of a relative swing of the speed.
-    let size = |turning: f64, torque: Option<f64>, fraction: Option<f64>| {
-        torque.unwrap_or_else(|| {
-            fraction.unwrap_or(0.0) * nominal * turning.hypot(damping) * law.inertia
-        })
-    };
     let mut all = Vec::new();
     let of_order = |ripple: &Ripple| {
-        let torque = size(
-            ripple.order * nominal,
+        let torque = swing.torque(
+            ripple.order * swing.nominal,
             ripple.torque_n_m,
             ripple.speed_fraction,
         );
@@ -60,7 +52,7 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
             Some(runout) => (Site::Disc(On::ALL), *runout),
             None => (
                 Site::Torque,
-                size(order * nominal, *torque_n_m, *speed_fraction),
+                swing.torque(order * swing.nominal, *torque_n_m, *speed_fraction),
             ),
         };
         all.push((
@@ -69,7 +61,7 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
         ));
     }
     for tone in &twin.torque_tone {
-        let torque = size(TAU * tone.f_hz, tone.torque_n_m, tone.speed_fraction);
+        let torque = swing.torque(TAU * tone.f_hz, tone.torque_n_m, tone.speed_fraction);
         all.push((
             Effect::new(Site::Torque, Carrier::Tone(tone.f_hz)),
             wave(torque, tone.phase_rad),

@@ -210,3 +210,45 @@ impl Law {
 pub fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
+
+/// How a twin sizes a torque that swings: as such, or without an inertia as the swing of the speed that it makes.
+#[derive(Clone, Copy, Debug)]
+pub struct Swing {
+    /// The drive's nominal speed, rad/s.
+    pub nominal: f64,
+    inertia: f64,
+    damping: f64,
+    torques: bool,
+}
+
+impl Swing {
+    /// Of a twin.
+    #[must_use]
+    pub fn of(twin: &Twin) -> Self {
+        let law = Law::of(twin);
+        Self {
+            nominal: twin.drive.nominal_rad_s().abs(),
+            inertia: law.inertia,
+            damping: law.viscous + law.stiffness,
+            torques: twin.shaft.inertia_kg_m2 != 0.0,
+        }
+    }
+
+    /// A torque, N m, that is given as such or as a relative swing; `turning` is its rate, rad/s.
+    #[must_use]
+    pub fn torque(&self, turning: f64, torque: Option<f64>, fraction: Option<f64>) -> f64 {
+        let of_swing =
+            |fraction: f64| fraction * self.nominal * turning.hypot(self.damping) * self.inertia;
+        torque.unwrap_or_else(|| of_swing(fraction.unwrap_or(0.0)))
+    }
+
+    /// The same the other way: the torque as the twin gives it.
+    #[must_use]
+    pub fn sized(&self, turning: f64, torque: f64) -> (Option<f64>, Option<f64>) {
+        if self.torques {
+            (Some(torque), None)
+        } else {
+            (None, Some(torque / self.torque(turning, None, Some(1.0))))
+        }
+    }
+}

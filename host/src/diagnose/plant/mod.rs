@@ -9,6 +9,6 @@ mod leaps;
 mod response;
 
 pub use crate::effect::Here;
-pub use law::{Law, Mode, sign};
+pub use law::{Law, Mode, Swing, sign};
 pub use leaps::{Gains, Leaps};
 pub use response::{Motion, Plant};

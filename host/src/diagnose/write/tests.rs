@@ -1,5 +1,7 @@
 //! Twins with findings in them do what the rig does, and then explain it.
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 
 use super::*;
