@@ -147,6 +147,14 @@ impl Basis {
         }
     }
 
+    /// What of a column is not of the basis.
+    #[must_use]
+    pub fn beside(&self, column: &[f64]) -> Vec<f64> {
+        let mut column = column.to_vec();
+        self.clear(&mut column);
+        column
+    }
+
     /// By how much the sum of squares falls with more columns beside the basis; `target` is clear of it.
     #[must_use]
     pub fn gain<C: AsRef<[f64]>>(&self, columns: &[C], target: &[f64]) -> f64 {
