@@ -1,0 +1,161 @@
+//! Groups of steady effects that are tried as they are.
+
+use std::ops::Range;
+
+use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::model::Board;
+
+/// Spread of the speed, as a share of it, from which on a size that grows with it can be told from one that does not.
+pub const SPEEDS: f64 = 0.05;
+
+/// Sizes and knobs of effects.
+#[must_use]
+pub fn numbers(effects: &[Effect]) -> usize {
+    let each = effects.iter();
+    each.map(|effect| effect.sizes() + effect.knobs().len())
+        .sum()
+}
+
+/// A board's channels.
+#[must_use]
+pub fn channels(board: &Board) -> u8 {
+    let each = board.benches.iter().map(|bench| bench.record.channels());
+    each.max().unwrap_or(1)
+}
+
+/// Whether a board has edges of more than one class.
+fn has_classes(board: &Board) -> bool {
+    board.benches.iter().any(|bench| bench.record.classes > 1)
+}
+
+/// All edges, and where there are several channels those of each.
+pub(super) fn all_and_each(board: &Board) -> impl Iterator<Item = Option<u8>> {
+    let channels = channels(board);
+    let each = 0..if channels > 1 { channels } else { 0 };
+    std::iter::once(None).chain(each.map(Some))
+}
+
+/// A steady effect on each of some channels.
+fn steadies(site: fn(On) -> Site, rises: Option<bool>, channels: Range<u8>) -> Vec<Effect> {
+    let on = |channel| On {
+        channel: Some(channel),
+        rises,
+    };
+    let each = channels.map(on);
+    each.map(|on| Effect::new(site(on), Carrier::Steady))
+        .collect()
+}
+
+/// How far edges of a class are off those of the first one: of each channel, and of its falls.
+#[must_use]
+pub fn classes(board: &Board) -> Vec<Effect> {
+    let mut all = steadies(Site::Disc, None, 1..channels(board));
+    if has_classes(board) {
+        all.extend(steadies(Site::Disc, Some(false), 0..channels(board)));
+    }
+    all
+}
+
+/// Effects one by one, all but one, and all.
+fn some_of(effects: Vec<Effect>) -> Vec<Vec<Effect>> {
+    let mut all = Vec::new();
+    if effects.len() > 1 {
+        all.extend(effects.iter().map(|effect| vec![*effect]));
+    }
+    if effects.len() > 2 {
+        all.extend((0..effects.len()).map(|left_out| {
+            let mut some = effects.clone();
+            some.remove(left_out);
+            some
+        }));
+    }
+    if !effects.is_empty() {
+        all.push(effects);
+    }
+    all
+}
+
+/// Groups of effects that are tried as they are.
+#[must_use]
+pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
+    let channels = channels(board);
+    let has_classes = has_classes(board);
+    let one = |site: Site, carrier: Carrier| vec![Effect::new(site, carrier)];
+    let of_channel = |channel| On {
+        channel,
+        rises: None,
+    };
+    let mut all: Vec<Vec<Effect>> = Vec::new();
+    if has_classes {
+        all.extend(some_of(steadies(Site::Disc, Some(false), 0..channels)));
+        all.extend(some_of(steadies(Site::Stamp, Some(true), 0..channels)));
+    }
+    if has_classes && channels > 1 {
+        let all_on = |rises| On {
+            channel: None,
+            rises: Some(rises),
+        };
+        all.extend(some_of(steadies(Site::Stamp, Some(false), 0..channels)));
+        all.push(one(Site::Disc(all_on(false)), Carrier::Steady));
+        all.push(one(Site::Stamp(all_on(true)), Carrier::Steady));
+        all.extend(some_of(steadies(Site::Disc, None, 1..channels)));
+        all.extend(some_of(steadies(Site::Stamp, None, 1..channels)));
+    }
+    let mut benches = board.benches.iter();
+    if benches.any(|bench| !bench.course.reversals_s.is_empty()) {
+        let sites = all_and_each(board).map(|channel| Site::Disc(of_channel(channel)));
+        all.extend(sites.map(|site| one(site, Carrier::Direction)));
+    }
+    all.extend(friction(board));
+    // What settles goes by shares of the longest recording.
+    let longest = board.seconds();
+    let settling = |from: f64, share: f64| Carrier::Settling(from * longest, share * longest);
+    let mut benches = board.benches.iter();
+    if benches.any(|bench| bench.is_held() && bench.twin.speed_loop().is_none()) {
+        all.push(one(Site::Drive, Carrier::Time));
+        all.extend([0.03, 0.08, 0.2, 0.5].map(|share| one(Site::Drive, settling(0.0, share))));
+    }
+    if has_classes {
+        for channel in all_and_each(board) {
+            for share in [0.05, 0.2, 0.5] {
+                let level = |from| one(Site::Level(of_channel(channel)), settling(from, share));
+                all.extend([0.0, 0.25, 0.5].map(level));
+            }
+        }
+    }
+    all
+}
+
+/// Kinds of friction, where the speed changes enough to show them. About one speed all that they do is to damp what noise makes, and noise
+/// that is not white is damped in its own way.
+fn friction(board: &Board) -> Vec<Vec<Effect>> {
+    if !board.undriven && board.speed_spread() < SPEEDS {
+        return Vec::new();
+    }
+    let power = |p: f64| Effect::new(Site::Torque, Carrier::Power(p));
+    let powers: [&[f64]; 7] = [
+        &[0.0],
+        &[1.0],
+        &[2.0],
+        &[0.0, 1.0],
+        &[0.0, 2.0],
+        &[1.0, 2.0],
+        &[0.0, 1.0, 2.0],
+    ];
+    let some = powers.map(|some| some.iter().map(|p| power(*p)).collect());
+    let mut all: Vec<Vec<Effect>> = some.into();
+    let tops = board.benches.iter().map(|bench| bench.course.top());
+    let top = tops.fold(0.0, f64::max);
+    let speeds = board.benches.iter().flat_map(|bench| &bench.course.speed);
+    let least = speeds.fold(f64::INFINITY, |least, speed| least.min(speed.abs()));
+    // Stribeck's speed, as a share of the top one, has to show somewhere.
+    for share in [0.05, 0.1, 0.2, 0.35, 0.6] {
+        if least < 2.0 * share * top {
+            let stribeck = Effect::new(Site::Torque, Carrier::Stribeck(share * top));
+            all.push(vec![stribeck]);
+            all.push(vec![power(0.0), stribeck]);
+            all.push(vec![power(0.0), power(1.0), stribeck]);
+        }
+    }
+    all
+}

@@ -1,0 +1,243 @@
+//! Effects of one place: torques that come and go at instants, and bumps of the disc.
+
+use rayon::prelude::*;
+
+use super::groups::all_and_each;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::lsq::dot;
+use crate::diagnose::model::Board;
+use crate::diagnose::nearby::Left;
+use crate::diagnose::scan::{Candidate, evidence};
+
+/// Instants of a recording at which steps are tried.
+const INSTANTS: usize = 32;
+/// Widths of bumps, edges: from a single one on, each about twice the one before.
+const WIDTHS: [f64; 10] = [0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0, 384.0];
+
+/// A torque from an instant of one recording on, with its white column.
+#[derive(Clone, Debug)]
+pub struct Step {
+    from_s: f64,
+    effect: Effect,
+    column: Vec<f64>,
+}
+
+/// An effect from one instant until another.
+fn window(effect: Effect, from_s: f64, until_s: f64) -> Effect {
+    let carrier = Carrier::Window(from_s, until_s);
+    Effect { carrier, ..effect }
+}
+
+/// Steps that are tried, of each recording.
+pub fn steps(board: &Board) -> Vec<Vec<Step>> {
+    let several = board.benches.len() > 1;
+    // A drive that nobody declared makes it where there is one: it is in the free course.
+    let site = if board.undriven {
+        Site::Drive
+    } else {
+        Site::Torque
+    };
+    let each = board.benches.iter().map(|bench| {
+        let step = |from_s: f64| {
+            let effect = Effect {
+                only: several.then_some(bench.place),
+                ..Effect::new(site, Carrier::Window(from_s, f64::INFINITY))
+            };
+            Step {
+                from_s,
+                effect,
+                column: board.columns(&effect).swap_remove(0),
+            }
+        };
+        instants(bench).into_par_iter().map(step).collect()
+    });
+    each.collect()
+}
+
+/// Instants at which steps are tried, from before a recording on.
+fn instants(bench: &Bench) -> Vec<f64> {
+    let times = &bench.record.time_s;
+    let (Some(first), Some(last)) = (times.first(), times.last()) else {
+        return Vec::new();
+    };
+    let at = |at: usize| match at {
+        0 => f64::NEG_INFINITY,
+        _ => first + (last - first) * at as f64 / INSTANTS as f64,
+    };
+    (0..INSTANTS).map(at).collect()
+}
+
+/// The two effects that explain most, by how much.
+fn best_two(mut all: Vec<(f64, Effect)>) -> impl Iterator<Item = (f64, Effect)> {
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().take(2)
+}
+
+/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
+pub fn loads(steps: &[Vec<Step>], left: &Left<'_>) -> Vec<Candidate> {
+    let each = steps.iter().zip(&left.board.benches);
+    let each = each.zip(left.scores(Site::Torque));
+    each.flat_map(|((steps, bench), scores)| loads_of(steps, left, bench, scores))
+        .collect()
+}
+
+/// The edge from which on a torque explains most, by about how much. What it explains is exact but for its square, which is that of the
+/// grid's instants beside it.
+fn sudden(bench: &Bench, scores: &[f64], site: Site, grid: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let course = &bench.course;
+    let push = match site {
+        Site::Drive => bench.plant.free(course).sensitivity(course, scores),
+        _ => bench.plant.sensitivity(course, scores),
+    };
+    let mut later = 0.0;
+    let mut best: Option<(f64, f64)> = None;
+    for at in (1..push.len()).rev() {
+        later += push[at];
+        let from_s = course.time_s[at - 1];
+        let next = grid.partition_point(|(time_s, _)| *time_s < from_s);
+        let (Some(after), Some(before)) = (grid.get(next), grid.get(next.wrapping_sub(1))) else {
+            continue;
+        };
+        let share = (from_s - before.0) / (after.0 - before.0);
+        let square = before.1.powf(1.0 - share) * after.1.powf(share);
+        let gain = later * later / (bench.plant.law.inertia.powi(2) * square);
+        if gain.is_finite() && best.is_none_or(|(_, most)| gain > most) {
+            best = Some((from_s, gain));
+        }
+    }
+    best
+}
+
+fn loads_of(steps: &[Step], left: &Left<'_>, bench: &Bench, of_edges: &[f64]) -> Vec<Candidate> {
+    let [first, second, third, ..] = steps else {
+        return Vec::new();
+    };
+    let cleared = steps.par_iter();
+    let cleared = cleared.map(|step| left.basis.beside(&step.column));
+    let columns: Vec<Vec<f64>> = cleared.collect();
+    let each = columns.par_iter();
+    let of_each = each.map(|column| (dot(column, left.white), dot(column, column)));
+    let (scores, own): (Vec<f64>, Vec<f64>) = of_each.unzip();
+    let gain = |(a, b): (usize, usize)| {
+        let step = &steps[a];
+        if a == b {
+            // One that does not go again has to come.
+            let gain = scores[a].powi(2) / own[a];
+            return (own[a] > 0.0 && a > 0).then_some((gain, step.effect));
+        }
+        let both = own[a] + own[b];
+        let square = both - 2.0 * dot(&columns[a], &columns[b]);
+        let gain = (scores[a] - scores[b]).powi(2) / square;
+        let effect = window(step.effect, step.from_s, steps[b].from_s);
+        (square > 1e-9 * both && square > 0.0).then_some((gain, effect))
+    };
+    let count = steps.len();
+    let pairs = (0..count).into_par_iter();
+    let pairs = pairs.flat_map_iter(|a| (a..count).map(move |b| (a, b)));
+    let best = best_two(pairs.filter_map(gain).collect());
+    let half_s = 0.5 * (third.from_s - second.from_s);
+    let near = best.map(|(gain, effect)| nearest(left, effect, gain, half_s));
+    let mut found: Vec<Candidate> = near.collect();
+    let grid = steps.iter().zip(&own).skip(1);
+    let grid: Vec<(f64, f64)> = grid.map(|(step, own)| (step.from_s, *own)).collect();
+    if let Some((from_s, gain)) = sudden(bench, of_edges, first.effect.site, &grid) {
+        let effect = window(first.effect, from_s, f64::INFINITY);
+        let interval_s = bench.record.seconds() / bench.record.len() as f64;
+        found.push(nearest(left, effect, gain, interval_s));
+    }
+    found
+}
+
+/// A kind of bump that is looked for: the edges that it is on, and its width, rad, with the square of a unit one.
+pub type Kind = (On, f64, f64);
+
+/// Kinds of bumps that are looked for.
+pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
+    let Some(first) = board.benches.first() else {
+        return Vec::new();
+    };
+    let record = &first.record;
+    let edges = record.edges as f64;
+    if edges < 32.0 {
+        return Vec::new();
+    }
+    let flanks: &[Option<bool>] = &[None, Some(true), Some(false)];
+    let sites: Vec<On> = if record.classes > 1 {
+        let on = |channel| flanks.iter().map(move |&rises| On { channel, rises });
+        all_and_each(board).flat_map(on).collect()
+    } else {
+        vec![On::ALL]
+    };
+    let widths = WIDTHS.into_iter().filter(|width| width * 6.0 <= edges);
+    let kinds = widths.flat_map(|width| sites.iter().map(move |on| (*on, width)));
+    let kinds: Vec<(On, f64)> = kinds.collect();
+    let kind = |(on, width): (On, f64)| {
+        let width = width * record.step_rad();
+        // A unit one is worth the same on each of its edges.
+        let here = |slot: &usize| on.has(record.change_of(*slot));
+        let (middle, last) = (record.edges as usize / 2, record.edges as usize);
+        let own = (middle..last).find(here).unwrap_or(middle);
+        let carrier = Carrier::Bump(record.angle_of(own), width);
+        let column = board.columns(&Effect::new(Site::Disc(on), carrier));
+        let column = &column[0];
+        (on, width, dot(column, column))
+    };
+    kinds.into_par_iter().map(kind).collect()
+}
+
+/// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
+pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
+    let Some(first) = left.board.benches.first() else {
+        return Vec::new();
+    };
+    let record = &first.record;
+    let edges = record.edges;
+    let mut fold = vec![0.0; edges as usize];
+    let scores = left.scores(Site::Disc(On::ALL));
+    for (bench, scores) in left.board.benches.iter().zip(scores) {
+        for (at, score) in scores.iter().enumerate() {
+            fold[bench.record.slot(at)] += score;
+        }
+    }
+    let best = |(on, width, square): &Kind| {
+        let width_edges = width / record.step_rad();
+        let reach = (3.0 * width_edges).ceil() as i64;
+        let mut best = (0.0, 0);
+        let stride = (0.5 * width_edges).floor().max(1.0) as usize;
+        for middle in (0..edges).step_by(stride) {
+            let mut sum = 0.0;
+            for by in -reach..=reach {
+                let slot = (middle + by).rem_euclid(edges) as usize;
+                if on.has(record.change_of(slot)) {
+                    sum += (-0.5 * (by as f64 / width_edges).powi(2)).exp() * fold[slot];
+                }
+            }
+            if sum * sum / square > best.0 {
+                best = (sum * sum / square, middle);
+            }
+        }
+        let carrier = Carrier::Bump(record.angle_of(best.1 as usize), *width);
+        (best.0, Effect::new(Site::Disc(*on), carrier))
+    };
+    let shown = kinds.par_iter().filter(|(.., square)| *square > 0.0);
+    best_two(shown.map(best).collect())
+        .map(|(gain, effect)| nearest(left, effect, gain, 0.5 * effect.knobs()[1]))
+        .collect()
+}
+
+/// An effect with the best knobs near its own, all of one unit, where it may be worth them.
+fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
+    let of = |(effect, gain): (Effect, f64)| Candidate {
+        effects: vec![effect],
+        gain,
+    };
+    let as_it_is = of((effect, gain));
+    if evidence(left.board, gain, as_it_is.numbers()) < 0.0 {
+        return as_it_is;
+    }
+    let reach = left.board.reach(&effect).into_iter();
+    let least = 0.3 * reach.fold(f64::INFINITY, f64::min);
+    let steps = vec![step; effect.knobs().len()];
+    of(left.best_near(&effect, &steps, least / step))
+}

@@ -1,0 +1,88 @@
+//! Cells of the map that have no frequency: few, and evaluated as they are.
+
+mod groups;
+mod local;
+mod variants;
+
+use rayon::prelude::*;
+
+pub use groups::{SPEEDS, channels, classes, numbers, steady};
+pub use variants::{elsewhere, grown, harmonics};
+
+use super::effect::Effect;
+use super::lsq::{Basis, dot};
+use super::model::{Board, Fit};
+use super::nearby::Left;
+use super::scan::Candidate;
+
+/// White columns of the cells that are always tried: they hang on the noise alone, so they are worked out once for many looks.
+#[derive(Clone, Debug)]
+pub struct Bank {
+    groups: Vec<Vec<Effect>>,
+    effects: Vec<Effect>,
+    columns: Vec<Vec<f64>>,
+    steps: Vec<Vec<local::Step>>,
+    bumps: Vec<local::Kind>,
+}
+
+impl Bank {
+    /// Of a board.
+    #[must_use]
+    pub fn new(board: &Board) -> Self {
+        let groups = steady(board);
+        let mut effects: Vec<Effect> = Vec::new();
+        for effect in groups.iter().flatten() {
+            if !effects.contains(effect) {
+                effects.push(*effect);
+            }
+        }
+        let column = |effect| board.columns(effect).swap_remove(0);
+        Self {
+            columns: effects.par_iter().map(column).collect(),
+            steps: local::steps(board),
+            bumps: local::kinds_of_bumps(board),
+            groups,
+            effects,
+        }
+    }
+
+    /// What each group explains beside a fit.
+    #[must_use]
+    pub fn candidates(&self, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
+        let cleared = self.columns.par_iter().map(|column| basis.beside(column));
+        let cleared: Vec<Vec<f64>> = cleared.collect();
+        // What is none of its own beside the model says nothing.
+        let own = |(cleared, column): (&Vec<f64>, &Vec<f64>)| {
+            dot(cleared, cleared) > 1e-7 * dot(column, column)
+        };
+        let own: Vec<bool> = cleared.iter().zip(&self.columns).map(own).collect();
+        let candidate = |effects: &Vec<Effect>| {
+            let each = effects.iter();
+            let at = each.filter_map(|effect| self.effects.iter().position(|one| one == effect));
+            let at: Vec<usize> = at.collect();
+            let columns: Vec<&[f64]> = at.iter().map(|&at| &cleared[at][..]).collect();
+            let gain = if at.iter().all(|&at| own[at]) {
+                Basis::default().gain(&columns, &fit.left)
+            } else {
+                0.0
+            };
+            Candidate {
+                effects: effects.clone(),
+                gain,
+            }
+        };
+        self.groups.par_iter().map(candidate).collect()
+    }
+}
+
+/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
+#[must_use]
+pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
+    local::loads(&bank.steps, left)
+}
+
+/// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
+#[must_use]
+pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
+    local::bumps(&bank.bumps, left)
+}

@@ -1,0 +1,111 @@
+//! What an effect that was found may be instead: the same with more numbers, or at another site.
+
+use std::f64::consts::TAU;
+
+use super::groups::SPEEDS;
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
+use crate::diagnose::model::Board;
+
+/// How many harmonics of an order, itself included, are tried at once.
+const HARMONICS: [u32; 4] = [3, 4, 6, 8];
+
+/// The same frequency at other sites, along the angle as well as along the time, of constant size; of a torque with harmonics as
+/// well, where it is so loud that they count as noise.
+#[must_use]
+pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> {
+    let [effect] = own else { return Vec::new() };
+    let speed = board.benches.iter().map(|bench| bench.course.mean());
+    let turns_a_s = speed.fold(0.0, f64::max) / TAU;
+    let (order, tone) = match effect.carrier {
+        Carrier::Order(order) => (order, order * turns_a_s),
+        Carrier::Tone(tone) => (tone / turns_a_s, tone),
+        _ => return Vec::new(),
+    };
+    let whole = order.round();
+    let reach = board.reach(&Effect::new(Site::Torque, Carrier::Order(order)))[0];
+    let order = if whole > 0.0 && (order - whole).abs() < reach {
+        whole
+    } else {
+        order
+    };
+    let mut all = vec![
+        (Site::Torque, Carrier::Order(order)),
+        (Site::Disc(On::ALL), Carrier::Order(order)),
+        (Site::Torque, Carrier::Tone(tone)),
+    ];
+    if board.benches.iter().any(|bench| bench.record.classes > 1) {
+        all.push((Site::Level(On::ALL), Carrier::Tone(tone)));
+    }
+    let images = board.images(effect).into_iter();
+    all.extend(images.map(|image| (image.site, image.carrier)));
+    let of = |(site, carrier): (Site, Carrier)| Effect {
+        site,
+        carrier,
+        growth: Growth::Constant,
+        ..*effect
+    };
+    let same = |other: &Effect| {
+        other.site == effect.site
+            && other.growth == effect.growth
+            && std::mem::discriminant(&other.carrier) == std::mem::discriminant(&effect.carrier)
+            && !board.images(effect).contains(other)
+    };
+    let each = all.into_iter().map(of).flat_map(|other| {
+        let mut each = if loud {
+            harmonics(board, &[other])
+        } else {
+            Vec::new()
+        };
+        if !same(&other) {
+            each.push(vec![other]);
+        }
+        each
+    });
+    each.collect()
+}
+
+/// The same effect with sizes that go with time or speed, to be fitted in its place.
+pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [effect] = own else { return Vec::new() };
+    if effect.sizes() < 2 || effect.growth != Growth::Constant {
+        return Vec::new();
+    }
+    let rate = 1.0 / board.seconds();
+    let mut growths = vec![Growth::Even(rate), Growth::Even(-0.5 * rate)];
+    if board.speed_spread() > SPEEDS {
+        growths.extend([Growth::Speed(1.0), Growth::Speed(-1.0)]);
+    }
+    let each = growths.into_iter();
+    each.map(|growth| vec![Effect { growth, ..*effect }])
+        .collect()
+}
+
+/// The same effect with harmonics of its order: what pushes once in a part of a turn is no sine.
+pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
+    let [
+        Effect {
+            site: Site::Torque,
+            carrier: Carrier::Order(order),
+            growth: Growth::Constant,
+            ..
+        },
+    ] = own
+    else {
+        return Vec::new();
+    };
+    let effect = own[0];
+    let each = board.benches.iter().map(|bench| bench.record.edges as f64);
+    let most = 0.5 * each.fold(0.0, f64::max) / order;
+    let of = |count: u32| {
+        let each = (1..=count).map(|times| Effect {
+            carrier: Carrier::Order(order * f64::from(times)),
+            ..effect
+        });
+        each.collect()
+    };
+    let counts = HARMONICS.into_iter();
+    counts
+        .filter(|count| f64::from(*count) < most)
+        .map(of)
+        .collect()
+}
