@@ -209,7 +209,7 @@ impl Drive {
 }
 
 /// A torque locked to the shaft's angle: amplitude sin(order theta + phase).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ripple {
     /// Cycles a turn; need not be whole (a gear).

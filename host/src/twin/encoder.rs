@@ -231,7 +231,7 @@ pub enum Per {
 }
 
 /// A sine over the turn.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Harmonic {
     /// Amplitude, rad.

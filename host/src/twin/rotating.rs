@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// `[[bearing]]`: a rolling bearing's torque, as that of [`super::Ripple`], or its run-out, which moves the disc: an error of
 /// runout sin(order theta + phase) that adds to e(k), theta being the shaft's angle through all turns.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bearing {
     /// Cycles a turn.

@@ -12,7 +12,7 @@ use super::Channel;
 ///
 /// Each mark changes once for each passage of the shaft: a shaft slower than the level's swing does not make it chatter, as a comparator's
 /// own hysteresis sees to it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThresholdRipple {
     /// Frequency, up to 1 MHz.

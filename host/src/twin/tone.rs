@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// `[[torque_tone]]`: a torque sin(2 pi f t + phase) on the shaft, as an unbalanced load elsewhere on the frame or a drive's current
 /// ripple makes it. Free of friction it swings the shaft by torque / (J (2 pi f)^2) rad, whatever the speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueTone {
     /// Frequency, above 0 and up to 1 MHz.

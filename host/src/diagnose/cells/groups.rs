@@ -35,14 +35,15 @@ pub(super) fn all_and_each(board: &Board) -> impl Iterator<Item = Option<u8>> {
     std::iter::once(None).chain(each.map(Some))
 }
 
+fn on(channel: Option<u8>, rises: Option<bool>) -> On {
+    On { channel, rises }
+}
+
 /// A steady effect on each of some channels.
 fn steadies(site: fn(On) -> Site, rises: Option<bool>, channels: Range<u8>) -> Vec<Effect> {
-    let on = |channel| On {
-        channel: Some(channel),
-        rises,
-    };
-    let each = channels.map(on);
-    each.map(|on| Effect::new(site(on), Carrier::Steady))
+    let site = |channel| site(on(Some(channel), rises));
+    let each = channels.map(site);
+    each.map(|site| Effect::new(site, Carrier::Steady))
         .collect()
 }
 
@@ -81,29 +82,21 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     let channels = channels(board);
     let has_classes = has_classes(board);
     let one = |site: Site, carrier: Carrier| vec![Effect::new(site, carrier)];
-    let of_channel = |channel| On {
-        channel,
-        rises: None,
-    };
     let mut all: Vec<Vec<Effect>> = Vec::new();
     if has_classes {
         all.extend(some_of(steadies(Site::Disc, Some(false), 0..channels)));
         all.extend(some_of(steadies(Site::Stamp, Some(true), 0..channels)));
     }
     if has_classes && channels > 1 {
-        let all_on = |rises| On {
-            channel: None,
-            rises: Some(rises),
-        };
         all.extend(some_of(steadies(Site::Stamp, Some(false), 0..channels)));
-        all.push(one(Site::Disc(all_on(false)), Carrier::Steady));
-        all.push(one(Site::Stamp(all_on(true)), Carrier::Steady));
+        all.push(one(Site::Disc(on(None, Some(false))), Carrier::Steady));
+        all.push(one(Site::Stamp(on(None, Some(true))), Carrier::Steady));
         all.extend(some_of(steadies(Site::Disc, None, 1..channels)));
         all.extend(some_of(steadies(Site::Stamp, None, 1..channels)));
     }
     let mut benches = board.benches.iter();
     if benches.any(|bench| !bench.course.reversals_s.is_empty()) {
-        let sites = all_and_each(board).map(|channel| Site::Disc(of_channel(channel)));
+        let sites = all_and_each(board).map(|channel| Site::Disc(on(channel, None)));
         all.extend(sites.map(|site| one(site, Carrier::Direction)));
     }
     all.extend(friction(board));
@@ -118,7 +111,7 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     if has_classes {
         for channel in all_and_each(board) {
             for share in [0.05, 0.2, 0.5] {
-                let level = |from| one(Site::Level(of_channel(channel)), settling(from, share));
+                let level = |from| one(Site::Level(on(channel, None)), settling(from, share));
                 all.extend([0.0, 0.25, 0.5].map(level));
             }
         }
@@ -133,17 +126,7 @@ fn friction(board: &Board) -> Vec<Vec<Effect>> {
         return Vec::new();
     }
     let power = |p: f64| Effect::new(Site::Torque, Carrier::Power(p));
-    let powers: [&[f64]; 7] = [
-        &[0.0],
-        &[1.0],
-        &[2.0],
-        &[0.0, 1.0],
-        &[0.0, 2.0],
-        &[1.0, 2.0],
-        &[0.0, 1.0, 2.0],
-    ];
-    let some = powers.map(|some| some.iter().map(|p| power(*p)).collect());
-    let mut all: Vec<Vec<Effect>> = some.into();
+    let mut all = some_of([0.0, 1.0, 2.0].map(power).to_vec());
     let tops = board.benches.iter().map(|bench| bench.course.top());
     let top = tops.fold(0.0, f64::max);
     let speeds = board.benches.iter().flat_map(|bench| &bench.course.speed);

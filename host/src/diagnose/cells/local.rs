@@ -29,7 +29,7 @@ fn window(effect: Effect, from_s: f64, until_s: f64) -> Effect {
     Effect { carrier, ..effect }
 }
 
-/// Steps that are tried, of each recording.
+/// Steps that are tried, of each recording: one from before it on, the others even over it.
 pub fn steps(board: &Board) -> Vec<Vec<Step>> {
     let several = board.benches.len() > 1;
     // A drive that nobody declared makes it where there is one: it is in the free course.
@@ -50,22 +50,13 @@ pub fn steps(board: &Board) -> Vec<Vec<Step>> {
                 column: board.columns(&effect).swap_remove(0),
             }
         };
-        instants(bench).into_par_iter().map(step).collect()
+        let first_s = bench.record.time_s.first().copied().unwrap_or(0.0);
+        let seconds = bench.record.seconds();
+        let later = (1..INSTANTS).map(|at| first_s + seconds * at as f64 / INSTANTS as f64);
+        let all: Vec<f64> = std::iter::once(f64::NEG_INFINITY).chain(later).collect();
+        all.into_par_iter().map(step).collect()
     });
     each.collect()
-}
-
-/// Instants at which steps are tried, from before a recording on.
-fn instants(bench: &Bench) -> Vec<f64> {
-    let times = &bench.record.time_s;
-    let (Some(first), Some(last)) = (times.first(), times.last()) else {
-        return Vec::new();
-    };
-    let at = |at: usize| match at {
-        0 => f64::NEG_INFINITY,
-        _ => first + (last - first) * at as f64 / INSTANTS as f64,
-    };
-    (0..INSTANTS).map(at).collect()
 }
 
 /// The two effects that explain most, by how much.
@@ -91,22 +82,17 @@ fn sudden(bench: &Bench, scores: &[f64], site: Site, grid: &[(f64, f64)]) -> Opt
         _ => bench.plant.sensitivity(course, scores),
     };
     let mut later = 0.0;
-    let mut best: Option<(f64, f64)> = None;
-    for at in (1..push.len()).rev() {
+    let gains = (1..push.len()).rev().filter_map(|at| {
         later += push[at];
         let from_s = course.time_s[at - 1];
         let next = grid.partition_point(|(time_s, _)| *time_s < from_s);
-        let (Some(after), Some(before)) = (grid.get(next), grid.get(next.wrapping_sub(1))) else {
-            continue;
-        };
+        let (before, after) = (grid.get(next.checked_sub(1)?)?, grid.get(next)?);
         let share = (from_s - before.0) / (after.0 - before.0);
         let square = before.1.powf(1.0 - share) * after.1.powf(share);
         let gain = later * later / (bench.plant.law.inertia.powi(2) * square);
-        if gain.is_finite() && best.is_none_or(|(_, most)| gain > most) {
-            best = Some((from_s, gain));
-        }
-    }
-    best
+        gain.is_finite().then_some((from_s, gain))
+    });
+    gains.reduce(|best, one| if one.1 > best.1 { one } else { best })
 }
 
 fn loads_of(steps: &[Step], left: &Left<'_>, bench: &Bench, of_edges: &[f64]) -> Vec<Candidate> {
@@ -154,14 +140,11 @@ pub type Kind = (On, f64, f64);
 
 /// Kinds of bumps that are looked for.
 pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
-    let Some(first) = board.benches.first() else {
+    let record = board.benches.first().map(|bench| &bench.record);
+    let Some(record) = record.filter(|record| record.edges >= 32) else {
         return Vec::new();
     };
-    let record = &first.record;
     let edges = record.edges as f64;
-    if edges < 32.0 {
-        return Vec::new();
-    }
     let flanks: &[Option<bool>] = &[None, Some(true), Some(false)];
     let sites: Vec<On> = if record.classes > 1 {
         let on = |channel| flanks.iter().map(move |&rises| On { channel, rises });
@@ -203,22 +186,22 @@ pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
     let best = |(on, width, square): &Kind| {
         let width_edges = width / record.step_rad();
         let reach = (3.0 * width_edges).ceil() as i64;
-        let mut best = (0.0, 0);
         let stride = (0.5 * width_edges).floor().max(1.0) as usize;
-        for middle in (0..edges).step_by(stride) {
-            let mut sum = 0.0;
-            for by in -reach..=reach {
+        let gains = (0..edges).step_by(stride).map(|middle| {
+            let each = (-reach..=reach).map(|by| {
                 let slot = (middle + by).rem_euclid(edges) as usize;
-                if on.has(record.change_of(slot)) {
-                    sum += (-0.5 * (by as f64 / width_edges).powi(2)).exp() * fold[slot];
-                }
-            }
-            if sum * sum / square > best.0 {
-                best = (sum * sum / square, middle);
-            }
-        }
-        let carrier = Carrier::Bump(record.angle_of(best.1 as usize), *width);
-        (best.0, Effect::new(Site::Disc(*on), carrier))
+                let there = on.has(record.change_of(slot));
+                let shape = || (-0.5 * (by as f64 / width_edges).powi(2)).exp();
+                if there { shape() * fold[slot] } else { 0.0 }
+            });
+            (each.sum::<f64>().powi(2) / square, middle)
+        });
+        let (gain, middle) = gains.fold(
+            (0.0, 0),
+            |best, one| if one.0 > best.0 { one } else { best },
+        );
+        let carrier = Carrier::Bump(record.angle_of(middle as usize), *width);
+        (gain, Effect::new(Site::Disc(*on), carrier))
     };
     let shown = kinds.par_iter().filter(|(.., square)| *square > 0.0);
     best_two(shown.map(best).collect())

@@ -72,12 +72,7 @@ impl Correction {
 }
 
 /// Columns of a knob's values beside a bench; `now` are its present values. Empty ones where the bench's twin does not declare it so.
-pub(super) fn slopes(
-    bench: &Bench,
-    declares: bool,
-    knob: &Knob,
-    now: &[f64],
-) -> Option<Vec<Vec<f64>>> {
+pub fn slopes(bench: &Bench, declares: bool, knob: &Knob, now: &[f64]) -> Option<Vec<Vec<f64>>> {
     if !declares {
         return Some(vec![Vec::new(); now.len()]);
     }

@@ -77,8 +77,8 @@ impl Board {
 
     /// Values of all corrections in a model.
     fn values(&self, model: &Model) -> Vec<Vec<f64>> {
-        let declared = |own: &Correction| own.declared.clone();
-        let mut all: Vec<Vec<f64>> = self.corrections.iter().map(declared).collect();
+        let each = self.corrections.iter();
+        let mut all: Vec<Vec<f64>> = each.map(|own| own.declared.clone()).collect();
         for term in &model.terms {
             if let Some((which, value)) = self.place(&term.effect) {
                 all[which][value] += term.sizes[0];
@@ -151,19 +151,20 @@ impl Board {
     /// The board beside twins as they are declared but for the corrections of a model.
     #[must_use]
     pub fn declaring(&self, model: &Model) -> Self {
-        let value = |own: &Correction| {
-            let values = if own.is_in(model) {
+        let mut each = self.corrections.iter();
+        if each.all(|own| own.is_in(model) || own.now == own.declared) {
+            return self.clone();
+        }
+        let each = self.corrections.iter();
+        let values = each.map(|own| {
+            if own.is_in(model) {
                 &own.now
             } else {
                 &own.declared
-            };
-            values.clone()
-        };
-        let values: Vec<Vec<f64>> = self.corrections.iter().map(value).collect();
-        let mut each = self.corrections.iter().zip(&values);
-        let same = each.all(|(own, values)| own.now == *values);
-        let other = (!same).then(|| self.taken(&values)).flatten();
-        other.unwrap_or_else(|| self.clone())
+            }
+        });
+        let values: Vec<Vec<f64>> = values.cloned().collect();
+        self.taken(&values).unwrap_or_else(|| self.clone())
     }
 
     /// Twice the negative logarithm of the likelihood, but for a constant, with the corrections as the board's twins have them and all
@@ -189,10 +190,8 @@ impl Board {
     #[must_use]
     pub fn spread(&self) -> f64 {
         let scales = self.benches.iter().flat_map(|bench| &bench.scales);
-        scales
-            .filter(|scale| **scale > 0.0)
-            .map(|scale| -2.0 * scale.ln())
-            .sum()
+        let shown = scales.filter(|scale| **scale > 0.0);
+        shown.map(|scale| -2.0 * scale.ln()).sum()
     }
 
     /// A model with corrections, fitted until its twins are those of the fit: the board beside them, the fit, and the fall of the cost
@@ -270,23 +269,26 @@ impl Board {
     #[must_use]
     pub fn group_of(&self, model: &Model, knob: &Knob, free: usize) -> usize {
         let entry = knob.path().entry();
-        let same = model.terms.iter().find(|term| {
-            self.correction(&term.effect)
-                .is_some_and(|(own, _)| own.knob.path().entry() == entry)
-        });
-        same.map_or(free, |term| term.group)
+        let same = |(own, _): (&Correction, usize)| own.knob.path().entry() == entry;
+        let mut terms = model.terms.iter();
+        let term = terms.find(|term| self.correction(&term.effect).is_some_and(same));
+        term.map_or(free, |term| term.group)
     }
 
     /// Whether the columns of some effects are those of a group of a fit.
     #[must_use]
     pub fn same_columns(&self, fit: &Fit, group: usize, effects: &[Effect]) -> bool {
-        let each = fit.columns.iter().map(Vec::as_slice).zip(&fit.of);
-        let (own, others): (Vec<_>, Vec<_>) =
-            each.partition(|(_, (term, _))| fit.model.terms[*term].group == group);
-        let [own, others] = [own, others].map(|all| all.into_iter().map(|(column, _)| column));
-        let others: Vec<&[f64]> = others.collect();
-        let beside = Basis::of(&others);
-        let with = Basis::of(&others.into_iter().chain(own).collect::<Vec<_>>());
+        let mut beside = Basis::default();
+        let mut own = Vec::new();
+        for (column, (term, _)) in fit.columns.iter().zip(&fit.of) {
+            if fit.model.terms[*term].group == group {
+                own.push(column.clone());
+            } else {
+                beside.add(column.clone());
+            }
+        }
+        let mut with = beside.clone();
+        own.into_iter().for_each(|column| with.add(column));
         let square = |basis: &Basis, column: &[f64]| {
             let left = basis.beside(column);
             dot(&left, &left)

@@ -30,12 +30,8 @@ impl Mode {
         let slope = |[_, v, q, u]: [f64; 4], push: f64| {
             let near = push - b * v;
             let swing = -self.square * q - self.damping * u;
-            [
-                v,
-                (1.0 + self.ratio) * near + swing,
-                u,
-                self.ratio * near + swing,
-            ]
+            let (one, both) = (self.ratio * near, (1.0 + self.ratio) * near);
+            [v, both + swing, u, one + swing]
         };
         let along = |k: [f64; 4], by: f64| {
             let mut at = state;

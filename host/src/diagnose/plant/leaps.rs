@@ -15,9 +15,6 @@ use crate::diagnose::square::{Square, identity, product, through};
 /// The filter of any shaft.
 pub type Gains = Arc<dyn Whitens>;
 
-/// Steps of the noise's grid in an interval from which on the noise is as good as white.
-const STEPS_MOST: f64 = 6.0;
-
 impl Plant {
     /// Leaps of the filter of a stiff shaft, or of one with a mode.
     #[must_use]
@@ -27,19 +24,22 @@ impl Plant {
         let leap = |at: usize| {
             let before = at.saturating_sub(1);
             let h = (course.time_s[at] - course.time_s[before]).max(0.0);
-            let (way, torque, drift) = if kept {
-                self.kept_up::<N>(self.damping[at], h)
+            let b = self.damping[at];
+            // Where an unknown drive keeps a speed, a slow drift of the acceleration changes that one.
+            let (way, torque, drifts) = if kept {
+                (kept_up(b, h), self.white(b, h), KEPT)
             } else {
-                self.spread::<N>(self.fades(at), course.time_s[at], h)
+                let (way, torque) = self.spread(self.fades(at), course.time_s[at], h);
+                (way, torque, SPEED)
             };
             let load = law.mode.filter(|mode| mode.load > 0.0).map(|mode| {
                 let far = [(SWINGS, mode.load.sqrt())];
-                Box::new(self.stirred::<N>(&mode, self.damping[at], h, &far))
+                Box::new(self.stirred(&mode, b, h, &far))
             });
             Leap {
                 way,
                 torque,
-                drift,
+                drift: drift_noise(drifts, h),
                 load,
                 jolt: [0.0; 2],
                 speed: course.speed[at],
@@ -50,37 +50,18 @@ impl Plant {
         (0..course.len()).map(leap).collect()
     }
 
-    /// Transition and covariances of unit noises over a time where an unknown drive keeps a speed: a slow drift of the acceleration makes
-    /// that, torque noise makes another one beside it, which friction and drive damp.
-    fn kept_up<const N: usize>(&self, b: f64, h: f64) -> (Square<N>, Square<N>, Square<N>) {
-        let mut way = identity::<N>();
-        let (r, stays) = reach(b, h);
-        way[ANGLE][SPEED] = r;
-        way[SPEED][SPEED] = stays;
-        way[ANGLE][KEPT] = h;
-        way[ANGLE][DRIFT] = 0.5 * h * h;
-        way[KEPT][DRIFT] = h;
-        (way, self.white(b, h), drift_noise(KEPT, h))
-    }
-
-    /// Transition and covariances of unit noises over a time that ends at an instant.
-    fn spread<const N: usize>(
-        &self,
-        b: f64,
-        ends_s: f64,
-        h: f64,
-    ) -> (Square<N>, Square<N>, Square<N>) {
+    /// Transition and covariance of unit torque noise over a time that ends at an instant.
+    fn spread<const N: usize>(&self, b: f64, ends_s: f64, h: f64) -> (Square<N>, Square<N>) {
         let hold = self.law.hold_s;
-        let drift = drift_noise(SPEED, h);
-        if hold <= 0.0 || h > STEPS_MOST * hold {
-            return (self.way(b, h, false), self.white(b, h), drift);
+        // Over more than 6 steps of its grid the noise is as good as white.
+        if hold <= 0.0 || h > 6.0 * hold {
+            return (self.way(b, h, false), self.white(b, h));
         }
         // The noise's grid: a value is held over each step of it.
-        let starts_s = ends_s - h;
         let mut way = identity::<N>();
         let mut torque = [[0.0; N]; N];
-        let mut now = starts_s;
-        let mut grid = (starts_s / hold).floor() + 1.0;
+        let mut now = ends_s - h;
+        let mut grid = (now / hold).floor() + 1.0;
         loop {
             let stop = (grid * hold).min(ends_s);
             if stop > now {
@@ -101,7 +82,7 @@ impl Plant {
             now = stop;
             grid += 1.0;
         }
-        (way, torque, drift)
+        (way, torque)
     }
 
     /// How a state goes on; with `held`, the held torque pushes.
@@ -177,6 +158,19 @@ impl Plant {
         }
         q
     }
+}
+
+/// How a state goes on over a time where an unknown drive keeps a speed: torque noise makes another one beside it, which friction and
+/// drive damp.
+fn kept_up<const N: usize>(b: f64, h: f64) -> Square<N> {
+    let mut way = identity();
+    let (r, stays) = reach(b, h);
+    way[ANGLE][SPEED] = r;
+    way[SPEED][SPEED] = stays;
+    way[ANGLE][KEPT] = h;
+    way[ANGLE][DRIFT] = 0.5 * h * h;
+    way[KEPT][DRIFT] = h;
+    way
 }
 
 /// Covariance that a unit random walk of the acceleration makes over a time, by way of a speed.

@@ -60,9 +60,8 @@ impl Plant {
     /// Acceleration by friction about the course: what it is there, less what the damping of that interval has of it already.
     #[must_use]
     pub fn friction(&self, course: &Course, here: Here) -> f64 {
-        let at = course
-            .time_s
-            .partition_point(|time_s| *time_s < here.inside_s);
+        let times = &course.time_s;
+        let at = times.partition_point(|time_s| *time_s < here.inside_s);
         let slope = self.slopes.get(at).copied().unwrap_or(0.0);
         slope * here.speed - self.law.friction(here.speed).0 * here.way
     }
@@ -145,14 +144,11 @@ impl Plant {
                 state[ANGLE] += r * state[SPEED] + push * swept(b, h, r);
                 state[SPEED] = stays * state[SPEED] + push * r;
             };
-            let (begins, ends) = (before.max(from_s), now.min(until_s));
-            if begins >= ends {
-                go(now - before, 0.0);
-            } else {
-                go(begins - before, 0.0);
-                go(ends - begins, 1.0);
-                go(now - ends, 0.0);
-            }
+            let begins = from_s.max(before).min(now);
+            let ends = until_s.max(begins).min(now);
+            go(begins - before, 0.0);
+            go(ends - begins, 1.0);
+            go(now - ends, 0.0);
             *out = state;
         }
         Some(out)
@@ -171,17 +167,14 @@ impl Plant {
     #[must_use]
     pub fn fading(&self, course: &Course) -> Vec<f64> {
         let (mut angle, mut speed) = (0.0, 1.0);
-        (0..course.len())
-            .map(|at| {
-                if at > 0 {
-                    let h = course.time_s[at] - course.time_s[at - 1];
-                    let (reach, stays) = reach(self.fades(at), h);
-                    angle += reach * speed;
-                    speed *= stays;
-                }
-                angle
-            })
-            .collect()
+        let angle = |at: usize| {
+            let h = course.time_s[at] - course.time_s[at.saturating_sub(1)];
+            let (reach, stays) = reach(self.fades(at), h);
+            angle += reach * speed;
+            speed *= stays;
+            angle
+        };
+        (0..course.len()).map(angle).collect()
     }
 
     /// How sensitive a score is to an acceleration over each interval: the transposed of [`Self::response_over`] for one that is even over
@@ -241,17 +234,14 @@ impl<A, R: Fn(f64) -> f64> Pushed<'_, A, R> {
         let inside_s = 0.5 * (begun + stop);
         // On which side of a standstill the part is, its ends do not say.
         let way = sign(course.within(at, (inside_s - from) / h).1);
+        let foretold = self.foretold.then_some(course.steady[at]);
         let here = |time_s: f64| {
             let (angle, speed) = course.within(at, (time_s - from) / h);
             (self.acceleration)(Here {
                 time_s,
                 inside_s,
                 angle,
-                speed: if self.foretold {
-                    course.steady[at]
-                } else {
-                    speed
-                },
+                speed: foretold.unwrap_or(speed),
                 way,
             })
         };
@@ -268,12 +258,8 @@ impl<A, R: Fn(f64) -> f64> Pushed<'_, A, R> {
                         let reached = whole.0 * push + 4.0 * half.0 * middle;
                         let kept = whole.1 * push + 4.0 * half.1 * middle + last;
                         let sixth = step / 6.0;
-                        [
-                            angle + whole.0 * speed + sixth * reached,
-                            whole.1 * speed + sixth * kept,
-                            0.0,
-                            0.0,
-                        ]
+                        let angle = angle + whole.0 * speed + sixth * reached;
+                        [angle, whole.1 * speed + sixth * kept, 0.0, 0.0]
                     }
                 };
             }

@@ -5,11 +5,11 @@ mod rhythm;
 mod signal;
 mod torque;
 
-use rhythm::{Phasor, Span};
+use rhythm::Span;
 
 use super::diagnosis::{Answer, Finding, Sized};
 use super::edges::CountKind;
-use super::effect::{Carrier, Effect, Growth, Site};
+use super::effect::{Carrier, Growth, Site};
 use super::events::ROWS_A_GLITCH;
 use super::numbers::{self, Knob};
 use super::rig::Recorded;
@@ -113,19 +113,13 @@ fn learned(twin: &Twin, pattern: &[f64]) -> Result<Vec<f64>, TwinError> {
 
 /// Changes the section of an effect; false where none can say it.
 fn put(twin: &mut Twin, cell: &Sized, span: &Span) -> bool {
-    let Effect {
-        site,
-        carrier,
-        growth,
-        ..
-    } = cell.effect;
-    let (size, wave) = (cell.sizes[0], Phasor::of(&cell.sizes));
-    match site {
-        _ if growth != Growth::Constant => false,
-        Site::Disc(on) => signal::put_disc(twin, on, carrier, (size, wave), span),
-        Site::Level(on) => signal::put_level(twin, on, carrier, (size, wave), span),
+    let (carrier, size) = (cell.effect.carrier, cell.sizes[0]);
+    match cell.effect.site {
+        _ if cell.effect.growth != Growth::Constant => false,
+        Site::Disc(on) => signal::put_disc(twin, on, cell, span),
+        Site::Level(on) => signal::put_level(twin, on, cell, span),
         Site::Stamp(on) => carrier == Carrier::Steady && signal::put_delay(twin, on, size),
-        Site::Torque => torque::put_torque(twin, carrier, (size, wave), span),
+        Site::Torque => torque::put_torque(twin, cell, span),
         Site::Drive => torque::put_drift(twin, carrier, size),
         Site::Declared(_) => false,
     }

@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::rhythm::{Phasor, Span, same_or};
+use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::effect::{Carrier, On};
 use crate::diagnose::record::Change;
 use crate::twin::{
-    Bearing, Channel, EdgeDelay, Encoder, Flank, Harmonic, Hysteresis, LocalDefect, ThresholdDrift,
+    Bearing, Channel, EdgeDelay, Encoder, Flank, Hysteresis, LocalDefect, ThresholdDrift,
     ThresholdRipple, Twin,
 };
 
@@ -20,17 +21,12 @@ const fn channels(encoder: &Encoder) -> u8 {
 }
 
 /// The disc's errors, its run-out, defects and play.
-pub fn put_disc(
-    twin: &mut Twin,
-    on: On,
-    carrier: Carrier,
-    (size, wave): (f64, Phasor),
-    span: &Span,
-) -> bool {
+pub fn put_disc(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
+    let (size, wave) = (cell.sizes[0], Phasor::of(&cell.sizes));
     let errors = &mut twin.errors;
     let listed = errors.csv.is_some() || !errors.list_rad.is_empty();
     let channel = on.channel.map(Channel::numbered);
-    match carrier {
+    match cell.effect.carrier {
         // A list is in place of all other parts.
         Carrier::Steady | Carrier::Order(1.0 | 2.0) if listed => return false,
         Carrier::Steady if on.rises == Some(false) => {
@@ -57,20 +53,15 @@ pub fn put_disc(
             } else {
                 &mut errors.tilt
             };
-            let into = into.get_or_insert(Harmonic {
-                amplitude_rad: 0.0,
-                phase_rad: 0.0,
-            });
+            let into = into.get_or_insert_default();
             let wave = wave.backwards();
             wave.add_to(&mut into.amplitude_rad, &mut into.phase_rad);
         }
         Carrier::Order(order) if on == On::ALL && order.fract() != 0.0 => {
             let new = Bearing {
                 order,
-                phase_rad: 0.0,
-                torque_n_m: None,
-                speed_fraction: None,
                 runout_rad: Some(0.0),
+                ..Bearing::default()
             };
             let same =
                 |there: &Bearing| there.runout_rad.is_some() && span.same_order(there.order, order);
@@ -103,31 +94,24 @@ pub fn put_disc(
 }
 
 /// The comparator's level.
-pub fn put_level(
-    twin: &mut Twin,
-    on: On,
-    carrier: Carrier,
-    (size, wave): (f64, Phasor),
-    span: &Span,
-) -> bool {
+pub fn put_level(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
     let channel = on.channel.map(Channel::numbered);
-    match carrier {
+    match cell.effect.carrier {
         Carrier::Tone(f_hz) => {
             let new = ThresholdRipple {
                 f_hz,
-                phase_rad: 0.0,
-                angle_rad: 0.0,
                 channel,
+                ..ThresholdRipple::default()
             };
             let same = |there: &ThresholdRipple| {
                 there.channel == channel && span.same_frequency(there.f_hz, f_hz)
             };
             let there = same_or(&mut twin.threshold_ripple, same, new);
             there.f_hz = f_hz;
-            wave.add_to(&mut there.angle_rad, &mut there.phase_rad);
+            Phasor::of(&cell.sizes).add_to(&mut there.angle_rad, &mut there.phase_rad);
         }
         Carrier::Settling(from_s, tau_s) => twin.threshold_drift.push(ThresholdDrift {
-            angle_rad: size,
+            angle_rad: cell.sizes[0],
             tau_s,
             from_s: from_s.max(0.0),
             channel,

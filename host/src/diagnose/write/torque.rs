@@ -3,19 +3,16 @@
 use std::f64::consts::TAU;
 
 use super::rhythm::{Phasor, Span, same_or};
+use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::effect::Carrier;
 use crate::diagnose::plant::Swing;
 use crate::twin::{LoadStep, Ripple, SpeedDrift, TorqueTone, Twin};
 
 /// Torques and friction.
-pub fn put_torque(
-    twin: &mut Twin,
-    carrier: Carrier,
-    (size, wave): (f64, Phasor),
-    span: &Span,
-) -> bool {
+pub fn put_torque(twin: &mut Twin, cell: &Sized, span: &Span) -> bool {
+    let (size, wave) = (cell.sizes[0], Phasor::of(&cell.sizes));
     let shaft = &mut twin.shaft;
-    match carrier {
+    match cell.effect.carrier {
         Carrier::Order(order) => put_order(twin, order, wave, span),
         Carrier::Tone(f_hz) => put_tone(twin, f_hz, wave, span),
         Carrier::Window(from_s, until_s) => twin.load_step.push(LoadStep {
@@ -34,14 +31,13 @@ pub fn put_torque(
     true
 }
 
-/// Phase, torque and relative swing of the speed that a section of torque has.
-type Parts<'a> = (&'a mut f64, &'a mut Option<f64>, &'a mut Option<f64>);
-
-/// Adds a torque to that of a section; `turning` is its rate, rad/s.
-fn add(wave: Phasor, swing: &Swing, turning: f64, (phase_rad, torque, fraction): Parts<'_>) {
-    let mut sum = swing.torque(turning, *torque, *fraction);
-    wave.add_to(&mut sum, phase_rad);
-    (*torque, *fraction) = swing.sized(turning, sum);
+/// Adds a torque to that of a section; `$turning` is its rate, rad/s.
+macro_rules! add {
+    ($wave:expr, $swing:expr, $turning:expr, $one:expr) => {
+        let mut torque = $swing.torque($turning, $one.torque_n_m, $one.speed_fraction);
+        $wave.add_to(&mut torque, &mut $one.phase_rad);
+        ($one.torque_n_m, $one.speed_fraction) = $swing.sized($turning, torque);
+    };
 }
 
 /// Torque at an order: more of a section that has that order, else a motor's where it is whole, or a gear's.
@@ -50,12 +46,8 @@ fn put_order(twin: &mut Twin, order: f64, wave: Phasor, span: &Span) {
     let same = |there: f64| span.same_order(there, order);
     for one in &mut twin.bearing {
         if one.runout_rad.is_none() && same(one.order) {
-            let parts = (
-                &mut one.phase_rad,
-                &mut one.torque_n_m,
-                &mut one.speed_fraction,
-            );
-            return add(wave, &swing, one.order * swing.nominal, parts);
+            add!(wave, swing, one.order * swing.nominal, one);
+            return;
         }
     }
     let same = |there: &Ripple| same(there.order);
@@ -67,55 +59,38 @@ fn put_order(twin: &mut Twin, order: f64, wave: Phasor, span: &Span) {
     };
     let new = Ripple {
         order,
-        phase_rad: 0.0,
-        torque_n_m: None,
-        speed_fraction: None,
+        ..Ripple::default()
     };
     let one = same_or(into, same, new);
-    let parts = (
-        &mut one.phase_rad,
-        &mut one.torque_n_m,
-        &mut one.speed_fraction,
-    );
-    add(wave, &swing, one.order * swing.nominal, parts);
+    add!(wave, swing, one.order * swing.nominal, one);
 }
 
 fn put_tone(twin: &mut Twin, f_hz: f64, wave: Phasor, span: &Span) {
     let swing = Swing::of(twin);
     let new = TorqueTone {
         f_hz,
-        phase_rad: 0.0,
-        torque_n_m: None,
-        speed_fraction: None,
+        ..TorqueTone::default()
     };
     let same = |there: &TorqueTone| span.same_frequency(there.f_hz, f_hz);
     let one = same_or(&mut twin.torque_tone, same, new);
-    let parts = (
-        &mut one.phase_rad,
-        &mut one.torque_n_m,
-        &mut one.speed_fraction,
-    );
-    add(wave, &swing, TAU * one.f_hz, parts);
+    add!(wave, swing, TAU * one.f_hz, one);
 }
 
 /// Slow changes of the drive's speed.
 pub fn put_drift(twin: &mut Twin, carrier: Carrier, size: f64) -> bool {
     let there = twin.speed_drift;
-    let (mut rate, mut settling) = (None, None);
-    match (
-        carrier,
-        there.map_or(Some(0.0), |there| there.fraction_per_s),
-    ) {
-        (Carrier::Time, Some(before)) => rate = Some(before + size),
-        (Carrier::Settling(from_s, tau_s), _) if there.is_none() && from_s <= 0.0 => {
-            settling = Some((size, tau_s));
+    let rate = there.map_or(Some(0.0), |there| there.fraction_per_s);
+    let (fraction_per_s, fraction, tau_s) = match carrier {
+        Carrier::Time if rate.is_some() => (rate.map(|rate| rate + size), None, None),
+        Carrier::Settling(from_s, tau_s) if there.is_none() && from_s <= 0.0 => {
+            (None, Some(size), Some(tau_s))
         }
         _ => return false,
-    }
+    };
     twin.speed_drift = Some(SpeedDrift {
-        fraction_per_s: rate,
-        fraction: settling.map(|(size, _)| size),
-        tau_s: settling.map(|(_, tau_s)| tau_s),
+        fraction_per_s,
+        fraction,
+        tau_s,
     });
     true
 }
