@@ -8,7 +8,7 @@ use super::filter::{ANGLE, SPEED};
 use super::plant::{Here, Motion, Plant, Swing, sign};
 use super::record::Record;
 use super::speed_loop;
-use crate::twin::{Bearing, CaptureLatency, Channel, Drive, Ripple, SpeedDrift, Twin};
+use crate::twin::{Channel, Drive, Twin};
 
 /// What a twin says of a recording.
 #[derive(Clone, Debug)]
@@ -19,127 +19,77 @@ pub struct Declared {
     pub response: Vec<Motion>,
 }
 
-/// The twin's disc: errors of all edges of the grid as the recording counts them, rad.
-pub type Disc = Vec<f64>;
-
 /// A twin's effects that are sums of cells, each with its sizes.
 #[must_use]
 pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
     let swing = Swing::of(twin);
     let wave = |amplitude: f64, phase: f64| vec![amplitude * phase.sin(), amplitude * phase.cos()];
-    let mut all = Vec::new();
-    let of_order = |ripple: &Ripple| {
-        let torque = swing.torque(
-            ripple.order * swing.nominal,
-            ripple.torque_n_m,
-            ripple.speed_fraction,
-        );
-        (
-            Effect::new(Site::Torque, Carrier::Order(ripple.order)),
-            wave(torque, ripple.phase_rad),
-        )
-    };
-    all.extend(twin.ripple.iter().chain(&twin.gear_mesh).map(of_order));
-    for Bearing {
-        order,
-        phase_rad,
-        torque_n_m,
-        speed_fraction,
-        runout_rad,
-    } in &twin.bearing
-    {
-        let (site, amplitude) = match runout_rad {
-            Some(runout) => (Site::Disc(On::ALL), *runout),
-            None => (
-                Site::Torque,
-                swing.torque(order * swing.nominal, *torque_n_m, *speed_fraction),
-            ),
-        };
-        all.push((
-            Effect::new(site, Carrier::Order(*order)),
-            wave(amplitude, *phase_rad),
-        ));
-    }
-    for tone in &twin.torque_tone {
-        let torque = swing.torque(TAU * tone.f_hz, tone.torque_n_m, tone.speed_fraction);
-        all.push((
-            Effect::new(Site::Torque, Carrier::Tone(tone.f_hz)),
-            wave(torque, tone.phase_rad),
-        ));
-    }
-    for load in &twin.load_step {
-        let until_s = load.until_s.unwrap_or(f64::INFINITY);
-        all.push((
-            Effect::new(Site::Torque, Carrier::Window(load.from_s, until_s)),
-            vec![load.torque_n_m],
-        ));
-    }
     let on = |channel: Option<Channel>| On {
         channel: channel.map(|channel| channel as u8),
         rises: None,
     };
-    for ripple in &twin.threshold_ripple {
-        let effect = Effect::new(Site::Level(on(ripple.channel)), Carrier::Tone(ripple.f_hz));
-        all.push((effect, wave(ripple.angle_rad, ripple.phase_rad)));
+    let mut all = Vec::new();
+    let mut add = |site, carrier, sizes| all.push((Effect::new(site, carrier), sizes));
+    for one in twin.ripple.iter().chain(&twin.gear_mesh) {
+        let turning = one.order * swing.nominal;
+        let torque = swing.torque(turning, one.torque_n_m, one.speed_fraction);
+        let sizes = wave(torque, one.phase_rad);
+        add(Site::Torque, Carrier::Order(one.order), sizes);
     }
-    for drift in &twin.threshold_drift {
-        let effect = Effect::new(
-            Site::Level(on(drift.channel)),
-            Carrier::Settling(drift.from_s, drift.tau_s),
-        );
-        all.push((effect, vec![drift.angle_rad]));
+    for one in &twin.bearing {
+        let turning = one.order * swing.nominal;
+        let torque = || swing.torque(turning, one.torque_n_m, one.speed_fraction);
+        let (site, amplitude) = match one.runout_rad {
+            Some(runout) => (Site::Disc(On::ALL), runout),
+            None => (Site::Torque, torque()),
+        };
+        let sizes = wave(amplitude, one.phase_rad);
+        add(site, Carrier::Order(one.order), sizes);
+    }
+    for one in &twin.torque_tone {
+        let torque = swing.torque(TAU * one.f_hz, one.torque_n_m, one.speed_fraction);
+        let sizes = wave(torque, one.phase_rad);
+        add(Site::Torque, Carrier::Tone(one.f_hz), sizes);
+    }
+    for one in &twin.load_step {
+        let carrier = Carrier::Window(one.from_s, one.until_s.unwrap_or(f64::INFINITY));
+        add(Site::Torque, carrier, vec![one.torque_n_m]);
+    }
+    for one in &twin.threshold_ripple {
+        let sizes = wave(one.angle_rad, one.phase_rad);
+        add(Site::Level(on(one.channel)), Carrier::Tone(one.f_hz), sizes);
+    }
+    for one in &twin.threshold_drift {
+        let carrier = Carrier::Settling(one.from_s, one.tau_s);
+        add(Site::Level(on(one.channel)), carrier, vec![one.angle_rad]);
     }
     if let Some(play) = &twin.hysteresis {
-        all.push((
-            Effect::new(Site::Disc(on(play.channel)), Carrier::Direction),
-            vec![play.angle_rad],
-        ));
+        let site = Site::Disc(on(play.channel));
+        add(site, Carrier::Direction, vec![play.angle_rad]);
     }
     if let Some(play) = &twin.backlash {
-        all.push((
-            Effect::new(Site::Disc(On::ALL), Carrier::Direction),
-            vec![play.gap_rad],
-        ));
+        add(Site::Disc(On::ALL), Carrier::Direction, vec![play.gap_rad]);
     }
     let delays = twin.edge_delay.unwrap_or_default();
     let skew = twin.channel_skew.unwrap_or_default();
-    let each = [
-        (delays.a, skew.a_s),
-        (delays.b, skew.b_s),
-        (delays.c, skew.c_s),
-    ];
-    for (channel, (delay, skew_s)) in (0..).zip(each) {
-        for (rises, delay_s) in [
-            (true, delay.rise_s + skew_s),
-            (false, delay.fall_s + skew_s),
-        ] {
-            if delay_s != 0.0 {
-                let on = On {
-                    channel: Some(channel),
-                    rises: Some(rises),
-                };
-                all.push((Effect::new(Site::Stamp(on), Carrier::Steady), vec![delay_s]));
+    let delays = [delays.a, delays.b, delays.c];
+    let each = (0..).zip(delays).zip([skew.a_s, skew.b_s, skew.c_s]);
+    for ((channel, delay), skew_s) in each {
+        for (rises, delay_s) in [(true, delay.rise_s), (false, delay.fall_s)] {
+            let on = On {
+                channel: Some(channel),
+                rises: Some(rises),
+            };
+            if delay_s + skew_s != 0.0 {
+                add(Site::Stamp(on), Carrier::Steady, vec![delay_s + skew_s]);
             }
         }
     }
-    match twin.speed_drift {
-        Some(SpeedDrift {
-            fraction_per_s: Some(rate),
-            ..
-        }) => {
-            all.push((Effect::new(Site::Drive, Carrier::Time), vec![rate]));
-        }
-        Some(SpeedDrift {
-            fraction: Some(fraction),
-            tau_s: Some(tau_s),
-            ..
-        }) => {
-            all.push((
-                Effect::new(Site::Drive, Carrier::Settling(0.0, tau_s)),
-                vec![fraction],
-            ));
-        }
-        _ => {}
+    let drift = twin.speed_drift.unwrap_or_default();
+    if let Some(rate) = drift.fraction_per_s {
+        add(Site::Drive, Carrier::Time, vec![rate]);
+    } else if let (Some(fraction), Some(tau_s)) = (drift.fraction, drift.tau_s) {
+        add(Site::Drive, Carrier::Settling(0.0, tau_s), vec![fraction]);
     }
     // What is part of the disc is in its errors.
     let others = twin.effect.iter().map(|one| (one.effect(), one.sizes()));
@@ -178,13 +128,10 @@ impl Asked {
             Drive::Steps(steps) => {
                 let mut points: Vec<(f64, f64)> = Vec::new();
                 for step in steps {
-                    if let Some(&(_, before)) = points.last() {
-                        points.push((step.t_s, before));
-                    }
-                    points.push((
-                        if points.is_empty() { 0.0 } else { step.t_s },
-                        rad_s(step.r_min),
-                    ));
+                    let before = points.last().map(|(_, before)| (step.t_s, *before));
+                    points.extend(before);
+                    let from_s = before.map_or(0.0, |_| step.t_s);
+                    points.push((from_s, rad_s(step.r_min)));
                 }
                 points
             }
@@ -292,30 +239,30 @@ impl Declared {
             .collect();
         let mut response = drive(twin, &scene);
         for (effect, sizes) in effects(twin) {
-            if effect.site == Site::Drive {
-                continue;
-            }
-            if effect.site == Site::Torque {
-                for (motions, size) in effect.motions(&scene).iter().zip(&sizes) {
-                    for (into, by) in response.iter_mut().zip(motions) {
-                        into[ANGLE] += size * by[ANGLE];
-                        into[SPEED] += size * by[SPEED];
+            match effect.site {
+                Site::Drive => {}
+                Site::Torque => {
+                    for (motions, size) in effect.motions(&scene).iter().zip(&sizes) {
+                        for (into, by) in response.iter_mut().zip(motions) {
+                            into[ANGLE] += size * by[ANGLE];
+                            into[SPEED] += size * by[SPEED];
+                        }
                     }
                 }
-                continue;
-            }
-            for (column, size) in effect.columns(&scene).iter().zip(&sizes) {
-                for (into, by) in off.iter_mut().zip(column) {
-                    *into += size * by;
+                _ => {
+                    for (column, size) in effect.columns(&scene).iter().zip(&sizes) {
+                        let each = off.iter_mut().zip(column);
+                        each.for_each(|(into, by)| *into += size * by);
+                    }
                 }
             }
         }
-        late(twin, course, &mut off);
+        let mean_s = mean_late_s(twin);
+        let each = off.iter_mut().zip(&course.speed);
+        each.for_each(|(off, speed)| *off -= speed * mean_s);
         Self { off, response }
     }
-}
 
-impl Declared {
     /// What drive, torques and friction do to the angle, rad, less a straight way.
     #[must_use]
     pub fn angles(&self) -> Vec<f64> {
@@ -326,11 +273,7 @@ impl Declared {
 /// How late each stamp is by the delays that a twin declares, s.
 #[must_use]
 pub fn late_s(twin: &Twin, record: &Record) -> Vec<f64> {
-    let mean_s = twin
-        .capture_latency
-        .and_then(|latency| latency.mean_s)
-        .unwrap_or(0.0);
-    let mut late = vec![mean_s; record.len()];
+    let mut late = vec![mean_late_s(twin); record.len()];
     for (effect, sizes) in effects(twin) {
         if let Site::Stamp(on) = effect.site {
             for (at, late) in late.iter_mut().enumerate() {
@@ -343,17 +286,10 @@ pub fn late_s(twin: &Twin, record: &Record) -> Vec<f64> {
     late
 }
 
-/// What a declared latency of every capture makes of edges in the mean.
-fn late(twin: &Twin, course: &Course, off: &mut [f64]) {
-    if let Some(CaptureLatency {
-        mean_s: Some(mean_s),
-        ..
-    }) = twin.capture_latency
-    {
-        for (off, speed) in off.iter_mut().zip(&course.speed) {
-            *off -= speed * mean_s;
-        }
-    }
+/// Mean of a declared latency of every capture, s.
+fn mean_late_s(twin: &Twin) -> f64 {
+    let latency = twin.capture_latency;
+    latency.and_then(|latency| latency.mean_s).unwrap_or(0.0)
 }
 
 /// Part of a torque that is open over an interval in which the course is not known.
@@ -432,21 +368,13 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
         let samples = speed_loop::along(&looped, scene.record, twin, 0.0);
         let rate_hz = looped.rate_hz;
         let until = scene.course.time_s.last().copied().unwrap_or(0.0);
-        breaks.extend(
-            (0..)
-                .map(|k| f64::from(k) / rate_hz)
-                .take_while(|t| *t <= until),
-        );
+        let samples_s = (0..).map(|k| f64::from(k) / rate_hz);
+        breaks.extend(samples_s.take_while(|t| *t <= until));
         breaks.sort_by(f64::total_cmp);
         let push = |here: Here| {
             let at = (here.inside_s * rate_hz).floor().max(0.0) as usize;
-            samples
-                .push
-                .get(at)
-                .or(samples.push.last())
-                .copied()
-                .unwrap_or(0.0)
-                + friction(here)
+            let push = samples.push.get(at).or(samples.push.last());
+            push.copied().unwrap_or(0.0) + friction(here)
         };
         return moved(&push, &breaks);
     }
@@ -454,13 +382,10 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
         return vec![Motion::default(); scene.record.len()];
     }
     if let Drive::Torque(torque) = &twin.drive {
-        let points: Vec<(f64, f64)> = torque
-            .points()
-            .iter()
-            .map(|point| (point.t_s, point.torque_n_m / law.inertia))
-            .collect();
+        let points = torque.points().iter();
+        let points = points.map(|point| (point.t_s, point.torque_n_m / law.inertia));
         let given = Asked {
-            points,
+            points: points.collect(),
             drift: Vec::new(),
             follows: false,
         };
@@ -471,11 +396,7 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
         let mut push = friction(here);
         if here.inside_s < law.off_s {
             let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
-            let towards = if asked == 0.0 {
-                sign(rate)
-            } else {
-                sign(asked)
-            };
+            let towards = sign(if asked == 0.0 { rate } else { asked });
             // It balances friction at the speed asked for.
             let against = law.friction(asked).0 * towards;
             push += rate + (law.viscous + law.stiffness) * asked + against;

@@ -21,8 +21,12 @@ pub enum Step {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Path(Vec<Step>);
 
-/// Sections and keys that declare a mechanism, the more special ones first.
-const MECHANISMS: [(&str, Mechanism); 23] = [
+/// Sections and keys that declare a mechanism, the more special ones first. The shaft's inertia, and how stiffly the drive holds it, are none.
+const MECHANISMS: [(&str, Mechanism); 27] = [
+    ("shaft.viscous", Mechanism::Friction),
+    ("shaft.coulomb", Mechanism::Friction),
+    ("shaft.drag", Mechanism::Friction),
+    ("shaft.stribeck_", Mechanism::Friction),
     ("errors.width_", Mechanism::WidthError),
     ("errors.quadrature_rad", Mechanism::QuadratureError),
     ("errors.shift_", Mechanism::QuadratureError),
@@ -47,8 +51,6 @@ const MECHANISMS: [(&str, Mechanism); 23] = [
     ("backlash", Mechanism::Backlash),
     ("capture_latency", Mechanism::CaptureLatency),
 ];
-/// Keys of the shaft that are friction; its inertia, and how stiffly the drive holds it, are no mechanism.
-const FRICTION: [&str; 5] = ["viscous", "coulomb", "drag", "stribeck_n", "stribeck_rad"];
 /// Sections and keys that are no numbers of physics, or whose numbers show in the noise alone: how long is recorded, what counts, where
 /// it starts, sizes of noise.
 const LEFT_OUT: [&str; 16] = [
@@ -108,11 +110,15 @@ impl Path {
 
     /// The path of keys, without places in lists.
     fn dotted(&self) -> String {
-        let keys = self.0.iter().filter_map(|step| match step {
+        self.keys().join(".")
+    }
+
+    fn keys(&self) -> Vec<&str> {
+        let each = self.0.iter().filter_map(|step| match step {
             Step::Key(key) => Some(key.as_str()),
             Step::At(_) => None,
         });
-        keys.collect::<Vec<_>>().join(".")
+        each.collect()
     }
 
     /// The section that it is in.
@@ -164,15 +170,8 @@ impl Path {
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let dotted = self.dotted();
-        if FRICTION
-            .iter()
-            .any(|key| dotted.starts_with(&format!("shaft.{key}")))
-        {
-            return Mechanism::Friction;
-        }
-        MECHANISMS
-            .iter()
-            .find(|(start, _)| dotted.starts_with(start))
+        let mut each = MECHANISMS.iter();
+        each.find(|(start, _)| dotted.starts_with(start))
             .map_or(Mechanism::Unknown, |(_, mechanism)| *mechanism)
     }
 
@@ -190,14 +189,7 @@ impl Path {
     /// Its name within its mechanism's section: "torque_n_m", "a.rise_s".
     #[must_use]
     pub fn name(&self) -> String {
-        let keys: Vec<&str> = self
-            .0
-            .iter()
-            .filter_map(|step| match step {
-                Step::Key(key) => Some(key.as_str()),
-                Step::At(_) => None,
-            })
-            .collect();
+        let keys = self.keys();
         let from = match keys.as_slice() {
             ["edge_delay", ..] => 1,
             _ => keys.len().saturating_sub(1),
@@ -228,13 +220,6 @@ impl Path {
             .iter()
             .find(|(end, _)| self.last().ends_with(end))
             .map_or("1", |(_, unit)| unit)
-    }
-
-    /// Whether the disc's errors go by it.
-    #[must_use]
-    pub fn of_disc(&self) -> bool {
-        let dotted = self.dotted();
-        dotted.starts_with("errors") || dotted.starts_with("local_defect")
     }
 }
 
@@ -380,14 +365,8 @@ fn collect(tree: &Value, value: &Value, path: &Path, all: &mut Vec<Knob>) {
             let swings = section
                 .get(tree)
                 .is_some_and(|section| SWINGS.iter().any(|key| section.get(key).is_some()));
-            let size_here = || {
-                AMPLITUDES.iter().any(|key| {
-                    section
-                        .key(key)
-                        .number(tree)
-                        .is_some_and(|size| size != 0.0)
-                })
-            };
+            let is_size = |key: &&str| section.key(key).number(tree).is_some_and(|of| of != 0.0);
+            let size_here = || AMPLITUDES.iter().any(is_size);
             if swings && AMPLITUDES.contains(&path.last()) {
                 if *number != 0.0 {
                     all.push(Knob::Wave(path.clone(), section.key(PHASE)));
