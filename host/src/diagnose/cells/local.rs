@@ -65,7 +65,7 @@ fn best_two(mut all: Vec<(f64, Effect)>) -> impl Iterator<Item = (f64, Effect)> 
     all.into_iter().take(2)
 }
 
-/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
+/// The best of all pairs of instants, of each recording.
 pub fn loads(steps: &[Vec<Step>], left: &Left<'_>) -> Vec<Candidate> {
     let each = steps.iter().zip(&left.board.benches);
     let each = each.zip(left.scores(Site::Torque));

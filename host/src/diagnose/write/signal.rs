@@ -11,18 +11,15 @@ use crate::twin::{
     ThresholdRipple, Twin,
 };
 
-/// Channels of an encoder.
-const fn channels(encoder: &Encoder) -> u8 {
-    match encoder {
-        Encoder::Quadrature { .. } => 2,
-        Encoder::Hall { .. } => 3,
-        Encoder::Wheel { .. } => 1,
-    }
+/// Channels of a twin's encoder, each with a rise and a fall a line.
+const fn channels(twin: &Twin) -> usize {
+    twin.encoder.edges_per_line() as usize / 2
 }
 
 /// The disc's errors, its run-out, defects and play.
 pub fn put_disc(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
     let (size, wave) = (cell.sizes[0], Phasor::of(&cell.sizes));
+    let channels = channels(twin);
     let errors = &mut twin.errors;
     let listed = errors.csv.is_some() || !errors.list_rad.is_empty();
     let channel = on.channel.map(Channel::numbered);
@@ -35,7 +32,7 @@ pub fn put_disc(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
                 &mut errors.width_b_rad,
                 &mut errors.width_c_rad,
             ];
-            for (channel, width) in (0..channels(&twin.encoder)).zip(widths) {
+            for (channel, width) in (0..).zip(widths).take(channels) {
                 if on.channel.is_none_or(|one| one == channel) {
                     *width += size;
                 }
@@ -123,6 +120,7 @@ pub fn put_level(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
 
 /// Delays; those of all channels grow together where one would come before its edge, which shows nowhere.
 pub fn put_delay(twin: &mut Twin, on: On, size: f64) -> bool {
+    let channels = channels(twin);
     let mut all = if on.rises.is_none() {
         let skew = twin.channel_skew.get_or_insert_default();
         [&mut skew.a_s, &mut skew.b_s, &mut skew.c_s].map(|delay| vec![(true, delay)])
@@ -131,7 +129,7 @@ pub fn put_delay(twin: &mut Twin, on: On, size: f64) -> bool {
         [a, b, c].map(|both| vec![(true, &mut both.rise_s), (false, &mut both.fall_s)])
     };
     let mut least: f64 = 0.0;
-    let all = &mut all[..usize::from(channels(&twin.encoder))];
+    let all = &mut all[..channels];
     for (channel, each) in (0..).zip(&mut *all) {
         for (rises, delay) in each {
             let change = Change {
