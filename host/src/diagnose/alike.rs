@@ -13,6 +13,9 @@ const NEAR: f64 = 0.5;
 const RIVALS: usize = 4;
 const BETTER: f64 = 2.0;
 
+/// Part of the evidence of a loud torque that its course between so few edges leaves open.
+const AS_EXACT: f64 = 1e-4;
+
 /// What a finding may be as well.
 #[derive(Clone, Debug, Default)]
 pub struct Alike {
@@ -69,7 +72,7 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         };
         let images = images.into_iter().filter(|image| {
             let (_, gain) = board.beside(&rest, &basis, &[*image]);
-            worth - search::evidence(board, gain, 2) < ALIKE
+            worth - search::evidence(board, gain, 2) < ALIKE + AS_EXACT * worth
         });
         let mut images: Vec<Effect> = images.collect();
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -295,6 +295,17 @@ mod tests {
     }
 
     #[test]
+    fn some_of_some_edges_are_edges_of_the_same_disc() {
+        let all = record();
+        let few = all.of_some(301).of_some(58);
+        for at in 0..few.len() {
+            let same = few.time_s[at] as usize;
+            assert!((few.grid_rad(at) - all.grid_rad(same)).abs() < 1e-12);
+            assert_eq!(few.change(at), all.change(same));
+        }
+    }
+
+    #[test]
     fn some_edges_are_evenly_spaced_and_of_all_classes() {
         // Numbers of edges with which every so manieth one would be of one class.
         for edges in [128, 200, 256, 399] {

@@ -398,3 +398,78 @@ fn of_many_edges_all_bear_on_a_size() {
     // A third of the edges leaves 1.6 times as much, 52 nrad.
     assert!(most - least < 36e-9, "{least} {most}");
 }
+
+/// A motor with Hall sensors whose disc is off its centre, running up.
+const HALL: &str = "seed = 4\nduration = { turns = 60 }\n[encoder.hall]\npole_pairs = 5\n\
+    [errors]\nposition = { normal = { rms_rad = 3e-3 } }\neccentricity = { amplitude_rad = 0.02, phase_rad = 1.0 }\n\
+    [shaft]\ninertia_kg_m2 = 4.6e-3\nviscous_n_m_s = 2e-4\n[drive.ramp]\nfrom_r_min = 100\nto_r_min = 230\nover_s = 20\n\
+    [noise.white]\npsd_n2_m2_s = 6e-10\n[timer]\nclock_hz = 72_000_000\njitter_s = 4e-8\n";
+
+#[test]
+fn a_torque_past_half_of_the_edges_is_told_from_the_lower_one_where_edges_come_unevenly() {
+    // 30 edges a turn, all but evenly: an order of 18 looks like one of 12 with sidebands.
+    let ripples = "[[ripple]]\norder = 12\nphase_rad = 4.0\ntorque_n_m = 0.048\n\
+        [[ripple]]\norder = 18\nphase_rad = 3.6\ntorque_n_m = 0.043\n";
+    let thin = "duration = { turns = 60 }\n[encoder.hall]\npole_pairs = 5\n[shaft]\ninertia_kg_m2 = 4.6e-3\n\
+        [timer]\nclock_hz = 72_000_000\n";
+    let answer = against(&format!("{HALL}{ripples}"), thin);
+    let torques = answer.diagnosis.findings.iter();
+    let torques = torques.filter(|one| one.mechanism == Mechanism::TorqueRipple);
+    let mut orders: Vec<f64> = torques.clone().map(|one| one.place.orders[0]).collect();
+    orders.sort_by(f64::total_cmp);
+    assert_eq!(orders, [12.0, 18.0], "{:?}", said(&answer));
+    for one in torques {
+        let truth = if one.place.orders[0] == 12.0 {
+            0.048
+        } else {
+            0.043
+        };
+        let [least, most] = one.parameters["torque_n_m"].ci95.unwrap();
+        let wide = most - least;
+        assert!(
+            least - wide < truth && truth < most + wide,
+            "{truth}: {least} {most}"
+        );
+    }
+}
+
+#[test]
+fn a_torque_of_which_even_edges_show_two_orders_is_said_to_have_either() {
+    let even = HALL
+        .lines()
+        .filter(|line| !line.starts_with("position") && !line.starts_with("eccentricity"));
+    let even: String = even.map(|line| format!("{line}\n")).collect();
+    let ripple = "[[ripple]]\norder = 18\nphase_rad = 3.6\ntorque_n_m = 0.043\n";
+    let answer = against(&format!("{even}{ripple}"), &even);
+    let [text] = said(&answer)[..] else {
+        panic!("{:?}", said(&answer));
+    };
+    assert!(
+        text.contains("order 12") && text.contains("or at 18"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_family_has_the_orders_that_show_and_no_other() {
+    let begins = PAIR_FAST.find("# A torque").unwrap();
+    let ends = PAIR_FAST.find("[noise.white]").unwrap();
+    let given = format!("{}{}", &PAIR_FAST[..begins], &PAIR_FAST[ends..]);
+    let answer = against(PAIR_FAST, &given);
+    let orders = answer.diagnosis.findings.iter();
+    let mut orders: Vec<f64> = orders.flat_map(|one| one.place.orders.clone()).collect();
+    orders.sort_by(f64::total_cmp);
+    assert_eq!(orders, [5.0, 10.0], "{:?}", said(&answer));
+}
+
+#[test]
+fn effects_that_no_recording_tells_apart_are_the_same() {
+    let board = board(PAIR_FAST);
+    let torque = |order: f64| Effect::new(Site::Torque, Carrier::Order(order));
+    // 13 turns tell orders apart by a thirteenth.
+    assert!(board.is_same(&torque(5.3), &torque(5.31)));
+    assert!(!board.is_same(&torque(5.3), &torque(5.5)));
+    let tone = Effect::new(Site::Torque, Carrier::Tone(5.3));
+    assert!(!board.is_same(&torque(5.3), &tone));
+    assert!(!board.is_same(&torque(5.3), &Effect::new(Site::Drive, Carrier::Order(5.3))));
+}
