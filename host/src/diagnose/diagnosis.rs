@@ -144,6 +144,8 @@ pub struct Parameter {
 pub struct Place {
     /// Cycles a turn.
     pub orders: Vec<f64>,
+    /// Orders that so few edges a turn do not tell from it.
+    pub orders_alike: Vec<f64>,
     /// Hz.
     pub frequencies_hz: Vec<f64>,
     /// Degrees of the disc.

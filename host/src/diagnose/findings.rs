@@ -165,7 +165,6 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
     let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
     let known_inertia = board.benches.iter().all(inertia);
-    let edges = board.benches.first().map_or(0, |bench| bench.record.edges);
     let each = fit.model.groups().into_iter().map(|group| {
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
@@ -225,6 +224,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             expected: Vec::new(),
         });
         let mut place = name::place(board, &effects);
+        place.orders_alike = name::place(board, images).orders;
         if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
             place.speed_exponent = Some(f64::from(exponent));
         }
@@ -236,7 +236,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
                     name::text(&effects)
                 ),
                 None if !corrected.is_empty() => correct::text(&corrected, spread),
-                None => name::text(&effects) + &name::images(images, edges),
+                None => name::text(&effects),
             },
             confidence: (1.0 - (-0.5 * worth).exp()).max(0.0) / (1.0 + against),
             parameters: if !corrected.is_empty() {
@@ -419,7 +419,11 @@ fn open(finding: &Finding) -> bool {
 fn rhythms(finding: &Finding) -> Vec<String> {
     let place = &finding.place;
     let orders = place.orders.iter();
-    let orders = orders.map(|order| format!("order {}", digits(*order)));
+    let alike = place.orders_alike.iter();
+    let alike: String = alike
+        .map(|order| format!(" or {}", digits(*order)))
+        .collect();
+    let orders = orders.map(|order| format!("order {}{alike}", digits(*order)));
     let tones = place.frequencies_hz.iter();
     orders
         .chain(tones.map(|hz| format!("{} Hz", digits(*hz))))

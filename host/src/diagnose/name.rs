@@ -314,21 +314,6 @@ pub fn place(board: &Board, effects: &[Effect]) -> Place {
     place
 }
 
-/// Orders that look alike at so many edges a turn, in words.
-#[must_use]
-pub fn images(images: &[Effect], edges: i64) -> String {
-    let orders = images.iter().filter_map(|image| match image.carrier {
-        Carrier::Order(order) => Some(format!("{order:.4}")),
-        _ => None,
-    });
-    let orders: Vec<String> = orders.collect();
-    if orders.is_empty() {
-        return String::new();
-    }
-    let orders = orders.join(" or ");
-    format!(", or at {orders}: {edges} edges a turn do not tell them apart")
-}
-
 /// A group of effects in a sentence.
 #[must_use]
 pub fn text(effects: &[Effect]) -> String {

@@ -441,13 +441,13 @@ fn a_torque_of_which_even_edges_show_two_orders_is_said_to_have_either() {
     let even: String = even.map(|line| format!("{line}\n")).collect();
     let ripple = "[[ripple]]\norder = 18\nphase_rad = 3.6\ntorque_n_m = 0.043\n";
     let answer = against(&format!("{even}{ripple}"), &even);
-    let [text] = said(&answer)[..] else {
+    let [finding] = &answer.diagnosis.findings[..] else {
         panic!("{:?}", said(&answer));
     };
-    assert!(
-        text.contains("order 12") && text.contains("or at 18"),
-        "{text}"
-    );
+    assert_eq!(finding.place.orders, [12.0]);
+    assert_eq!(finding.place.orders_alike, [18.0, 42.0]);
+    let summary = &answer.diagnosis.summary;
+    assert!(summary.contains("at order 12 or 18 or 42"), "{summary}");
 }
 
 #[test]

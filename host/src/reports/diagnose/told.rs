@@ -47,7 +47,10 @@ pub(super) fn told(answer: &Answer, index: usize, finding: &Finding) -> Told {
         }
     };
     add("What", vec![without_name(finding, effects)]);
-    add("Where", vec![place(finding, effects), instants(finding)]);
+    add(
+        "Where",
+        vec![place(finding, effects), orders(finding), instants(finding)],
+    );
     add("How much", how_much(finding, effects));
     add("How sure", vec![sure(finding)]);
     let share = answer.shares.get(index).copied().flatten();
@@ -76,6 +79,19 @@ fn place(finding: &Finding, effects: &[Sized]) -> String {
     match effects {
         [] => sentence(finding.text.trim().trim_end_matches('.')),
         effects => sentence(&cell(effects)),
+    }
+}
+
+/// Orders that it may have as well.
+fn orders(finding: &Finding) -> String {
+    let orders = finding.place.orders_alike.iter();
+    let orders: Vec<String> = orders.map(|order| format!("{order}")).collect();
+    match orders.is_empty() {
+        true => String::new(),
+        false => format!(
+            "Or at order {}: so few edges a turn do not tell them apart, and its torque would be another",
+            list_or(&orders)
+        ),
     }
 }
 
