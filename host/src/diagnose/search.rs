@@ -40,6 +40,9 @@ const LOUD: f64 = 0.05;
 const COURSES: usize = 3;
 /// Findings that are put elsewhere at the most, after one has been added.
 const EXCHANGES: usize = 4;
+/// Orders of a disc that may be as large as they like: what is off the centre, tilted or bent moves all edges of a part of the turn.
+const LOW: i64 = 8;
+
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
 /// class are off.
 #[must_use]
@@ -47,6 +50,11 @@ pub fn nuisances(board: &Board) -> Model {
     let mut model = Model::default();
     if !board.disc_given {
         model.add(&cells::classes(board), usize::MAX);
+        let edges = board.benches.iter().map(|bench| bench.record.edges).min();
+        let orders = (1..=LOW).filter(|order| 16 * order < edges.unwrap_or(0));
+        let orders =
+            orders.map(|order| Effect::new(Site::Disc(On::ALL), Carrier::Order(order as f64)));
+        model.add(&orders.collect::<Vec<_>>(), usize::MAX);
     }
     let steady = board
         .benches
