@@ -106,7 +106,6 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             images,
         });
     }
-    board.fit_noise(&fit.model);
-    *fit = board.fit(&fit.model);
+    *fit = board.fit_in_noise(&fit.model);
     all
 }

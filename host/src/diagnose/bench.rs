@@ -305,6 +305,12 @@ impl Bench {
         rest.copy_from_slice(&solved.left);
     }
 
+    /// Takes errors of the disc's edges off angles.
+    pub fn less_errors(&self, angles: &mut [f64], errors: &[f64]) {
+        let each = angles.iter_mut().enumerate();
+        each.for_each(|(at, angle)| *angle -= errors[self.record.slot(at)]);
+    }
+
     /// Residual angles that rounding to ticks alone would leave, had the shaft gone as the filter has it beside a residual.
     #[must_use]
     pub fn rounded(&self, rest: &[f64], stamp_s: f64) -> Vec<f64> {

@@ -2,6 +2,7 @@
 
 use super::diagnosis::{Evidence, Finding, Parameter, Place};
 use super::effect::{Here, Site};
+use super::lsq;
 use super::model::{Board, Fit, Model, Term};
 use super::name::NINETY_FIVE;
 use super::search;
@@ -24,8 +25,7 @@ pub fn rests(board: &Board, model: &Model) -> Vec<Vec<f64>> {
     let mut rests = board.rest(model);
     if let Some(errors) = pattern(board, &rests) {
         for (bench, rest) in board.benches.iter().zip(&mut rests) {
-            let each = rest.iter_mut().enumerate();
-            each.for_each(|(at, rest)| *rest -= errors[bench.record.slot(at)]);
+            bench.less_errors(rest, &errors);
         }
     }
     rests
@@ -49,8 +49,7 @@ pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
         };
         for term in model.terms.iter().filter(shifts) {
             for (column, size) in bench.columns(&term.effect).iter().zip(&term.sizes) {
-                let each = off.iter_mut().zip(column);
-                each.for_each(|(off, by)| *off += size * by);
+                lsq::add(&mut off, *size, column);
             }
         }
         off

@@ -18,6 +18,14 @@ pub struct Solution {
 /// Share of a column that has to be its own, beside the others, as a square.
 const OWN: f64 = 1e-11;
 
+/// Rounds of re-linearisation at the most, which bound the time.
+pub const ROUNDS: usize = 8;
+
+/// So many parts of a step of Gauss and Newton that are tried until one helps.
+pub fn shares(count: usize) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(1.0), |share| Some(0.3 * share)).take(count)
+}
+
 /// Fits columns to a row of numbers. A column that is none of its own beside those before it gets the size 0 and no variance.
 #[must_use]
 pub fn solve(columns: &[&[f64]], target: &[f64]) -> Solution {
@@ -69,9 +77,7 @@ pub fn solve(columns: &[&[f64]], target: &[f64]) -> Solution {
     let mut left = target.to_vec();
     for (column, size) in columns.iter().zip(&sizes) {
         if *size != 0.0 {
-            left.iter_mut()
-                .zip(*column)
-                .for_each(|(left, of)| *left -= size * of);
+            add(&mut left, -size, column);
         }
     }
     let rss = dot(&left, &left);
@@ -139,11 +145,7 @@ impl Basis {
     /// Takes what is of the basis off a column.
     pub fn clear(&self, column: &mut [f64]) {
         for one in &self.columns {
-            let by = dot(one, column);
-            column
-                .iter_mut()
-                .zip(one)
-                .for_each(|(value, of)| *value -= by * of);
+            add(column, -dot(one, column), one);
         }
     }
 
@@ -177,6 +179,13 @@ impl Basis {
         }
         gain
     }
+}
+
+/// Adds so much of a row to another one.
+#[inline]
+pub fn add(into: &mut [f64], by: f64, row: &[f64]) {
+    let each = into.iter_mut().zip(row);
+    each.for_each(|(into, of)| *into += by * of);
 }
 
 /// Sum of products.

@@ -7,13 +7,6 @@ use super::lsq;
 use super::model::{Board, Fit, Model, pushes};
 use super::scan::{SURE, evidence};
 
-/// Rounds of re-linearisation at the most.
-const ROUNDS: usize = 6;
-/// First step over the mean speed: of waves of one a turn it changes so much.
-const STEP: f64 = 1e-3;
-/// Part of a step that is taken where the whole one does not help, and how often.
-const SHORTER: f64 = 0.3;
-const SHORTENED: usize = 3;
 /// Fall of the sum of squares that is worth another round.
 const WORTH: f64 = 1.0;
 
@@ -24,27 +17,24 @@ impl Board {
             return false;
         }
         let before = self.fit(model);
-        let mut best: Option<(Self, Fit)> = None;
-        for _ in 0..ROUNDS {
-            let (board, fit) = best.as_ref().map_or((&*self, &before), |(a, b)| (a, b));
-            let Some(better) = board.held_better(fit) else {
+        let cost = self.held_cost(&before);
+        let mut best = (self.clone(), before, cost);
+        for _ in 0..6 {
+            let Some(better) = best.0.held_better(&best.1) else {
                 break;
             };
-            let gain = board.held_cost(fit) - better.0.held_cost(&better.1);
-            best = Some(better);
+            let gain = best.2 - better.2;
+            best = better;
             if gain < WORTH {
                 break;
             }
         }
         // Where waves of one speed alone show it, it is as good as any torque's phase.
-        let cost = self.held_cost(&before);
-        let gain = |best: &(Self, Fit)| cost - best.0.held_cost(&best.1);
-        let sure = |best: &(Self, Fit)| evidence(self, gain(best), 1) > SURE;
-        let Some((board, _)) = best.filter(sure) else {
-            return false;
-        };
-        *self = board;
-        true
+        let sure = evidence(self, cost - best.2, 1) > SURE;
+        if sure {
+            *self = best.0;
+        }
+        sure
     }
 
     /// Twice the negative logarithm of the likelihood, but for a constant: how stiffly a shaft is held bears on what noise makes as well.
@@ -60,21 +50,17 @@ impl Board {
             || terms.any(|term| !term.nuisance && pushes(term.effect.site))
     }
 
-    /// The board with another stiffness that fits better, and the fit.
-    fn held_better(&self, fit: &Fit) -> Option<(Self, Fit)> {
+    /// The board with another stiffness that fits better, the fit, and its cost.
+    fn held_better(&self, fit: &Fit) -> Option<(Self, Fit, f64)> {
         let each = self.benches.iter();
         let speed = each.fold(0.0, |most: f64, bench| most.max(bench.course.mean()));
-        let step = STEP * speed;
-        let moved = self.stiffer(step)?;
-        let (rest, other) = (self.rest(&fit.model), moved.rest(&fit.model));
-        let slope: Vec<Vec<f64>> = rest
-            .iter()
-            .zip(&other)
-            .map(|(rest, other)| {
-                let each = rest.iter().zip(other);
-                each.map(|(rest, other)| (rest - other) / step).collect()
-            })
-            .collect();
+        // Of waves of one a turn it changes a thousandth.
+        let step = 1e-3 * speed;
+        let (mut slope, moved) = (self.rest(&fit.model), self.stiffer(step)?.rest(&fit.model));
+        for (slope, moved) in slope.iter_mut().zip(moved) {
+            let each = slope.iter_mut().zip(moved);
+            each.for_each(|(slope, moved)| *slope = (*slope - moved) / step);
+        }
         let slope = self.white(&slope);
         let mut columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
         columns.push(&slope);
@@ -82,19 +68,13 @@ impl Board {
         if fit.rss - solved.rss < WORTH {
             return None;
         }
-        let mut by = *solved.sizes.last()?;
-        for _ in 0..SHORTENED {
-            let tried = self.stiffer(by).map(|board| {
-                let tried = board.fit(&fit.model);
-                (board, tried)
-            });
-            let cost = self.held_cost(fit);
-            if let Some(better) = tried.filter(|(board, tried)| board.held_cost(tried) < cost) {
-                return Some(better);
-            }
-            by *= SHORTER;
-        }
-        None
+        let (by, cost) = (*solved.sizes.last()?, self.held_cost(fit));
+        lsq::shares(3).find_map(|share| {
+            let board = self.stiffer(share * by)?;
+            let tried = board.fit(&fit.model);
+            let here = board.held_cost(&tried);
+            (here < cost).then_some((board, tried, here))
+        })
     }
 
     /// The board with a drive that is stiffer by so much over the inertia, 1/s.

@@ -126,7 +126,10 @@ pub fn estimate(
     for (record, by) in records.iter_mut().zip(turns) {
         record.place.iter_mut().for_each(|place| *place += by);
     }
-    let mut board = Board::levelled(benches(&records, &twin));
+    let mut board = Board::of(benches(&records, &twin));
+    // Of recordings of which nothing is known nothing is missing.
+    board.levels = true;
+    let mut board = board.at_rest();
     settle(&mut board, &twin);
     renoise(&mut board, &records, &twin, &Model::default());
     progress(0.3, "Looking for delays");

@@ -5,22 +5,9 @@ use rayon::prelude::*;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::lsq::{Basis, dot};
-use crate::diagnose::model::{Board, Fit, Model};
+use crate::diagnose::model::{Board, Correction, Fit, Model};
 use crate::diagnose::numbers::{self, Knob};
 use crate::mechanism::Mechanism;
-
-/// A declared knob that is fitted.
-#[derive(Clone, Debug)]
-pub struct Correction {
-    /// It.
-    pub knob: Knob,
-    /// Its values as declared.
-    pub declared: Vec<f64>,
-    /// Its values in the twins that the board goes by.
-    pub now: Vec<f64>,
-    /// Index of its first value among [`Site::Declared`].
-    pub(super) first: usize,
-}
 
 /// A knob with what a small change of each of its values does.
 #[derive(Clone, Debug)]

@@ -9,31 +9,21 @@ mod words;
 
 use rayon::prelude::*;
 
-pub use knobs::{Candidate, Correction, Slopes, all, candidates};
+pub use knobs::{Candidate, Slopes, all, candidates};
 pub use words::{Measured, declared, measured, parameters, text};
 
 use super::bench::Bench;
 use super::effect::{Effect, Site};
-use super::lsq::{self, Basis, dot};
-use super::model::{Board, Fit, Model};
+use super::lsq::{self, Basis, add, dot};
+use super::model::{Board, Correction, Fit, Model};
 use super::numbers::{self, Knob};
 use crate::mechanism::Mechanism;
 use crate::sim;
 
-/// Rounds of re-linearisation at the most, which bound the time.
-const ROUNDS: usize = 8;
-/// Parts of a step that are tried until one helps.
-const SHARES: [f64; 4] = [1.0, 0.3, 0.09, 0.027];
 /// Part of its standard error by which a number may still move.
 const SETTLED: f64 = 0.05;
 /// Part of a column's square that is its own, up to which it is the same as others.
 const SAME: f64 = 1e-2;
-
-/// Adds so much of a column.
-fn add(into: &mut [f64], by: f64, column: &[f64]) {
-    let each = into.iter_mut().zip(column);
-    each.for_each(|(into, of)| *into += by * of);
-}
 
 impl Board {
     /// Adds a knob to those that are fitted; its effects.
@@ -201,12 +191,12 @@ impl Board {
         let mut board = self.clone();
         let mut fit = board.fit(model);
         let mut cost = board.cost(&fit);
-        for _ in 0..ROUNDS {
+        for _ in 0..lsq::ROUNDS {
             let wanted = board.values(&fit.model);
             if board.is_settled(&fit, &wanted) {
                 break;
             }
-            let better = SHARES.iter().find_map(|share| {
+            let better = lsq::shares(4).find_map(|share| {
                 let part = |(own, wanted): (&Correction, &Vec<f64>)| {
                     let each = own.now.iter().zip(wanted);
                     each.map(|(now, wanted)| now + share * (wanted - now))

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::knobs::Correction;
 use crate::diagnose::diagnosis::{Parameter, Sized};
-use crate::diagnose::model::{Board, Fit};
+use crate::diagnose::model::{Board, Correction, Fit};
 use crate::diagnose::name::{NINETY_FIVE, Number};
 use crate::report::si;
 

@@ -1,0 +1,276 @@
+//! Recordings of one rig beside their twins, in a noise and about a course that bear on each other.
+
+use rayon::prelude::*;
+
+use super::Model;
+use crate::diagnose::bench::Bench;
+use crate::diagnose::columns::White;
+use crate::diagnose::disc;
+use crate::diagnose::filter::Noise;
+use crate::diagnose::lsq;
+use crate::diagnose::noise::{Free, Tails};
+use crate::diagnose::numbers::Knob;
+use crate::diagnose::pattern::Pattern;
+use crate::diagnose::record::Record;
+use crate::twin::{Drive, Errors};
+
+/// All recordings of a rig beside their twins.
+#[derive(Clone, Debug)]
+pub struct Board {
+    /// One a recording.
+    pub benches: Vec<Bench>,
+    /// The noise of all.
+    pub noise: Noise,
+    /// What of the noise is not said.
+    pub free: Free,
+    /// Whether the twins do not say how the shaft is driven.
+    pub undriven: bool,
+    /// Whether noise has levels of its own in stretches of a recording: a misfit has them as well.
+    pub levels: bool,
+    /// The disc's pattern, where it is part of what is fitted.
+    pub pattern: Option<Pattern>,
+    /// Whether the twins give the disc, so that another one is a finding.
+    pub disc_given: bool,
+    /// Rounds in which pattern and noise are found at the most.
+    pub rounds: usize,
+    /// Numbers that the twins declare and that are fitted, in the order of their effects.
+    pub corrections: Vec<Correction>,
+    /// White columns in the present noise.
+    pub white: White,
+}
+
+/// A declared knob that is fitted.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    /// It.
+    pub knob: Knob,
+    /// Its values as declared.
+    pub declared: Vec<f64>,
+    /// Its values in the twins that the board goes by.
+    pub now: Vec<f64>,
+    /// Index of its first value among effects that the twins declare.
+    pub first: usize,
+}
+
+/// Rounds in which pattern and noise are found at the most, and in a hurry: where likelihoods of models alike are compared.
+pub(super) const SIZED: usize = 12;
+pub(super) const COMPARED: usize = 2;
+/// Rounds in which the noise and one thing more that bears on it are found at the most.
+pub(super) const BOTH: usize = 4;
+
+impl Board {
+    /// Of recordings beside their twins, in the noise that fits them so.
+    #[must_use]
+    pub fn new(benches: Vec<Bench>) -> Self {
+        Self::of(benches).at_rest()
+    }
+
+    /// The same in any noise.
+    #[must_use]
+    pub fn of(benches: Vec<Bench>) -> Self {
+        let ticks = benches.iter().map(|bench| bench.record.tick_s);
+        let mut twins = benches.iter().map(|bench| &bench.twin);
+        let undriven = twins.clone().any(|twin| twin.drive == Drive::Unknown);
+        let disc_given =
+            twins.all(|twin| twin.errors != Errors::default() || !twin.local_defect.is_empty());
+        Self {
+            noise: Noise {
+                torque: 1.0,
+                stamp_s: ticks.fold(0.0, f64::max),
+                drift: if undriven { 1.0 } else { 0.0 },
+                fade: 0.0,
+                angle_rad: 0.0,
+            },
+            free: Free {
+                torque: true,
+                drift: undriven,
+                fast: false,
+                fade: false,
+                stamp: true,
+                tails: Tails::Normal,
+            },
+            undriven,
+            levels: false,
+            pattern: None,
+            rounds: SIZED,
+            disc_given,
+            corrections: Vec::new(),
+            white: White::default(),
+            benches,
+        }
+    }
+
+    /// The same in the noise that fits beside no model, with all that bears on it.
+    #[must_use]
+    pub fn at_rest(mut self) -> Self {
+        let none = Model::default();
+        self.fit_noise(&none);
+        // What a speed loop saw and the noise bear on each other.
+        for _ in 0..2 {
+            if self.decide_ties(&none) {
+                self.fit_noise(&none);
+            }
+        }
+        self.pattern = if self.disc_given {
+            self.pattern_given()
+        } else {
+            Pattern::new(&self.benches)
+        };
+        if self.pattern.is_some() {
+            self.size_up(&none);
+        }
+        for _ in 0..BOTH {
+            if !self.hold(&none) {
+                break;
+            }
+            self.fit_noise(&none);
+        }
+        self
+    }
+
+    /// The same along other edges of its recordings, in the same noise, beside a model.
+    #[must_use]
+    pub fn along(&self, records: Vec<Record>, model: &Model) -> Option<Self> {
+        let mut board = self.clone();
+        for (bench, record) in board.benches.iter_mut().zip(records) {
+            bench.found.off.clear();
+            bench.weights = vec![1.0; record.len()];
+            bench.tails.clone_from(&bench.weights);
+            bench.record = record;
+        }
+        board.rounds = COMPARED;
+        board = board.found_anew()?;
+        if let Some(pattern) = &mut board.pattern {
+            *pattern = pattern.along(&board.benches)?;
+        }
+        board.go_by(model);
+        board.set_noise(self.noise);
+        Some(board)
+    }
+
+    /// Errors of the disc as far as the twins that give it leave them open.
+    #[must_use]
+    pub fn pattern_given(&self) -> Option<Pattern> {
+        let each = self.benches.iter().map(|bench| bench.spread_rad);
+        let spread_rad = each.fold(0.0, f64::max);
+        let given = self.disc_given && spread_rad > 0.0;
+        given.then(|| Pattern::known(&self.benches, spread_rad * spread_rad))?
+    }
+
+    /// Works out the course anew beside what a model and the disc's pattern shift edges by: torques are evaluated at that. Whether it
+    /// is another course.
+    pub fn go_by(&mut self, model: &Model) -> bool {
+        let found = disc::shifts(self, model);
+        let change = |bench: &Bench, found: &[f64]| {
+            let was = |at: usize| bench.found.off.get(at).copied().unwrap_or(0.0);
+            let change = |at: usize| bench.scales[at] * (found[at] - was(at));
+            let squares = (0..found.len()).map(|at| change(at).powi(2));
+            squares.sum::<f64>() / found.len().max(1) as f64
+        };
+        let mut each = self.benches.iter().zip(&found);
+        if each.all(|(bench, found)| change(bench, found) < 1.0) {
+            return false;
+        }
+        for (bench, off) in self.benches.iter_mut().zip(found) {
+            bench.found.off = off;
+        }
+        let Some(board) = self.found_anew() else {
+            return false;
+        };
+        *self = board;
+        if let Some(pattern) = &mut self.pattern {
+            pattern.weigh(&self.benches);
+        }
+        self.decide_ties(model);
+        true
+    }
+
+    /// Decides anew which samples of a speed loop saw which edges, beside a model. Whether there are loops.
+    pub fn decide_ties(&mut self, model: &Model) -> bool {
+        let mut benches = self.benches.iter();
+        let looped = benches.any(|bench| bench.twin.speed_loop().is_some());
+        if looped {
+            let rests = disc::rests(self, model);
+            let each = self.benches.par_iter_mut().zip(&rests);
+            each.for_each(|(bench, rest)| bench.decide_ties(rest));
+        }
+        looped
+    }
+
+    /// Edges of all recordings.
+    #[must_use]
+    pub fn edges(&self) -> usize {
+        self.benches.iter().map(|bench| bench.record.len()).sum()
+    }
+
+    /// Length of the longest recording, s.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        let each = self.benches.iter().map(|bench| bench.record.seconds());
+        each.fold(0.0, f64::max)
+    }
+
+    /// Spread of the speed in all recordings as a share of its mean, swings within half a turn left out.
+    #[must_use]
+    pub fn speed_spread(&self) -> f64 {
+        let each = self.benches.iter().flat_map(|bench| &bench.course.steady);
+        let speeds: Vec<f64> = each.map(|speed| speed.abs()).collect();
+        let count = speeds.len().max(1) as f64;
+        let mean = speeds.iter().sum::<f64>() / count;
+        let off = speeds.iter().map(|speed| (speed - mean).powi(2));
+        (off.sum::<f64>() / count).sqrt() / mean.max(f64::MIN_POSITIVE)
+    }
+
+    /// What a model says of each edge, rad, for each recording.
+    #[must_use]
+    pub fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
+        let each = self.benches.par_iter().map(|bench| {
+            let mut sum = vec![0.0; bench.record.len()];
+            for term in &model.terms {
+                for (column, size) in bench.columns(&term.effect).iter().zip(&term.sizes) {
+                    lsq::add(&mut sum, *size, column);
+                }
+            }
+            sum
+        });
+        each.collect()
+    }
+
+    /// What a model leaves of each edge's angle, rad, for each recording.
+    #[must_use]
+    pub fn rest(&self, model: &Model) -> Vec<Vec<f64>> {
+        let mut rest = self.predicted(model);
+        for (bench, rest) in self.benches.iter().zip(&mut rest) {
+            let each = rest.iter_mut().zip(&bench.residual);
+            each.for_each(|(rest, all)| *rest = all - *rest);
+        }
+        rest
+    }
+
+    /// What rounding to ticks alone would leave of each edge's angle, rad, for each recording, on the course that a model has.
+    #[must_use]
+    pub fn rounded(&self, model: &Model) -> Vec<Vec<f64>> {
+        let rests = disc::rests(self, model);
+        let each = self.benches.iter().zip(&rests);
+        each.map(|(bench, rest)| bench.rounded(rest, self.noise.stamp_s))
+            .collect()
+    }
+
+    /// Sum of squares below which nothing is claimed: what the twins declare of the shaft's course is worked out to a millionth.
+    #[must_use]
+    pub fn precision(&self) -> f64 {
+        let each = self.benches.iter();
+        let white = each.map(|bench| {
+            let mut response = bench.declared.angles();
+            bench.less_start(&mut response);
+            bench.white(&response)
+        });
+        1e-6 * 1e-6 * white.map(|white| lsq::dot(&white, &white)).sum::<f64>()
+    }
+
+    /// What rounding leaves, white, in a row.
+    #[must_use]
+    pub fn spurs(&self, model: &Model) -> Vec<f64> {
+        self.white(&self.rounded(model))
+    }
+}

@@ -1,0 +1,331 @@
+//! All numbers of a model at once: sizes by least squares, knobs by steps of Gauss and Newton.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::white::Raw;
+use super::{Board, Model, Term};
+use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
+use crate::diagnose::lsq::{self, Basis};
+use crate::diagnose::record::Record;
+
+/// A fit.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The model with its numbers.
+    pub model: Model,
+    /// Columns of sizes and knobs, white, all recordings in a row.
+    pub columns: Vec<Vec<f64>>,
+    /// Of each column its term, and which of its numbers: sizes first, then knobs.
+    pub of: Vec<(usize, usize)>,
+    /// Covariance of the numbers, in the order of the columns.
+    pub covariance: DMatrix<f64>,
+    /// What is left, white, all recordings in a row.
+    pub left: Vec<f64>,
+    /// Sum of its squares.
+    pub rss: f64,
+    /// The same where knobs go on as their slopes say.
+    lowest: f64,
+}
+
+impl Fit {
+    /// Of columns, fitted to a row whatever the sizes in the model are, and the columns' sizes.
+    fn of(
+        model: Model,
+        columns: Vec<Vec<f64>>,
+        of: Vec<(usize, usize)>,
+        target: &[f64],
+    ) -> (Self, Vec<f64>) {
+        let by_column: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let solved = lsq::solve(&by_column, target);
+        let fit = Self {
+            model,
+            columns,
+            of,
+            covariance: solved.covariance,
+            left: solved.left,
+            rss: solved.rss,
+            lowest: solved.rss,
+        };
+        (fit, solved.sizes)
+    }
+
+    /// Whether a term, by its place, is of a group.
+    fn is_of(&self, group: usize) -> impl Fn(usize) -> bool + '_ {
+        move |term| self.model.terms[term].group == group
+    }
+
+    /// The same without a group: all other numbers fitted again, knobs as slopes.
+    #[must_use]
+    pub fn without(&self, group: usize) -> Self {
+        let gone = self.is_of(group);
+        let before = |term: usize| (0..term).filter(|&at| gone(at)).count();
+        let kept = self.columns.iter().zip(&self.of);
+        let kept = kept.filter(|(_, (term, _))| !gone(*term));
+        let kept =
+            kept.map(|(column, &(term, number))| (column.clone(), (term - before(term), number)));
+        let (columns, of) = kept.unzip();
+        Self::of(self.model.without(group), columns, of, &self.beside(&gone)).0
+    }
+
+    /// What a group makes of each innovation.
+    #[must_use]
+    pub fn own(&self, group: usize) -> Vec<f64> {
+        self.own_of(&self.is_of(group))
+    }
+
+    /// What some terms make of each innovation.
+    fn own_of(&self, asked: &dyn Fn(usize) -> bool) -> Vec<f64> {
+        let mut own = vec![0.0; self.left.len()];
+        for (column, (at, number)) in self.columns.iter().zip(&self.of) {
+            // Knobs have no sizes.
+            let size = self.model.terms[*at].sizes.get(*number);
+            if let Some(size) = size.filter(|_| asked(*at)) {
+                lsq::add(&mut own, *size, column);
+            }
+        }
+        own
+    }
+
+    /// What is left where the sizes of some terms are none.
+    fn beside(&self, gone: &dyn Fn(usize) -> bool) -> Vec<f64> {
+        let mut target = self.own_of(gone);
+        lsq::add(&mut target, 1.0, &self.left);
+        target
+    }
+
+    /// An orthonormal basis of its columns.
+    #[must_use]
+    pub fn basis(&self) -> Basis {
+        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+        Basis::of(&columns)
+    }
+
+    /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
+    #[must_use]
+    pub fn loss(&self, group: usize) -> f64 {
+        self.loss_of(&self.is_of(group))
+    }
+
+    /// The same without some terms, by their places.
+    #[must_use]
+    pub fn loss_of(&self, gone: &dyn Fn(usize) -> bool) -> f64 {
+        let target = self.beside(gone);
+        let kept = self.columns.iter().zip(&self.of);
+        let kept = kept.filter(|(_, (term, _))| !gone(*term));
+        let kept: Vec<&[f64]> = kept.map(|(column, _)| column.as_slice()).collect();
+        (lsq::solve(&kept, &target).rss - self.lowest).max(0.0)
+    }
+}
+
+impl Board {
+    /// What a small change of a knob of a term does to the edges of each recording, rad.
+    fn slope(&self, term: &Term, knob: usize) -> Raw<'_> {
+        let step = 0.02 * self.reach(&term.effect)[knob];
+        let moved = |by: f64| {
+            let mut knobs = term.effect.knobs();
+            knobs[knob] += by;
+            term.effect.with_knobs(&knobs)
+        };
+        let (above, below) = (moved(step), moved(-step));
+        let each = self.benches.iter().map(|bench| {
+            let (above, below) = (bench.columns(&above), bench.columns(&below));
+            let mut sum = vec![0.0; bench.record.len()];
+            for (size, (above, below)) in term.sizes.iter().zip(above.iter().zip(below.iter())) {
+                let by = size / (2.0 * step);
+                let each = sum.iter_mut().zip(above.iter().zip(below));
+                each.for_each(|(sum, (above, below))| *sum += by * (above - below));
+            }
+            Cow::Owned(sum)
+        });
+        (term.effect, each.collect())
+    }
+
+    /// Steps of an effect's knobs that hardly change it: what two of them are apart by to be told apart.
+    #[must_use]
+    pub fn reach(&self, effect: &Effect) -> Vec<f64> {
+        let seconds = self.seconds();
+        let records = self.benches.iter().map(|bench| &bench.record);
+        let longest = { records.clone() }.max_by(|a, b| a.turns().total_cmp(&b.turns()));
+        let turns = longest.map_or(1.0, |record| {
+            let least = record.place.iter().min().copied().unwrap_or(0);
+            let most = record.place.iter().max().copied().unwrap_or(1);
+            (most - least).max(1) as f64 / record.edges as f64
+        });
+        let interval = seconds / records.map(Record::len).max().unwrap_or(1) as f64;
+        let mut reach = match effect.carrier {
+            Carrier::Order(_) => vec![1.0 / turns],
+            Carrier::Tone(_) => vec![1.0 / seconds],
+            Carrier::Chirp(..) => vec![1.0 / seconds, 2.0 / (seconds * seconds)],
+            Carrier::Bump(_, sigma) => vec![sigma, 0.5 * sigma],
+            Carrier::Window(..) => vec![3.0 * interval; 2],
+            Carrier::Settling(_, tau) => vec![0.3 * tau, 0.3 * tau],
+            Carrier::Stribeck(speed) => vec![0.2 * speed],
+            Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
+        };
+        match effect.growth {
+            Growth::Constant => {}
+            Growth::Even(_) => reach.push(0.3 / seconds),
+            Growth::Speed(_) => reach.push(0.2),
+            Growth::Modulated(..) => reach.extend([1.0 / seconds, 0.2, 0.3]),
+        }
+        reach
+    }
+
+    /// Whether two effects can't be told apart.
+    #[must_use]
+    pub fn is_same(&self, one: &Effect, other: &Effect) -> bool {
+        let (here, there) = (one.knobs(), other.knobs());
+        let near = here.iter().zip(&there).zip(self.reach(one));
+        one.with_knobs(&there) == *other && { near }
+            .all(|((here, there), reach)| here == there || (here - there).abs() < reach)
+    }
+
+    /// Knobs that are fitted: an instant beyond a recording's ends is none.
+    fn fitted(&self, effect: &Effect) -> Vec<usize> {
+        let knobs = effect.knobs();
+        let times = self.benches.iter().map(|bench| &bench.record.time_s);
+        let last = { times.clone() }.filter_map(|times| times.last());
+        let last = last.fold(0.0, |a: f64, b| a.max(*b));
+        let first = times.filter_map(|times| times.first());
+        let first = first.fold(f64::INFINITY, |a: f64, b| a.min(*b));
+        (0..knobs.len())
+            .filter(|&at| match effect.carrier {
+                Carrier::Window(..) => knobs[at] > first && knobs[at] < last,
+                // Without a start it settles from the first edge on.
+                Carrier::Settling(from, _) => at == 1 || from > first,
+                Carrier::Order(order) => order.fract() != 0.0,
+                _ => true,
+            })
+            .collect()
+    }
+
+    /// Fits all numbers of a model, from where they are.
+    #[must_use]
+    pub fn fit(&self, model: &Model) -> Fit {
+        self.settled(model, &self.target(), &Basis::default())
+    }
+
+    /// More effects with their best numbers beside a fit, whose own sizes and knobs move along but are not worked out anew: their terms,
+    /// and by how much the sum of squares falls. `basis` is that of the fit's columns.
+    #[must_use]
+    pub fn beside(&self, fit: &Fit, basis: &Basis, effects: &[Effect]) -> (Vec<Effect>, f64) {
+        let mut target = fit.left.clone();
+        basis.clear(&mut target);
+        let before = lsq::dot(&target, &target);
+        let settled = self.settled(&Model::default().with(effects, 0), &target, basis);
+        let possible = self.can_be(&settled.model);
+        let gain = if possible { before - settled.rss } else { 0.0 };
+        (settled.model.effects(0), gain)
+    }
+
+    /// All numbers of a model, re-linearised until nothing changes; what is of the basis is taken off its columns.
+    fn settled(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
+        /// Fall of the sum of squares that is none.
+        const NONE: f64 = 0.02;
+        let mut now = self.with_slopes(self.sized(model, target, basis), basis);
+        for _ in 0..lsq::ROUNDS {
+            let is_size =
+                |(term, number): &(usize, usize)| *number < now.model.terms[*term].effect.sizes();
+            if now.of.iter().all(is_size) {
+                break;
+            }
+            let Some(better) = self.step(&now, target, basis) else {
+                break;
+            };
+            let gain = now.rss - better.rss;
+            now = self.with_slopes(better, basis);
+            if gain < NONE {
+                break;
+            }
+        }
+        now
+    }
+
+    /// Sizes for knobs as they are; columns of these alone.
+    fn sized(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
+        let effects: Vec<Effect> = model.terms.iter().map(|term| term.effect).collect();
+        // What the twins declare has other columns beside other twins.
+        let (declared, others): (Vec<Effect>, Vec<Effect>) = effects
+            .iter()
+            .partition(|effect| matches!(effect.site, Site::Declared(_)));
+        let work_out = |effects: &[Effect]| self.columns_of(effects);
+        let mut others = self.white.of(self.mark(), &others, work_out).into_iter();
+        let mut declared = self.columns_of(&declared).into_iter().map(Arc::new);
+        let (mut columns, mut of) = (Vec::new(), Vec::new());
+        for (at, effect) in effects.iter().enumerate() {
+            let own = match effect.site {
+                Site::Declared(_) => declared.next(),
+                _ => others.next(),
+            };
+            columns.extend(own.iter().flat_map(|own| own.iter().cloned()));
+            of.extend((0..effect.sizes()).map(|size| (at, size)));
+        }
+        columns
+            .par_iter_mut()
+            .for_each(|column| basis.clear(column));
+        let (mut fit, sizes) = Fit::of(model.clone(), columns, of, target);
+        for ((term, number), size) in fit.of.iter().zip(sizes) {
+            fit.model.terms[*term].sizes[*number] = size;
+        }
+        fit
+    }
+
+    /// The same with what a small change of each knob does, at these sizes.
+    fn with_slopes(&self, sized: Fit, basis: &Basis) -> Fit {
+        let mut fit = sized;
+        let knobs = fit.model.terms.iter().enumerate().flat_map(|(at, term)| {
+            let fitted = self.fitted(&term.effect);
+            fitted.into_iter().map(move |knob| (at, knob))
+        });
+        let knobs: Vec<(usize, usize)> = knobs.collect();
+        if knobs.is_empty() {
+            return fit;
+        }
+        let slopes = knobs.par_iter();
+        let slopes = slopes.map(|&(at, knob)| self.slope(&fit.model.terms[at], knob));
+        let slopes: Vec<Raw<'_>> = slopes.collect();
+        let mut slopes = self.shown(&slopes);
+        slopes.par_iter_mut().for_each(|slope| basis.clear(slope));
+        for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
+            fit.columns.push(slope);
+            fit.of.push((at, fit.model.terms[at].effect.sizes() + knob));
+        }
+        let all: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
+        let solved = lsq::solve(&all, &fit.left);
+        fit.covariance = solved.covariance;
+        fit.lowest = solved.rss;
+        fit
+    }
+
+    /// A step of Gauss and Newton, shortened until it helps, without its slopes; none where it does not.
+    fn step(&self, now: &Fit, target: &[f64], basis: &Basis) -> Option<Fit> {
+        let all: Vec<&[f64]> = now.columns.iter().map(Vec::as_slice).collect();
+        let by = lsq::solve(&all, &now.left).sizes;
+        for share in lsq::shares(5) {
+            let mut model = now.model.clone();
+            for (at, term) in model.terms.iter_mut().enumerate() {
+                let reach = self.reach(&term.effect);
+                let mut knobs = term.effect.knobs();
+                for ((_, number), by) in now.of.iter().zip(&by).filter(|((term, _), _)| *term == at)
+                {
+                    if let Some(knob) = number.checked_sub(term.effect.sizes()) {
+                        knobs[knob] += (share * by).clamp(-reach[knob], reach[knob]);
+                    }
+                }
+                let moved = term.effect.with_knobs(&knobs);
+                if moved.is_possible() {
+                    term.effect = moved;
+                }
+            }
+            let next = self.sized(&model, target, basis);
+            if next.rss < now.rss {
+                return Some(next);
+            }
+        }
+        None
+    }
+}

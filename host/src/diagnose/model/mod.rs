@@ -1,0 +1,124 @@
+//! A model: effects beside what the twins declare, with all their numbers, fitted together to all recordings.
+
+mod board;
+mod fit;
+mod noise;
+mod white;
+
+pub use board::{Board, Correction};
+pub use fit::Fit;
+
+use super::effect::{Effect, Site};
+
+/// An effect in a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// It.
+    pub effect: Effect,
+    /// Its sizes.
+    pub sizes: Vec<f64>,
+    /// Whether it is no finding: what nobody knows of any rig.
+    pub nuisance: bool,
+    /// Terms of one group are one finding.
+    pub group: usize,
+}
+
+/// A model as fitted.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Its effects.
+    pub terms: Vec<Term>,
+}
+
+impl Model {
+    /// Adds effects that are one finding.
+    pub fn add(&mut self, effects: &[Effect], group: usize) {
+        self.terms.extend(effects.iter().map(|effect| Term {
+            effect: *effect,
+            sizes: vec![0.0; effect.sizes()],
+            nuisance: false,
+            group,
+        }));
+    }
+
+    /// Adds effects that are no finding.
+    pub fn add_open(&mut self, effects: &[Effect], group: usize) {
+        self.add(effects, group);
+        let added = self.terms.iter_mut().rev().take(effects.len());
+        added.for_each(|term| term.nuisance = true);
+    }
+
+    /// The same with effects that are one finding.
+    #[must_use]
+    pub fn with(&self, effects: &[Effect], group: usize) -> Self {
+        let mut model = self.clone();
+        model.add(effects, group);
+        model
+    }
+
+    /// Terms that are asked for.
+    fn filtered(&self, asked: impl Fn(&Term) -> bool) -> Self {
+        let some = self.terms.iter().filter(|term| asked(term));
+        Self {
+            terms: some.cloned().collect(),
+        }
+    }
+
+    /// What is no finding.
+    #[must_use]
+    pub fn nuisances(&self) -> Self {
+        self.filtered(|term| term.nuisance)
+    }
+
+    /// A group alone.
+    #[must_use]
+    pub fn only(&self, group: usize) -> Self {
+        self.filtered(|term| term.group == group)
+    }
+
+    /// The same without a group.
+    #[must_use]
+    pub fn without(&self, group: usize) -> Self {
+        self.filtered(|term| term.group != group)
+    }
+
+    /// Effects of a group.
+    #[must_use]
+    pub fn effects(&self, group: usize) -> Vec<Effect> {
+        let own = self.terms.iter().filter(|term| term.group == group);
+        own.map(|term| term.effect).collect()
+    }
+
+    /// Sizes and knobs of a group.
+    #[must_use]
+    pub fn numbers(&self, group: usize) -> usize {
+        let own = self.effects(group).into_iter();
+        own.map(|effect| effect.sizes() + effect.knobs().len())
+            .sum()
+    }
+
+    /// Groups that are findings, in the order in which they were found.
+    #[must_use]
+    pub fn groups(&self) -> Vec<usize> {
+        let mut groups: Vec<usize> = Vec::new();
+        for term in self.terms.iter().filter(|term| !term.nuisance) {
+            if !groups.contains(&term.group) {
+                groups.push(term.group);
+            }
+        }
+        groups
+    }
+
+    /// A group that no term has yet: what turned out to be open keeps the one that it had as a finding.
+    #[must_use]
+    pub fn unused(&self) -> usize {
+        let free = |group: &usize| self.terms.iter().all(|term| term.group != *group);
+        (0..=self.terms.len()).find(free).unwrap_or_default()
+    }
+}
+
+/// Whether a site moves the shaft.
+#[must_use]
+pub const fn pushes(site: Site) -> bool {
+    matches!(site, Site::Torque | Site::Drive)
+}

@@ -1,0 +1,208 @@
+//! The noise of a board: its size beside a model, how likely that makes the recordings, and which kinds of it there may be.
+
+use rayon::prelude::*;
+
+use super::board::{BOTH, COMPARED, SIZED};
+use super::{Board, Fit, Model};
+use crate::diagnose::bench;
+use crate::diagnose::course::Course;
+use crate::diagnose::filter::Noise;
+use crate::diagnose::lsq;
+use crate::diagnose::noise::{Free, Tails};
+use crate::diagnose::pattern::Pattern;
+
+/// Change of a logarithm of the noise that is none.
+const ALIKE: f64 = 0.05;
+
+impl Board {
+    /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave, until neither changes, as
+    /// each bears on the other.
+    pub fn size_up(&mut self, model: &Model) {
+        let mut model = model.clone();
+        for _ in 0..self.rounds {
+            let before = self.noise;
+            model = self.fit(&model).model;
+            let Some(mut pattern) = self.pattern.take() else {
+                return;
+            };
+            let mut left = self.rest(&model);
+            let white = self.white(&left);
+            pattern.size_up(&self.benches, &white);
+            let errors = pattern.closest(&self.benches, &white);
+            for (bench, left) in self.benches.iter().zip(&mut left) {
+                bench.less_errors(left, &errors);
+            }
+            self.level(&left);
+            let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
+            self.pattern = Some(pattern);
+            self.set_noise(noise);
+            self.go_by(&model);
+            let changed = |was: f64, is: f64| (is / was.max(f64::MIN_POSITIVE)).ln().abs() > ALIKE;
+            if !changed(before.torque, noise.torque) && !changed(before.stamp_s, noise.stamp_s) {
+                break;
+            }
+        }
+    }
+
+    /// Fits the noise to what a model leaves.
+    pub fn fit_noise(&mut self, model: &Model) {
+        if self.pattern.is_some() {
+            return self.size_up(model);
+        }
+        let rest = self.rest(model);
+        for _ in 0..BOTH {
+            self.level(&rest);
+            let before = self.noise;
+            let (noise, _) = bench::fit_noise(&self.benches, &rest, self.noise, self.free);
+            self.set_noise(noise);
+            if (noise.torque / before.torque).ln().abs() < ALIKE {
+                break;
+            }
+        }
+    }
+
+    /// Fits the noise to what a model leaves, and the model in it.
+    pub fn fit_in_noise(&mut self, model: &Model) -> Fit {
+        self.fit_noise(model);
+        self.fit(model)
+    }
+
+    /// A model beside the noise that it leaves: the board, the fit, and its [`Self::lost`].
+    #[must_use]
+    pub fn at_its_noise(&self, model: &Model) -> (Self, Fit, f64) {
+        let mut board = self.clone();
+        let mut fit = board.fit(model);
+        for _ in 0..BOTH {
+            let before = board.noise.torque;
+            fit = board.fit_in_noise(&fit.model);
+            // A pattern is sized up until neither changes.
+            if board.pattern.is_some() || (board.noise.torque / before).ln().abs() < ALIKE {
+                break;
+            }
+        }
+        let lost = board.lost(&fit);
+        (board, fit, lost)
+    }
+
+    /// Twice the negative logarithm of the likelihood of a fit, with what its numbers would gain by chance.
+    #[must_use]
+    pub fn lost(&self, fit: &Fit) -> f64 {
+        let scales = self.benches.iter().flat_map(|bench| &bench.scales);
+        let scales = scales.filter(|scale| **scale > 0.0);
+        let weights = self.benches.iter().flat_map(|bench| &bench.weights);
+        let weights: f64 = weights.map(|weight| weight.ln()).sum();
+        let volume = self.pattern.as_ref().map_or(0.0, Pattern::log_volume);
+        let groups = fit.model.groups().into_iter();
+        let numbers: usize = groups.map(|group| fit.model.numbers(group)).sum();
+        let chance = numbers as f64 * (self.edges() as f64).ln();
+        let scales: f64 = scales.map(|scale| scale.ln()).sum();
+        self.squares(fit) + volume + chance - 2.0 * (scales + weights)
+    }
+
+    /// Twice the negative logarithm of how likely innovations of a fit are, over their deviations.
+    fn squares(&self, fit: &Fit) -> f64 {
+        let tails = self.free.tails;
+        if tails == Tails::Normal {
+            return fit.rss;
+        }
+        let (edges, disc) = fit.left.split_at(self.edges());
+        let scales = self.benches.iter().flat_map(|bench| &bench.scales);
+        let weights = self.benches.iter().flat_map(|bench| &bench.tails);
+        let each = edges.iter().zip(weights).zip(scales);
+        let shown = each.filter(|(_, scale)| **scale > 0.0);
+        shown
+            .map(|((white, weight), _)| tails.cost(white / weight))
+            .sum::<f64>()
+            + lsq::dot(disc, disc)
+    }
+
+    /// Weighs edges by the level of the noise about them, and by how far out they are.
+    fn level(&mut self, rest: &[Vec<f64>]) {
+        let (levels, tails) = (self.levels, self.free.tails);
+        let each = self.benches.par_iter_mut().zip(rest);
+        each.for_each(|(bench, rest)| {
+            if levels {
+                bench.level(rest);
+            }
+            bench.weigh(rest, tails);
+        });
+    }
+
+    /// The same board in white and normal noise.
+    #[must_use]
+    pub fn in_plain_noise(&self) -> Self {
+        let mut board = self.clone();
+        board.levels = false;
+        board.rounds = SIZED;
+        board.free = Free {
+            drift: board.undriven,
+            fast: false,
+            fade: false,
+            tails: Tails::Normal,
+            ..board.free
+        };
+        for bench in &mut board.benches {
+            bench.weights.fill(1.0);
+            bench.tails.fill(1.0);
+        }
+        if !board.undriven {
+            board.noise.drift = 0.0;
+            board.noise.fade = 0.0;
+        }
+        board.set_noise(board.noise);
+        board
+    }
+
+    /// The same board with a torque noise that is held over an interval at some speed of the course, as drives and simulators make it; none
+    /// where the twins say how long it is held.
+    #[must_use]
+    pub fn in_held_noise(&self, speed: fn(&Course) -> f64) -> Option<Self> {
+        let mut board = self.clone();
+        for bench in &mut board.benches {
+            if bench.plant.law.hold_s > 0.0 {
+                return None;
+            }
+            let turn_s = std::f64::consts::TAU / speed(&bench.course);
+            bench.hold_noise(turn_s / bench.record.of_edges as f64);
+        }
+        board.set_noise(board.noise);
+        Some(board)
+    }
+
+    /// The same board in noise as rigs have it: with a torque that wanders, with levels and, as asked for, with long tails.
+    #[must_use]
+    pub fn in_any_noise(&self, tails: Tails) -> Self {
+        let mut board = self.clone();
+        board.levels = true;
+        board.rounds = COMPARED;
+        board.free = Free {
+            drift: true,
+            fast: true,
+            fade: !board.undriven,
+            tails,
+            ..board.free
+        };
+        if board.noise.drift <= 0.0 {
+            let speed = board.benches.iter().map(|bench| bench.leaps.speed());
+            let turning = speed.fold(0.0, f64::max);
+            // Three times as dense as the torque noise, to once a turn.
+            board.set_noise(Noise {
+                drift: 3.0 * board.noise.torque * turning * turning,
+                fade: if board.free.fade { turning } else { 0.0 },
+                ..board.noise
+            });
+        }
+        board
+    }
+
+    /// Goes by another noise.
+    pub fn set_noise(&mut self, noise: Noise) {
+        self.noise = noise;
+        self.benches
+            .par_iter_mut()
+            .for_each(|bench| bench.set_noise(&noise));
+        if let Some(pattern) = &mut self.pattern {
+            pattern.weigh(&self.benches);
+        }
+    }
+}
