@@ -3,11 +3,10 @@
 use super::cells::{self, Bank};
 use super::effect::Effect;
 use super::model::{Board, Fit};
-use super::{name, search};
+use super::name;
+use super::search::{self, ALIKE, SURE, evidence};
 use crate::mechanism::Mechanism;
 
-/// Difference of evidence within which two explanations are alike.
-const ALIKE: f64 = 10.0;
 /// Part of a finding's evidence that another cell has to have to be fitted in its place, how many are, and by how much a better one is.
 const NEAR: f64 = 0.5;
 const RIVALS: usize = 4;
@@ -38,11 +37,11 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let better = if corrects { ALIKE } else { BETTER };
         let rest = fit.without(group);
         let basis = rest.basis();
-        let worth = search::evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
+        let worth = evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
         // The best of each other name that comes near, fitted with everything else.
         let mut rivals: Vec<(Mechanism, f64, Vec<Effect>)> = Vec::new();
         for candidate in search::candidates(board, bank, &rest) {
-            let here = search::evidence(board, candidate.gain, candidate.numbers());
+            let here = search::worth(board, &candidate);
             let named = name::mechanism(&candidate.effects);
             let near = here > NEAR * worth - ALIKE;
             if !near || rivals.len() == RIVALS {
@@ -54,15 +53,15 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             }
             if rivals.iter().all(|(other, ..)| *other != named) {
                 let (effects, gain) = board.beside(&rest, &basis, &candidate.effects);
-                let fitted = search::evidence(board, gain, candidate.numbers());
+                let fitted = evidence(board, gain, candidate.numbers());
                 rivals.push((named, fitted, effects));
             }
         }
         for effects in cells::grown(board, &own) {
             let (effects, gain) = board.beside(&rest, &basis, &effects);
             let numbers = fit.model.numbers(group) + effects.len();
-            let fitted = search::evidence(board, gain, numbers);
-            if fitted > worth + search::SURE {
+            let fitted = evidence(board, gain, numbers);
+            if fitted > worth + SURE {
                 rivals.push((Mechanism::Unknown, fitted, effects));
             }
         }
@@ -72,33 +71,25 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         };
         let images = images.into_iter().filter(|image| {
             let (_, gain) = board.beside(&rest, &basis, &[*image]);
-            worth - search::evidence(board, gain, 2) < ALIKE + AS_EXACT * worth
+            worth - evidence(board, gain, 2) < ALIKE + AS_EXACT * worth
         });
         let mut images: Vec<Effect> = images.collect();
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let mut worth = worth;
-        let mut named = mechanism;
-        if rivals
-            .first()
-            .is_some_and(|(_, best, _)| *best > worth + better)
-        {
+        let (mut worth, mut named) = (worth, mechanism);
+        if rivals.first().is_some_and(|one| one.1 > worth + better) {
             let (other, best, effects) = rivals.swap_remove(0);
             if other != mechanism {
                 rivals.push((mechanism, worth, own));
             }
             (named, worth) = (other, best);
-            let mut model = rest.model;
-            model.add(&effects, group);
-            *fit = board.fit(&model);
+            *fit = board.fit(&rest.model.with(&effects, group));
             images.clear();
         }
-        let alike = rivals
-            .iter()
-            .filter(|(other, here, _)| *other != named && worth - here < ALIKE);
-        let mut others: Vec<(Mechanism, f64)> = alike
-            .map(|(other, here, _)| (*other, worth - here))
-            .collect();
-        others.retain(|(other, _)| *other != Mechanism::Unknown);
+        let others = rivals.iter().map(|(other, here, _)| (*other, worth - here));
+        let mut others: Vec<(Mechanism, f64)> = others.collect();
+        others.retain(|(other, less)| {
+            *other != named && *other != Mechanism::Unknown && *less < ALIKE
+        });
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
         all.push(Alike {
             group,

@@ -1,6 +1,7 @@
 //! Least squares on whitened rows: sizes, their covariance, and what a further regressor would explain.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Whitened regressors of a model and the residual beside it.
 #[derive(Clone, Debug)]
@@ -15,8 +16,10 @@ pub struct Solution {
     pub left: Vec<f64>,
 }
 
-/// Share of a column that has to be its own, beside the others, as a square.
+/// Share of a column that has to be its own, beside the others, as a square, as numbers allow.
 const OWN: f64 = 1e-11;
+/// The same for what it explains to say anything.
+pub const PLAIN: f64 = 1e-7;
 
 /// Rounds of re-linearisation at the most, which bound the time.
 pub const ROUNDS: usize = 8;
@@ -30,16 +33,13 @@ pub fn shares(count: usize) -> impl Iterator<Item = f64> {
 #[must_use]
 pub fn solve(columns: &[&[f64]], target: &[f64]) -> Solution {
     let count = columns.len();
-    let norms: Vec<f64> = columns
-        .iter()
-        .map(|column| dot(column, column).sqrt())
-        .collect();
+    let norms = columns.iter().map(|column| dot(column, column).sqrt());
+    let norms: Vec<f64> = norms.collect();
     let mut gram = DMatrix::zeros(count, count);
     let mut right = DVector::zeros(count);
     let pairs: Vec<(usize, usize)> = (0..count)
         .flat_map(|a| (a..count).map(move |b| (a, b)))
         .collect();
-    use rayon::prelude::*;
     let products: Vec<f64> = pairs
         .par_iter()
         .map(|&(a, b)| {
@@ -123,9 +123,8 @@ impl Basis {
     #[must_use]
     pub fn of(columns: &[&[f64]]) -> Self {
         let mut basis = Self::default();
-        for column in columns {
-            basis.add(column.to_vec());
-        }
+        let each = columns.iter();
+        each.for_each(|column| basis.add(column.to_vec()));
         basis
     }
 
@@ -160,9 +159,7 @@ impl Basis {
     /// By how much the sum of squares falls with more columns beside the basis; `target` is clear of it.
     #[must_use]
     pub fn gain<C: AsRef<[f64]>>(&self, columns: &[C], target: &[f64]) -> f64 {
-        let mut beside = Self {
-            columns: Vec::new(),
-        };
+        let mut beside = Self::default();
         let mut gain = 0.0;
         for column in columns {
             let mut column = column.as_ref().to_vec();
@@ -170,7 +167,7 @@ impl Basis {
             self.clear(&mut column);
             beside.clear(&mut column);
             let own = dot(&column, &column);
-            if whole > 0.0 && own > 1e-7 * whole {
+            if whole > 0.0 && own > PLAIN * whole {
                 let scale = own.sqrt().recip();
                 column.iter_mut().for_each(|value| *value *= scale);
                 gain += dot(&column, target).powi(2);

@@ -4,11 +4,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::effect::{Carrier, Effect, Site};
-use super::lsq::{Basis, dot};
+use super::lsq::{Basis, PLAIN, add, dot};
 use super::model::{Board, Fit};
 
-/// Part of a column's square that has to be its own beside the model.
-const OWN: f64 = 1e-7;
 /// Steps that a knob may be moved by in all.
 const FAR: f64 = 4.0;
 
@@ -38,10 +36,7 @@ impl<'a> Left<'a> {
             white = board.with_pattern(&rest);
             let errors = pattern.closest(&board.benches, &white);
             let shown = pattern.unfold(&board.benches, &errors);
-            white
-                .iter_mut()
-                .zip(shown)
-                .for_each(|(white, of)| *white -= of);
+            add(&mut white, -1.0, &shown);
             of_disc = Some(pattern.scores(&board.benches, &errors));
         }
         let mut from = 0;
@@ -79,19 +74,17 @@ impl<'a> Left<'a> {
     fn nearby(&self, effect: &Effect) -> Nearby<'_> {
         let mut columns = self.board.columns(effect);
         let wholes: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
-        columns
-            .iter_mut()
-            .for_each(|column| self.basis.clear(column));
+        let each = columns.iter_mut();
+        each.for_each(|column| self.basis.clear(column));
         let count = columns.len();
         let squares = DMatrix::from_fn(count, count, |a, b| {
-            let open = if a == b { OWN * wholes[a] } else { 0.0 };
+            let open = if a == b { PLAIN * wholes[a] } else { 0.0 };
             dot(&columns[a], &columns[b]) + open
         });
+        let inverse = squares.try_inverse();
         Nearby {
             left: self,
-            inverse: squares
-                .try_inverse()
-                .unwrap_or_else(|| DMatrix::zeros(count, count)),
+            inverse: inverse.unwrap_or_else(|| DMatrix::zeros(count, count)),
         }
     }
 
@@ -146,13 +139,8 @@ impl Nearby<'_> {
     /// By about how much the sum of squares falls with an effect that is near.
     fn gain(&self, effect: &Effect) -> f64 {
         let mut products = DVector::zeros(self.inverse.nrows());
-        for (bench, scores) in self
-            .left
-            .board
-            .benches
-            .iter()
-            .zip(self.left.scores(effect.site))
-        {
+        let benches = self.left.board.benches.iter();
+        for (bench, scores) in benches.zip(self.left.scores(effect.site)) {
             for (sum, column) in products.iter_mut().zip(bench.columns(effect).iter()) {
                 *sum += dot(column, scores);
             }

@@ -101,9 +101,7 @@ impl Board {
             let errors = sim::true_errors(&twin)
                 .ok()
                 .or_else(|| (twin.errors == bench.twin.errors).then(|| bench.disc.clone()))?;
-            let record = bench.record.clone();
-            let mut next = Bench::about(record, &twin, &errors, &bench.found, &self.noise);
-            next.stays(bench);
+            let mut next = bench.anew(&twin, &errors, &self.noise);
             let own = next.own.clone();
             next.decide_ties(&own);
             // The residual is one beside the twin as it was given, by the tangents.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::white::Raw;
+use super::board::Raw;
 use super::{Board, Model, Term};
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::lsq::{self, Basis};

@@ -3,7 +3,6 @@
 mod board;
 mod fit;
 mod noise;
-mod white;
 
 pub use board::{Board, Correction};
 pub use fit::Fit;

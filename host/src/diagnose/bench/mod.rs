@@ -1,5 +1,7 @@
 //! A recording beside its twin: the residual, its noise, and the filter that makes both white.
 
+mod ties;
+
 use super::columns::{Columns, Kept};
 use super::course::Course;
 use super::declared::{self, Declared};
@@ -8,9 +10,8 @@ use super::filter::{ANGLE, Noise};
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
-use super::plant::{Gains, Here, Law, Leaps, Plant};
+use super::plant::{Gains, Law, Leaps, Plant};
 use super::record::Record;
-use super::speed_loop;
 use crate::sim;
 use crate::twin::{Drive, Twin, TwinError};
 
@@ -76,8 +77,7 @@ impl Bench {
     }
 
     /// The same about what was found of its course and its law.
-    #[must_use]
-    pub fn about(
+    fn about(
         mut record: Record,
         twin: &Twin,
         errors: &[f64],
@@ -86,10 +86,9 @@ impl Bench {
     ) -> Self {
         let disc = record.pick(errors);
         let law = Law::of(twin).held(found.stiffness);
-        let slots: Vec<usize> = (0..record.len()).map(|at| record.slot(at)).collect();
         let more = |at: usize| found.off.get(at).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
-            .map(|at| disc.get(slots[at]).copied().unwrap_or(0.0) + more(at))
+            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0) + more(at))
             .collect();
         held_up::release(&mut record, &off);
         let mut course = Course::new(&record, &off);
@@ -105,14 +104,12 @@ impl Bench {
         declared = Declared::new(&record, twin, &disc, &course, &plant);
         let leaps = leaps(twin, &course, &plant);
         let gains = leaps.filter(0..record.len(), noise);
-        let own: Vec<f64> = (0..record.len())
-            .map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
-            .collect();
-        let count = record.len();
+        let own = unsaid(&record, &declared);
         Self {
             scales: gains.scales(),
             weights: vec![1.0; record.len()],
             tails: vec![1.0; record.len()],
+            tied: vec![0.0; record.len()],
             twin: twin.clone(),
             place: 0,
             record,
@@ -127,7 +124,6 @@ impl Bench {
             residual: own.clone(),
             own,
             tangents: Vec::new(),
-            tied: vec![0.0; count],
             noise: *noise,
             kept: Kept::default(),
         }
@@ -159,20 +155,31 @@ impl Bench {
         self.scales = self.gains.scales();
     }
 
+    /// The same of its record as it is now, beside a twin whose disc has these errors and in a noise: what goes by them is worked out
+    /// anew, about what was found.
+    #[must_use]
+    pub fn anew(&self, twin: &Twin, errors: &[f64], noise: &Noise) -> Self {
+        let mut other = Self::about(self.record.clone(), twin, errors, &self.found, noise);
+        other.stays(self);
+        other
+    }
+
+    /// Takes other edges of its recording, until all is worked out anew.
+    pub fn take(&mut self, record: Record) {
+        self.found.off.clear();
+        self.weights = vec![1.0; record.len()];
+        self.tails.clone_from(&self.weights);
+        self.record = record;
+    }
+
     /// The same along other edges of its recording.
     ///
     /// # Errors
     /// [`TwinError`] for a disc that can't be.
     pub fn along(&self, record: Record) -> Result<Self, TwinError> {
-        let errors = sim::true_errors(&self.twin)?;
-        let found = Found {
-            off: Vec::new(),
-            ..self.found
-        };
-        let mut other = Self::about(record, &self.twin, &errors, &found, &self.noise);
-        other.place = self.place;
-        other.spread_rad = self.spread_rad;
-        Ok(other)
+        let mut other = self.clone();
+        other.take(record);
+        Ok(other.anew(&self.twin, &sim::true_errors(&self.twin)?, &self.noise))
     }
 
     /// Counts edges of the disc from another one of it on, so many before the present first one.
@@ -180,32 +187,27 @@ impl Bench {
     /// # Errors
     /// [`TwinError`] for a disc that can't be.
     pub fn turn(&mut self, by: i64) -> Result<(), TwinError> {
-        let mut record = self.record.clone();
-        record.place.iter_mut().for_each(|place| *place += by);
         let errors = sim::true_errors(&self.twin)?;
-        let turned = Self::new(record, &self.twin, &errors, &self.noise);
-        let before = std::mem::replace(self, turned);
-        self.stays(&before);
+        self.record.place.iter_mut().for_each(|place| *place += by);
+        *self = self.anew(&self.twin, &errors, &self.noise);
         Ok(())
     }
 
     /// The same where a task holds edges up, or none does.
     #[must_use]
     pub fn held_up_by(&self, task: Option<Task>, noise: &Noise) -> Option<Self> {
-        let mut twin = self.twin.clone();
+        let mut other = self.clone();
+        let (twin, record) = (&mut other.twin, &mut other.record);
         twin.capture_latency = task.map(Task::declared);
-        let mut record = self.record.clone();
-        held_up::restore(&mut record);
+        held_up::restore(record);
         let near_s = twin.timer.jitter_s.max(noise.stamp_s).hypot(record.tick_s);
         record.held = task.map_or_else(Vec::new, |task| task.held(&record.time_s, near_s));
-        let errors = sim::true_errors(&twin).ok()?;
-        let mut bench = Self::about(record, &twin, &errors, &self.found, noise);
-        bench.stays(self);
-        Some(bench)
+        let errors = sim::true_errors(&other.twin).ok()?;
+        Some(other.anew(&other.twin, &errors, noise))
     }
 
     /// Keeps what of the same recording does not change with its twin or its course.
-    pub fn stays(&mut self, before: &Self) {
+    fn stays(&mut self, before: &Self) {
         self.place = before.place;
         self.spread_rad = before.spread_rad;
         self.weights.clone_from(&before.weights);
@@ -230,75 +232,10 @@ impl Bench {
             .collect();
     }
 
-    /// Decides for each sample of a speed loop that came close to an edge whether it saw it: by the innovations after it, of residual angles
-    /// beside all that is known else.
-    pub fn decide_ties(&mut self, rest: &[f64]) {
-        // Edges after it that tell, and for how long the torque of a sample shows in the angle, in steps of the loop.
-        const EDGES: usize = 12;
-        const STEPS: f64 = 3.0;
-        let Some(looped) = self.twin.speed_loop() else {
-            return;
-        };
-        let along = speed_loop::along(&looped, &self.record, &self.twin, self.noise.stamp_s);
-        let count = self.record.len();
-        let mut white: Vec<f64> = rest.iter().zip(&self.tied).map(|(a, b)| a + b).collect();
-        self.gains.whiten(&mut white);
-        let mut tied = vec![0.0; count];
-        for tie in along.ties {
-            let times = &self.course.time_s;
-            let after = times.partition_point(|time| *time <= tie.at_s);
-            let first = after.saturating_sub(1);
-            if after == 0 || after >= count {
-                continue;
-            }
-            let until_s = tie.at_s + tie.step_s;
-            let shown_s = tie.at_s + STEPS * tie.step_s;
-            let shown = times.partition_point(|time| *time <= shown_s);
-            let shown = shown.max(after + EDGES).min(count);
-            let push = |here: Here| {
-                if here.inside_s < tie.at_s {
-                    0.0
-                } else if here.inside_s < until_s {
-                    tie.push
-                } else {
-                    tie.lasting
-                }
-            };
-            let breaks = [tie.at_s, until_s];
-            let answer = |until: usize| {
-                self.plant
-                    .response_over(first..until, &self.course, push, |_| 0.0, &breaks)
-            };
-            let mut short = answer(shown);
-            self.gains.whiten_from(first, &mut short);
-            let here = white[first..].iter().zip(&short);
-            let gain: f64 = here
-                .map(|(white, other)| white * white - (white - other).powi(2))
-                .sum();
-            if gain > 0.0 {
-                let mut long = answer(count);
-                let each = tied[first..].iter_mut().zip(&long);
-                each.for_each(|(tied, by)| *tied += by);
-                self.gains.whiten_from(first, &mut long);
-                white[first..]
-                    .iter_mut()
-                    .zip(&long)
-                    .for_each(|(white, by)| *white -= by);
-            }
-        }
-        for (at, now) in tied.iter().enumerate() {
-            let by = now - self.tied[at];
-            self.own[at] -= by;
-            self.residual[at] -= by;
-        }
-        self.tied = tied;
-    }
-
     /// Takes off residual angles what an unknown start makes of them: angle, speed and how that fades.
     pub fn less_start(&self, rest: &mut [f64]) {
-        let first = self.record.time_s[0];
-        let times = self.record.time_s.iter();
-        let line: Vec<f64> = times.map(|time| time - first).collect();
+        let times = &self.record.time_s;
+        let line: Vec<f64> = times.iter().map(|time| time - times[0]).collect();
         let fades = self.plant.fading(&self.course);
         let one = vec![1.0; rest.len()];
         let solved = lsq::solve(&[&one, &line, &fades], rest);
@@ -343,22 +280,17 @@ impl Bench {
         let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
         let plant = other.as_ref().unwrap_or(&self.plant);
         let declared = Declared::new(&self.record, twin, &disc, &self.course, plant);
-        let mut rest: Vec<f64> = (0..self.record.len())
-            .map(|at| self.record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
-            .collect();
-        rest.iter_mut()
-            .zip(&self.tied)
-            .for_each(|(rest, by)| *rest -= by);
+        let mut rest = unsaid(&self.record, &declared);
+        lsq::add(&mut rest, -1.0, &self.tied);
         if let Some(plant) = &other {
             let leaps = leaps(twin, &self.course, plant);
             let gains = leaps.filter(0..rest.len(), &self.noise);
             gains.whiten(&mut rest);
             let scales = gains.scales().into_iter().zip(&self.scales);
             for (white, (theirs, own)) in rest.iter_mut().zip(scales) {
-                *white = if theirs > 0.0 {
-                    *white * own / theirs
-                } else {
-                    0.0
+                *white = match theirs > 0.0 {
+                    true => *white * own / theirs,
+                    false => 0.0,
                 };
             }
             self.gains.colour(&mut rest);
@@ -433,6 +365,13 @@ impl Bench {
     }
 }
 
+/// Grid angles less all that a twin says, rad.
+fn unsaid(record: &Record, declared: &Declared) -> Vec<f64> {
+    let each = 0..record.len();
+    each.map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
+        .collect()
+}
+
 /// The filter's steps, with what the course leaves open.
 fn leaps(twin: &Twin, course: &Course, plant: &Plant) -> Leaps {
     let mut leaps = Leaps::of(plant, course);
@@ -443,10 +382,8 @@ fn leaps(twin: &Twin, course: &Course, plant: &Plant) -> Leaps {
 /// The noise that fits several benches best beside residual angles.
 #[must_use]
 pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free) -> (Noise, f64) {
-    let tick_s = benches
-        .iter()
-        .map(|bench| bench.record.tick_s)
-        .fold(0.0, f64::max);
+    let ticks = benches.iter().map(|bench| bench.record.tick_s);
+    let tick_s = ticks.fold(0.0, f64::max);
     noise::fit(&rests(benches, rest), tick_s / 12_f64.sqrt(), start, free)
 }
 

@@ -1,0 +1,260 @@
+//! The best of all cells beside a fit, and what else explains as much.
+
+use rayon::prelude::*;
+
+use super::classes::joined;
+use super::open::{is_course, is_open, left_open};
+use crate::diagnose::cells::{self, Bank};
+use crate::diagnose::correct::{self, Slopes};
+use crate::diagnose::effect::Effect;
+use crate::diagnose::judge;
+use crate::diagnose::lsq::Basis;
+use crate::diagnose::model::{Board, Fit};
+use crate::diagnose::nearby::Left;
+use crate::diagnose::pattern::Pattern;
+use crate::diagnose::scan::{self, Candidate, SURE, evidence};
+
+/// Part of what a candidate explains that rounding to ticks alone may make.
+const SPUR: f64 = 0.25;
+/// Candidates that are fitted with everything else until one is worth it.
+pub const TRIED: usize = 4;
+/// Part of the best one's evidence that another one has to have to be fitted too.
+pub const NEARLY: f64 = 0.8;
+/// Part of the evidence that is asked for that a candidate has to have to be fitted with everything else.
+const PROMISING: f64 = 0.7;
+/// Difference of evidence within which two explanations are alike.
+pub const ALIKE: f64 = 10.0;
+/// Part of what counts as noise that has to be explained for the noise to be another one without it.
+pub const LOUD: f64 = 0.05;
+
+/// Evidence of a candidate.
+#[must_use]
+pub fn worth(board: &Board, one: &Candidate) -> f64 {
+    evidence(board, one.gain, one.numbers())
+}
+
+/// All candidates beside a fit, strongest first.
+#[must_use]
+pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
+    let basis = fit.basis();
+    let mut fit = fit.clone();
+    basis.clear(&mut fit.left);
+    let mut all = bank.candidates(&fit, &basis);
+    let left = Left::of(board, &fit, &basis);
+    all.extend(scan::spectra(&left, &fit.model));
+    all.extend(cells::loads(bank, &left));
+    all.extend(cells::bumps(bank, &left));
+    all.sort_by(|a, b| worth(board, b).total_cmp(&worth(board, a)));
+    all
+}
+
+/// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cells together. The
+/// board with such a pattern.
+pub fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Option<Board> {
+    let known = board.pattern.as_ref();
+    if known.is_some_and(|pattern| !pattern.known) {
+        return None;
+    }
+    let white = board.with_pattern(&board.rest(&fit.model));
+    let mut pattern = Pattern::new(&board.benches)?;
+    // A place of the disc is a finding of its own.
+    pattern.sparse = false;
+    let mut worth = pattern.size_up(&board.benches, &white);
+    if let Some(mut known) = known.cloned() {
+        worth -= known.size_up(&board.benches, &white);
+    }
+    let worth = evidence(board, worth, 1);
+    if worth < SURE || together(board, bank, fit, cells, worth) >= worth {
+        return None;
+    }
+    let mut other = board.clone();
+    other.pattern = Some(pattern);
+    other.size_up(&fit.model);
+    Some(other)
+}
+
+/// Evidence that some cells have together, each beside those before it, up to what is enough: what a few effects explain needs no disc.
+fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) -> f64 {
+    let mut fit = fit.clone();
+    let mut sum = 0.0;
+    for group in 0..cells {
+        let found = candidates(board, bank, &fit);
+        let Some(best) = found.first() else { break };
+        let model = fit.model.with(&best.effects, usize::MAX - 2 - group);
+        let next = board.fit(&model);
+        let worth = evidence(board, fit.rss - next.rss, best.numbers());
+        sum += worth.max(0.0);
+        fit = next;
+        // Those to come are worth less each.
+        let most = sum + worth * (cells - 1 - group) as f64;
+        if worth < SURE || sum >= enough || most < enough {
+            break;
+        }
+    }
+    sum
+}
+
+/// Effects with their evidence.
+type Worthy = (f64, Vec<Effect>);
+
+/// A fit that something is missing in.
+pub struct Beside<'a> {
+    board: &'a Board,
+    fit: &'a Fit,
+    basis: Basis,
+    /// What rounding to ticks alone would leave of the course as it is modelled, clear of the basis.
+    spurs: Vec<f64>,
+    precision: f64,
+}
+
+impl<'a> Beside<'a> {
+    /// Of a fit.
+    pub fn of(board: &'a Board, fit: &'a Fit) -> Self {
+        let basis = fit.basis();
+        let mut spurs = board.spurs(&fit.model);
+        basis.clear(&mut spurs);
+        Self {
+            board,
+            fit,
+            basis,
+            spurs,
+            precision: board.precision(),
+        }
+    }
+
+    /// Whether what some columns explain is more than digits and rounding make of it.
+    fn tells(&self, gain: f64, columns: impl FnOnce() -> Vec<Vec<f64>>) -> bool {
+        gain > self.precision && self.basis.gain(&columns(), &self.spurs) < SPUR * gain
+    }
+
+    /// The fit with what of some candidates, strongest first, explains most, and its evidence. `open` is the group of what turns out to
+    /// be no finding.
+    pub fn next(&self, found: &[Candidate], open: usize) -> Option<(f64, Fit)> {
+        let (worth, effects) = self.best_of(self.tried(found))?;
+        self.entered(&self.varied(worth, effects), open)
+    }
+
+    /// The first candidates that a machine can have, each fitted with everything else, of those that look nearly as good as the best.
+    fn tried(&self, found: &[Candidate]) -> Vec<Worthy> {
+        let board = self.board;
+        let mut told = found.iter().filter(|one| {
+            let columns = || {
+                let each = one.effects.iter();
+                each.flat_map(|effect| board.columns(effect)).collect()
+            };
+            let course = board.undriven && one.effects.iter().any(is_course);
+            !course && self.tells(one.gain, columns)
+        });
+        let mut tried = Vec::new();
+        for _ in 0..TRIED {
+            let few: Vec<&Candidate> = told.by_ref().take(TRIED).collect();
+            let most = few.first().map_or(0.0, |best| worth(board, best));
+            let few = few.into_par_iter().filter(|one| {
+                let here = worth(board, one);
+                here >= PROMISING * SURE && here >= NEARLY * most
+            });
+            let fitted = few.map(|one| {
+                let (effects, gain) = board.beside(self.fit, &self.basis, &one.effects);
+                (gain, (evidence(board, gain, one.numbers()), effects))
+            });
+            let gains: Vec<f64>;
+            (gains, tried) = fitted.unzip();
+            if tried.is_empty() || gains.iter().any(|gain| *gain > 0.0) {
+                break;
+            }
+        }
+        tried
+    }
+
+    /// The best of some effects by their evidence. What only shows in a disc that the twins do not give comes after what shows elsewhere
+    /// and is about as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
+    fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
+        let board = self.board;
+        let late = |effects: &[Effect]| {
+            let image = effects.iter().any(|effect| board.is_image(effect));
+            let late = image || is_open(board, effects);
+            if late { ALIKE } else { 0.0 }
+        };
+        let worth = |one: &Worthy| one.0 - late(&one.1);
+        tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        let most = tried.first()?.0;
+        let near = |one: &&Worthy| one.0 > NEARLY * most;
+        if tried.iter().filter(near).count() > 1 && most > LOUD * self.fit.rss {
+            let each = tried.par_iter().filter(near).map(|one| {
+                let model = self.fit.model.with(&one.1, usize::MAX - 1);
+                (board.at_its_noise(&model).2 + late(&one.1), one)
+            });
+            let best = each.min_by(|a, b| a.0.total_cmp(&b.0));
+            return best.map(|(_, one)| one.clone());
+        }
+        tried.into_iter().next()
+    }
+
+    /// Effects as they are better: what grows, or is no sine, is no row of lines beside each other.
+    fn varied(&self, worth: f64, effects: Vec<Effect>) -> Vec<Effect> {
+        let mut varied = cells::grown(self.board, &effects);
+        varied.extend(cells::harmonics(self.board, &effects));
+        let varied = varied.into_par_iter().map(|effects| {
+            let (effects, gain) = self.board.beside(self.fit, &self.basis, &effects);
+            let numbers = cells::numbers(&effects);
+            (evidence(self.board, gain, numbers), effects)
+        });
+        match varied.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((better, varied)) if better > worth + SURE => varied,
+            _ => effects,
+        }
+    }
+
+    /// The fit with some effects, as a finding or as what the twins leave open, and its evidence, if it is enough.
+    fn entered(&self, effects: &[Effect], open: usize) -> Option<(f64, Fit)> {
+        let board = self.board;
+        let worth = |next: Fit| {
+            let gain = self.fit.rss - next.rss;
+            let worth = evidence(board, gain, cells::numbers(effects));
+            (worth > SURE).then_some((worth, next))
+        };
+        if !is_open(board, effects) {
+            let (group, model) = joined(&self.fit.model, effects, cells::channels(board));
+            let next = board.fit(&model);
+            let drags = board.undriven && effects.iter().all(Effect::is_friction);
+            // What does not recur is what a drive that nobody declared did there.
+            if !drags || judge::recurs(board, &next, group) {
+                return worth(next).filter(|(_, next)| board.can_be(&next.model));
+            }
+        }
+        let mut model = self.fit.model.clone();
+        model.add_open(&left_open(board, effects), open);
+        worth(board.fit(&model))
+    }
+
+    /// The declared number that explains most, if it has so much evidence: the board beside twins with it, and the fit.
+    pub fn corrected(&self, slopes: &[Slopes], least: f64) -> Option<(Board, Fit)> {
+        let (board, fit) = (self.board, self.fit);
+        let least = least.max(SURE);
+        let mut cleared = fit.clone();
+        self.basis.clear(&mut cleared.left);
+        let mut best: Option<(f64, Board, Fit)> = None;
+        let candidates = correct::candidates(board, slopes, &cleared, &self.basis);
+        for candidate in candidates.into_iter().take(TRIED) {
+            let numbers = candidate.slopes.declared.len();
+            if evidence(board, candidate.gain, numbers) < PROMISING * least {
+                break;
+            }
+            if !self.tells(candidate.gain, || candidate.slopes.white(board)) {
+                continue;
+            }
+            let mut wider = board.clone();
+            let effects = wider.correct(candidate.slopes);
+            let knob = &candidate.slopes.knob;
+            let group = board.group_of(&fit.model, knob, fit.model.unused());
+            let (better, tried, gain) = wider.settle(&fit.model.with(&effects, group), fit);
+            let here = evidence(board, gain, numbers);
+            let most = best.as_ref().map_or(least, |(most, ..)| *most);
+            // A twin that can't be is none.
+            if better.is_possible() && here > most {
+                best = Some((here, better, tried));
+            }
+        }
+        best.map(|(_, board, fit)| (board, fit))
+    }
+}

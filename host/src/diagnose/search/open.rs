@@ -1,0 +1,81 @@
+//! What the twins leave open, which is no finding: a drive that they do not declare, and a disc that they do not give.
+
+use crate::diagnose::cells;
+use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::model::{Board, Model, pushes};
+
+/// Changes of a drive that the twins do not declare, at the most.
+pub const CHANGES: usize = 16;
+
+/// Orders of a disc with many edges that may be as large as they like: what is off the centre, tilted or bent moves all edges of a part of
+/// the turn alike.
+const LOW: i64 = 8;
+
+/// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
+/// class are off.
+#[must_use]
+pub fn nuisances(board: &Board) -> Model {
+    let mut model = Model::default();
+    if !board.disc_given {
+        model.add_open(&cells::classes(board), usize::MAX);
+        let edges = board.benches.iter().map(|bench| bench.record.edges).min();
+        let orders = (1..=LOW).filter(|order| 16 * order < edges.unwrap_or(0));
+        let orders =
+            orders.map(|order| Effect::new(Site::Disc(On::ALL), Carrier::Order(order as f64)));
+        model.add_open(&orders.collect::<Vec<_>>(), usize::MAX);
+    }
+    let mut benches = board.benches.iter();
+    if benches.any(|bench| bench.is_held() && bench.plant.law.mode.is_none()) {
+        model.add_open(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
+    }
+    if board.undriven {
+        model.add_open(&turns_back(board), usize::MAX);
+    }
+    model
+}
+
+/// A drive that the twins do not declare may turn back as suddenly as it likes, which looks like friction; where it does so often, only
+/// friction does every time.
+fn turns_back(board: &Board) -> Vec<Effect> {
+    let several = board.benches.len() > 1;
+    let each = board.benches.iter().flat_map(|bench| {
+        let at = bench.course.reversals_s.iter();
+        at.map(move |at_s| Effect {
+            only: several.then_some(bench.place),
+            ..Effect::new(Site::Drive, Carrier::Window(*at_s, f64::INFINITY))
+        })
+    });
+    let all: Vec<Effect> = each.collect();
+    if all.len() > CHANGES { Vec::new() } else { all }
+}
+
+/// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
+/// gives way with the speed as friction does where that hardly changes; a disc that they do not give may have any errors.
+pub fn is_open(board: &Board, effects: &[Effect]) -> bool {
+    let drags = board.undriven && board.speed_spread() < cells::SPEEDS;
+    if drags && effects.iter().all(Effect::is_friction) {
+        return true;
+    }
+    effects.iter().all(|effect| {
+        let changes = pushes(effect.site) && matches!(effect.carrier, Carrier::Window(..));
+        board.undriven && changes || !board.disc_given && effect.is_of_disc()
+    })
+}
+
+/// Whether an effect is an angle that swings more slowly than the shaft turns, as its course does under a drive of which nothing is known.
+pub fn is_course(effect: &Effect) -> bool {
+    let slow = matches!(effect.carrier, Carrier::Order(order) if order < 1.0);
+    slow && matches!(effect.site, Site::Disc(_))
+}
+
+/// Effects of what the twins leave open as they enter: a torque of an unknown drive makes the course, which nothing damps.
+pub fn left_open(board: &Board, effects: &[Effect]) -> Vec<Effect> {
+    let each = effects.iter().map(|effect| match effect.site {
+        Site::Torque if board.undriven => Effect {
+            site: Site::Drive,
+            ..*effect
+        },
+        _ => *effect,
+    });
+    each.collect()
+}
