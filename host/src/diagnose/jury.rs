@@ -42,24 +42,18 @@ pub fn judge(board: &mut Board, fit: &mut Fit, at_once: bool) -> Judged {
         });
         judged.worth = groups.collect();
         judged.worth.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let mut weak: Vec<usize> = judged
-            .worth
-            .iter()
-            .filter(|one| one.1 < SURE)
-            .map(|one| one.0)
-            .collect();
-        weak.truncate(if at_once { weak.len() } else { 1 });
-        let Some(_) = weak.first() else {
+        let weak = judged.worth.iter().filter(|one| one.1 < SURE);
+        let weak: Vec<_> = weak.take(if at_once { usize::MAX } else { 1 }).collect();
+        if weak.is_empty() {
             if gain > SURE {
                 judged.changed |= board.free != any.0.free;
                 (*board, *fit, _) = any;
             }
             return judged;
-        };
+        }
         judged.changed = true;
-        let rest = weak
-            .into_iter()
-            .fold(fit.model.clone(), |model, group| model.without(group));
+        let weak = weak.into_iter();
+        let rest = weak.fold(fit.model.clone(), |model, one| model.without(one.0));
         (*board, *fit, _) = likeliest(&any.0, &rest);
     }
 }

@@ -31,7 +31,8 @@ pub fn shares(count: usize) -> impl Iterator<Item = f64> {
 
 /// Fits columns to a row of numbers. A column that is none of its own beside those before it gets the size 0 and no variance.
 #[must_use]
-pub fn solve(columns: &[&[f64]], target: &[f64]) -> Solution {
+pub fn solve<C: AsRef<[f64]>>(columns: &[C], target: &[f64]) -> Solution {
+    let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
     let count = columns.len();
     let norms = columns.iter().map(|column| dot(column, column).sqrt());
     let norms: Vec<f64> = norms.collect();
@@ -121,10 +122,10 @@ pub struct Basis {
 impl Basis {
     /// Of columns.
     #[must_use]
-    pub fn of(columns: &[&[f64]]) -> Self {
+    pub fn of<C: AsRef<[f64]>>(columns: &[C]) -> Self {
         let mut basis = Self::default();
         let each = columns.iter();
-        each.for_each(|column| basis.add(column.to_vec()));
+        each.for_each(|column| basis.add(column.as_ref().to_vec()));
         basis
     }
 

@@ -14,7 +14,7 @@ use crate::diagnose::filter::{Noise, SIDE_BY_SIDE};
 use crate::diagnose::lsq;
 use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::numbers::Knob;
-use crate::diagnose::pattern::Pattern;
+use crate::diagnose::pattern::{Pattern, SMALL, SMALLER};
 use crate::diagnose::record::Record;
 use crate::twin::{Drive, Errors};
 
@@ -225,9 +225,9 @@ impl Board {
         (off.sum::<f64>() / count).sqrt() / mean.max(f64::MIN_POSITIVE)
     }
 
-    /// What a model says of each edge, rad, for each recording.
+    /// What a model leaves of each edge's angle, rad, for each recording.
     #[must_use]
-    pub fn predicted(&self, model: &Model) -> Vec<Vec<f64>> {
+    pub fn rest(&self, model: &Model) -> Vec<Vec<f64>> {
         let each = self.benches.par_iter().map(|bench| {
             let mut sum = vec![0.0; bench.record.len()];
             for term in &model.terms {
@@ -235,20 +235,11 @@ impl Board {
                     lsq::add(&mut sum, *size, column);
                 }
             }
+            let each = sum.iter_mut().zip(&bench.residual);
+            each.for_each(|(sum, all)| *sum = all - *sum);
             sum
         });
         each.collect()
-    }
-
-    /// What a model leaves of each edge's angle, rad, for each recording.
-    #[must_use]
-    pub fn rest(&self, model: &Model) -> Vec<Vec<f64>> {
-        let mut rest = self.predicted(model);
-        for (bench, rest) in self.benches.iter().zip(&mut rest) {
-            let each = rest.iter_mut().zip(&bench.residual);
-            each.for_each(|(rest, all)| *rest = all - *rest);
-        }
-        rest
     }
 
     /// What rounding to ticks alone would leave of each edge's angle, rad, for each recording, on the course that a model has.
@@ -270,12 +261,6 @@ impl Board {
             bench.white(&response)
         });
         1e-6 * 1e-6 * white.map(|white| lsq::dot(&white, &white)).sum::<f64>()
-    }
-
-    /// What rounding leaves, white, in a row.
-    #[must_use]
-    pub fn spurs(&self, model: &Model) -> Vec<f64> {
-        self.white(&self.rounded(model))
     }
 
     /// Angles of all recordings, white, in a row, with what the disc's pattern explains in them.
@@ -304,11 +289,13 @@ impl Board {
     /// The residuals, white, in a row.
     #[must_use]
     pub fn target(&self) -> Vec<f64> {
-        let each = self.benches.par_iter();
-        let each: Vec<Vec<f64>> = each.map(|bench| bench.white(&bench.residual)).collect();
+        let each = self.benches.iter().map(|bench| bench.residual.clone());
+        let white = self.with_pattern(&each.collect::<Vec<_>>());
         match &self.pattern {
-            Some(pattern) => pattern.closely_taken_off(&self.benches, each.concat()),
-            None => each.concat(),
+            Some(pattern) => pattern
+                .taken_off_rows(&self.benches, vec![white], SMALLER)
+                .swap_remove(0),
+            None => white,
         }
     }
 
@@ -363,7 +350,7 @@ impl Board {
             let of_disc = |row: &&Raw<'_>| pattern.size2 > 0.0 && row.0.is_of_disc();
             let (discs, rest): (Vec<_>, Vec<_>) = rows.iter().partition(of_disc);
             let mut white = pattern
-                .taken_off_rows(&self.benches, white(&rest))
+                .taken_off_rows(&self.benches, white(&rest), SMALL)
                 .into_iter();
             let errors = discs.iter().map(|(_, angles)| {
                 let mut errors = vec![0.0; pattern.edges];

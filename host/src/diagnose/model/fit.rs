@@ -29,19 +29,15 @@ pub struct Fit {
     pub rss: f64,
     /// The same where knobs go on as their slopes say.
     lowest: f64,
+    /// By how much each column's number still changes so.
+    by: Vec<f64>,
 }
 
 impl Fit {
-    /// Of columns, fitted to a row whatever the sizes in the model are, and the columns' sizes.
-    fn of(
-        model: Model,
-        columns: Vec<Vec<f64>>,
-        of: Vec<(usize, usize)>,
-        target: &[f64],
-    ) -> (Self, Vec<f64>) {
-        let by_column: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let solved = lsq::solve(&by_column, target);
-        let fit = Self {
+    /// Of columns, fitted to a row whatever the sizes in the model are.
+    fn of(model: Model, columns: Vec<Vec<f64>>, of: Vec<(usize, usize)>, target: &[f64]) -> Self {
+        let solved = lsq::solve(&columns, target);
+        Self {
             model,
             columns,
             of,
@@ -49,8 +45,8 @@ impl Fit {
             left: solved.left,
             rss: solved.rss,
             lowest: solved.rss,
-        };
-        (fit, solved.sizes)
+            by: solved.sizes,
+        }
     }
 
     /// Whether a term, by its place, is of a group.
@@ -61,14 +57,19 @@ impl Fit {
     /// The same without a group: all other numbers fitted again, knobs as slopes.
     #[must_use]
     pub fn without(&self, group: usize) -> Self {
-        let gone = self.is_of(group);
+        self.without_some(&self.is_of(group))
+    }
+
+    /// The same without some terms, by their places.
+    fn without_some(&self, gone: &dyn Fn(usize) -> bool) -> Self {
+        let terms = { self.model.terms.iter().enumerate() }.filter(|(at, _)| !gone(*at));
+        let terms = terms.map(|(_, term)| term.clone()).collect();
         let before = |term: usize| (0..term).filter(|&at| gone(at)).count();
-        let kept = self.columns.iter().zip(&self.of);
-        let kept = kept.filter(|(_, (term, _))| !gone(*term));
+        let kept = { self.columns.iter().zip(&self.of) }.filter(|(_, (term, _))| !gone(*term));
         let kept =
             kept.map(|(column, &(term, number))| (column.clone(), (term - before(term), number)));
         let (columns, of) = kept.unzip();
-        Self::of(self.model.without(group), columns, of, &self.beside(&gone)).0
+        Self::of(Model { terms }, columns, of, &self.beside(gone))
     }
 
     /// What a group makes of each innovation.
@@ -100,8 +101,7 @@ impl Fit {
     /// An orthonormal basis of its columns.
     #[must_use]
     pub fn basis(&self) -> Basis {
-        let columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
-        Basis::of(&columns)
+        Basis::of(&self.columns)
     }
 
     /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
@@ -113,11 +113,7 @@ impl Fit {
     /// The same without some terms, by their places.
     #[must_use]
     pub fn loss_of(&self, gone: &dyn Fn(usize) -> bool) -> f64 {
-        let target = self.beside(gone);
-        let kept = self.columns.iter().zip(&self.of);
-        let kept = kept.filter(|(_, (term, _))| !gone(*term));
-        let kept: Vec<&[f64]> = kept.map(|(column, _)| column.as_slice()).collect();
-        (lsq::solve(&kept, &target).rss - self.lowest).max(0.0)
+        (self.without_some(gone).rss - self.lowest).max(0.0)
     }
 }
 
@@ -247,36 +243,33 @@ impl Board {
 
     /// Sizes for knobs as they are; columns of these alone.
     fn sized(&self, model: &Model, target: &[f64], basis: &Basis) -> Fit {
-        let effects: Vec<Effect> = model.terms.iter().map(|term| term.effect).collect();
+        let effects = model.terms.iter().map(|term| term.effect);
         // What the twins declare has other columns beside other twins.
-        let (declared, others): (Vec<Effect>, Vec<Effect>) = effects
-            .iter()
-            .partition(|effect| matches!(effect.site, Site::Declared(_)));
+        let is_declared = |effect: &Effect| matches!(effect.site, Site::Declared(_));
+        let (declared, others): (Vec<_>, Vec<_>) = effects.partition(is_declared);
         let work_out = |effects: &[Effect]| self.columns_of(effects);
         let mut others = self.white.of(self.mark(), &others, work_out).into_iter();
         let mut declared = self.columns_of(&declared).into_iter().map(Arc::new);
         let (mut columns, mut of) = (Vec::new(), Vec::new());
-        for (at, effect) in effects.iter().enumerate() {
-            let own = match effect.site {
-                Site::Declared(_) => declared.next(),
-                _ => others.next(),
+        for (at, term) in model.terms.iter().enumerate() {
+            let own = match is_declared(&term.effect) {
+                true => declared.next(),
+                false => others.next(),
             };
             columns.extend(own.iter().flat_map(|own| own.iter().cloned()));
-            of.extend((0..effect.sizes()).map(|size| (at, size)));
+            of.extend((0..term.effect.sizes()).map(|size| (at, size)));
         }
-        columns
-            .par_iter_mut()
-            .for_each(|column| basis.clear(column));
-        let (mut fit, sizes) = Fit::of(model.clone(), columns, of, target);
-        for ((term, number), size) in fit.of.iter().zip(sizes) {
-            fit.model.terms[*term].sizes[*number] = size;
+        let each = columns.par_iter_mut();
+        each.for_each(|column: &mut Vec<f64>| basis.clear(column));
+        let mut fit = Fit::of(model.clone(), columns, of, target);
+        for ((term, number), size) in fit.of.iter().zip(&fit.by) {
+            fit.model.terms[*term].sizes[*number] = *size;
         }
         fit
     }
 
     /// The same with what a small change of each knob does, at these sizes.
-    fn with_slopes(&self, sized: Fit, basis: &Basis) -> Fit {
-        let mut fit = sized;
+    fn with_slopes(&self, mut fit: Fit, basis: &Basis) -> Fit {
         let knobs = fit.model.terms.iter().enumerate().flat_map(|(at, term)| {
             let fitted = self.fitted(&term.effect);
             fitted.into_iter().map(move |knob| (at, knob))
@@ -285,33 +278,30 @@ impl Board {
         if knobs.is_empty() {
             return fit;
         }
-        let slopes = knobs.par_iter();
-        let slopes = slopes.map(|&(at, knob)| self.slope(&fit.model.terms[at], knob));
-        let slopes: Vec<Raw<'_>> = slopes.collect();
-        let mut slopes = self.shown(&slopes);
+        let terms = &fit.model.terms;
+        let slopes = { knobs.par_iter() }.map(|&(at, knob)| self.slope(&terms[at], knob));
+        let mut slopes = self.shown(&slopes.collect::<Vec<_>>());
         slopes.par_iter_mut().for_each(|slope| basis.clear(slope));
         for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
             fit.columns.push(slope);
             fit.of.push((at, fit.model.terms[at].effect.sizes() + knob));
         }
-        let all: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-        let solved = lsq::solve(&all, &fit.left);
+        let solved = lsq::solve(&fit.columns, &fit.left);
         fit.covariance = solved.covariance;
         fit.lowest = solved.rss;
+        fit.by = solved.sizes;
         fit
     }
 
     /// A step of Gauss and Newton, shortened until it helps, without its slopes; none where it does not.
     fn step(&self, now: &Fit, target: &[f64], basis: &Basis) -> Option<Fit> {
-        let all: Vec<&[f64]> = now.columns.iter().map(Vec::as_slice).collect();
-        let by = lsq::solve(&all, &now.left).sizes;
-        for share in lsq::shares(5) {
+        lsq::shares(5).find_map(|share| {
             let mut model = now.model.clone();
             for (at, term) in model.terms.iter_mut().enumerate() {
                 let reach = self.reach(&term.effect);
                 let mut knobs = term.effect.knobs();
-                for ((_, number), by) in now.of.iter().zip(&by).filter(|((term, _), _)| *term == at)
-                {
+                let own = now.of.iter().zip(&now.by).filter(|(of, _)| of.0 == at);
+                for ((_, number), by) in own {
                     if let Some(knob) = number.checked_sub(term.effect.sizes()) {
                         knobs[knob] += (share * by).clamp(-reach[knob], reach[knob]);
                     }
@@ -322,10 +312,7 @@ impl Board {
                 }
             }
             let next = self.sized(&model, target, basis);
-            if next.rss < now.rss {
-                return Some(next);
-            }
-        }
-        None
+            (next.rss < now.rss).then_some(next)
+        })
     }
 }

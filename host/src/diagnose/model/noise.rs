@@ -11,8 +11,10 @@ use crate::diagnose::lsq;
 use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::pattern::Pattern;
 
-/// Change of a logarithm of the noise that is none.
-const ALIKE: f64 = 0.05;
+/// Whether a size of the noise has hardly changed.
+fn is_alike(was: f64, is: f64) -> bool {
+    (is / was.max(f64::MIN_POSITIVE)).ln().abs() < 0.05
+}
 
 impl Board {
     /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave, until neither changes, as
@@ -32,13 +34,11 @@ impl Board {
             for (bench, left) in self.benches.iter().zip(&mut left) {
                 bench.less_errors(left, &errors);
             }
-            self.level(&left);
-            let (noise, _) = bench::fit_noise(&self.benches, &left, self.noise, self.free);
+            let noise = self.levelled(&left);
             self.pattern = Some(pattern);
             self.set_noise(noise);
             self.go_by(&model);
-            let changed = |was: f64, is: f64| (is / was.max(f64::MIN_POSITIVE)).ln().abs() > ALIKE;
-            if !changed(before.torque, noise.torque) && !changed(before.stamp_s, noise.stamp_s) {
+            if is_alike(before.torque, noise.torque) && is_alike(before.stamp_s, noise.stamp_s) {
                 break;
             }
         }
@@ -51,11 +51,9 @@ impl Board {
         }
         let rest = self.rest(model);
         for _ in 0..BOTH {
-            self.level(&rest);
-            let before = self.noise;
-            let (noise, _) = bench::fit_noise(&self.benches, &rest, self.noise, self.free);
+            let (before, noise) = (self.noise, self.levelled(&rest));
             self.set_noise(noise);
-            if (noise.torque / before.torque).ln().abs() < ALIKE {
+            if is_alike(before.torque, noise.torque) {
                 break;
             }
         }
@@ -76,7 +74,7 @@ impl Board {
             let before = board.noise.torque;
             fit = board.fit_in_noise(&fit.model);
             // A pattern is sized up until neither changes.
-            if board.pattern.is_some() || (board.noise.torque / before).ln().abs() < ALIKE {
+            if board.pattern.is_some() || is_alike(before, board.noise.torque) {
                 break;
             }
         }
@@ -116,8 +114,8 @@ impl Board {
             + lsq::dot(disc, disc)
     }
 
-    /// Weighs edges by the level of the noise about them, and by how far out they are.
-    fn level(&mut self, rest: &[Vec<f64>]) {
+    /// Weighs edges by the level of the noise about them, and by how far out they are. The noise that fits so.
+    fn levelled(&mut self, rest: &[Vec<f64>]) -> Noise {
         let (levels, tails) = (self.levels, self.free.tails);
         let each = self.benches.par_iter_mut().zip(rest);
         each.for_each(|(bench, rest)| {
@@ -126,6 +124,7 @@ impl Board {
             }
             bench.weigh(rest, tails);
         });
+        bench::fit_noise(&self.benches, rest, self.noise, self.free).0
     }
 
     /// The same board in white and normal noise.

@@ -3,17 +3,18 @@
 
 mod solve;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use nalgebra::{Cholesky, Dyn};
 use rayon::prelude::*;
-use realfft::{RealFftPlanner, RealToComplex};
+use realfft::RealFftPlanner;
 
 use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::dot;
 use super::mean_turn::MeanTurn;
-use solve::{Normal, SMALL};
+use solve::Normal;
+pub use solve::{SMALL, SMALLER};
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
@@ -23,7 +24,7 @@ pub const LARGE: f64 = 0.3;
 const SMALLEST2: f64 = 1e-10 * 1e-10;
 
 /// A pattern of a size.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Pattern {
     /// Edges a turn.
     pub edges: usize,
@@ -35,20 +36,10 @@ pub struct Pattern {
     pub known: bool,
     /// What a pattern of unit size of each order is worth, sum of squares.
     worth: Vec<f64>,
-    forward: Arc<dyn RealToComplex<f64>>,
     turn: MeanTurn,
     /// The normal matrix of few edges, and with the size.
     normal: OnceLock<Normal>,
     sized: OnceLock<Option<Cholesky<f64, Dyn>>>,
-}
-
-impl std::fmt::Debug for Pattern {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Pattern")
-            .field("edges", &self.edges)
-            .field("size2", &self.size2)
-            .finish_non_exhaustive()
-    }
 }
 
 impl Pattern {
@@ -56,14 +47,12 @@ impl Pattern {
     #[must_use]
     pub fn new(benches: &[Bench]) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
-        let mut planner = RealFftPlanner::new();
         Some(Self {
             edges,
             size2: 0.0,
             sparse: true,
             known: false,
             worth: Self::worths(benches, edges),
-            forward: planner.plan_fft_forward(edges),
             turn: MeanTurn::new(benches, edges),
             normal: OnceLock::new(),
             sized: OnceLock::new(),
@@ -95,15 +84,14 @@ impl Pattern {
             let share = node as f64 / (count.max(2) - 1) as f64;
             let order = ((orders as f64 - 1.0).powf(share)).round().max(1.0);
             let effect = Effect::new(Site::Disc(On::ALL), Carrier::Order(order));
-            let columns = benches.iter().flat_map(|bench| {
+            let white = benches.iter().flat_map(|bench| {
                 let columns = bench.columns(&effect);
-                let square = |column: &Vec<f64>| {
-                    let white = bench.white(column);
-                    dot(&white, &white)
-                };
-                columns.iter().map(square).collect::<Vec<_>>()
+                columns
+                    .iter()
+                    .map(|column| bench.white(column))
+                    .collect::<Vec<_>>()
             });
-            let worth = columns.sum::<f64>() / edges as f64;
+            let worth = white.map(|white| dot(&white, &white)).sum::<f64>() / edges as f64;
             (order.ln(), worth.max(1e-300).ln())
         });
         let nodes: Vec<(f64, f64)> = nodes.collect();
@@ -168,11 +156,11 @@ impl Pattern {
             let change = (next(self).clamp(SMALLEST2, most) / self.size2).ln();
             // Changes that shrink alike add up to this (A. C. Aitken, Proc. R. Soc. Edinburgh 46, 1926), of shares up to 0.8.
             let share: f64 = if before == 0.0 { 0.0 } else { change / before };
-            let (whole, last) = match share > 0.0 {
+            let whole;
+            (whole, before) = match share > 0.0 {
                 true => (change / (1.0 - share.min(0.8)), 0.0),
                 false => (change, change),
             };
-            before = last;
             self.set_size((self.size2 * whole.exp()).min(most));
             // A change of a fiftieth is none.
             if whole.abs() < 0.02 || self.size2 <= SMALLEST2 {
@@ -184,18 +172,15 @@ impl Pattern {
     /// Of each order how much of it the recordings settle, its numbers, and its power as the errors have it.
     fn powers(&self, errors: &[f64]) -> Vec<[f64; 3]> {
         let mut row = errors.to_vec();
-        let mut spectrum = self.forward.make_output_vec();
-        if self.forward.process(&mut row, &mut spectrum).is_err() {
+        let forward = RealFftPlanner::new().plan_fft_forward(self.edges);
+        let mut spectrum = forward.make_output_vec();
+        if forward.process(&mut row, &mut spectrum).is_err() {
             return Vec::new();
         }
         let each = self.settled().zip(&spectrum[1..]).enumerate();
         each.map(|(at, (settled, value))| {
-            let numbers = self.numbers(at + 1);
-            [
-                settled / numbers,
-                numbers,
-                value.norm_sqr() / self.edges as f64,
-            ]
+            let (numbers, power) = (self.numbers(at + 1), value.norm_sqr());
+            [settled / numbers, numbers, power / self.edges as f64]
         })
         .collect()
     }

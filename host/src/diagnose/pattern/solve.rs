@@ -18,51 +18,38 @@ use crate::diagnose::mean_turn::MeanTurn;
 const STEPS: usize = 40;
 /// Edges a turn up to which the normal matrix is worked out: a column of it costs as much as a step of conjugate gradients.
 const MATRIX: usize = 128;
-/// Part of the first residual that is small enough, and what is as small as numbers allow.
+/// Part of the first residual that is small enough.
 pub const SMALL: f64 = 1e-5;
-const SMALLER: f64 = 1e-9;
+/// What is as small as numbers allow: of what a fit leaves small parts count.
+pub const SMALLER: f64 = 1e-9;
 
-/// A disc's normal matrix without its prior.
-#[derive(Clone)]
-pub struct Normal {
-    matrix: DMatrix<f64>,
-    /// Of which benches in which noise.
-    mark: f64,
-}
+/// A disc's normal matrix without its prior, and of which benches in which noise: others have another one.
+pub type Normal = (DMatrix<f64>, f64);
 
-impl Normal {
-    fn of(pattern: &Pattern, benches: &[Bench]) -> Self {
-        let count = pattern.edges;
+impl Pattern {
+    fn normal(&self, benches: &[Bench], mark: f64) -> Normal {
+        let count = self.edges;
         let mut ones = vec![vec![0.0; count]; count];
         (0..count).for_each(|edge| ones[edge][edge] = 1.0);
         let some = ones.par_chunks(SIDE_BY_SIDE);
-        let some = some.map(|ones| pattern.fold_rows(benches, &pattern.unfold_rows(benches, ones)));
+        let some = some.map(|ones| self.fold_rows(benches, &self.unfold_rows(benches, ones)));
         let columns: Vec<Vec<f64>> = some.flatten().collect();
-        let matrix = DMatrix::from_fn(count, count, |a, b| 0.5 * (columns[a][b] + columns[b][a]));
-        Self {
-            matrix,
-            mark: Self::mark(benches),
-        }
+        let both = |a: usize, b: usize| 0.5 * (columns[a][b] + columns[b][a]);
+        (DMatrix::from_fn(count, count, both), mark)
     }
 
-    /// Other benches, or the same in another noise, have another one.
-    fn mark(benches: &[Bench]) -> f64 {
-        benches.iter().map(Bench::mark).sum()
-    }
-}
-
-impl Pattern {
     /// The factorised normal matrix with the prior, where there are few edges.
     fn factor(&self, benches: &[Bench]) -> Option<&Cholesky<f64, Dyn>> {
         if self.edges > MATRIX {
             return None;
         }
-        let normal = self.normal.get_or_init(|| Normal::of(self, benches));
-        if normal.mark != Normal::mark(benches) {
+        let mark = benches.iter().map(Bench::mark).sum();
+        let (normal, of) = self.normal.get_or_init(|| self.normal(benches, mark));
+        if *of != mark {
             return None;
         }
         let factor = self.sized.get_or_init(|| {
-            let mut matrix = normal.matrix.clone();
+            let mut matrix = normal.clone();
             (0..self.edges).for_each(|at| matrix[(at, at)] += self.size2.recip());
             Cholesky::new(matrix)
         });
@@ -72,8 +59,7 @@ impl Pattern {
     /// Score of each edge of the grid: what one rad of its error adds.
     #[must_use]
     pub fn fold(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
-        let rows = [white.to_vec()];
-        self.fold_rows(benches, &rows).swap_remove(0)
+        self.fold_rows(benches, &[white.to_vec()]).swap_remove(0)
     }
 
     /// The same of some rows.
@@ -96,8 +82,7 @@ impl Pattern {
 
     /// Errors of the grid's edges as angles of each edge, white, in a row.
     pub fn unfold(&self, benches: &[Bench], errors: &[f64]) -> Vec<f64> {
-        let rows = [errors.to_vec()];
-        self.unfold_rows(benches, &rows).swap_remove(0)
+        self.unfold_rows(benches, &[errors.to_vec()]).swap_remove(0)
     }
 
     /// The same of some errors.
@@ -145,8 +130,8 @@ impl Pattern {
         }
         let mut all: Vec<Descent> = each.map(|fold| Descent::new(&self.turn, fold)).collect();
         for _ in 0..STEPS {
-            let mut open: Vec<&mut Descent> =
-                all.iter_mut().filter(|row| row.is_open(small)).collect();
+            let open = all.iter_mut().filter(|row| row.is_open(small));
+            let mut open: Vec<&mut Descent> = open.collect();
             if open.is_empty() {
                 break;
             }
@@ -181,22 +166,18 @@ impl Pattern {
     /// those beside a pattern that is fitted with them.
     #[must_use]
     pub fn taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
-        self.taken_off_rows(benches, vec![white]).swap_remove(0)
+        self.taken_off_rows(benches, vec![white], SMALL)
+            .swap_remove(0)
     }
 
-    /// The same of some rows.
+    /// The same of some rows, with errors until a part of their score is left.
     #[must_use]
-    pub fn taken_off_rows(&self, benches: &[Bench], white: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        self.without(benches, white, SMALL)
-    }
-
-    /// The same as closely as numbers allow: of what a fit leaves small parts count.
-    #[must_use]
-    pub fn closely_taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
-        self.without(benches, vec![white], SMALLER).swap_remove(0)
-    }
-
-    fn without(&self, benches: &[Bench], mut white: Vec<Vec<f64>>, small: f64) -> Vec<Vec<f64>> {
+    pub fn taken_off_rows(
+        &self,
+        benches: &[Bench],
+        mut white: Vec<Vec<f64>>,
+        small: f64,
+    ) -> Vec<Vec<f64>> {
         let folds = self.fold_rows(benches, &white);
         let errors = self.errors_of_rows(benches, folds, small);
         let shown = self.unfold_rows(benches, &errors);

@@ -111,7 +111,7 @@ impl<'a> Beside<'a> {
     /// Of a fit.
     pub fn of(board: &'a Board, fit: &'a Fit) -> Self {
         let basis = fit.basis();
-        let mut spurs = board.spurs(&fit.model);
+        let mut spurs = board.white(&board.rounded(&fit.model));
         basis.clear(&mut spurs);
         Self {
             board,
