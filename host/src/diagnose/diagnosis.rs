@@ -128,6 +128,29 @@ pub struct Finding {
     pub next_recording: Option<NextRecording>,
 }
 
+impl Finding {
+    /// A finding with so much in favour of it by Schwarz's criterion, against chance alone; nothing else is known of it.
+    #[must_use]
+    pub fn of(mechanism: Mechanism, text: String, worth: f64) -> Self {
+        let by_chance = (-0.5 * worth).exp().min(1.0);
+        Self {
+            mechanism,
+            text,
+            confidence: 1.0 - by_chance,
+            parameters: BTreeMap::new(),
+            place: Place::default(),
+            evidence: Evidence {
+                delta_bic: worth,
+                p_value: by_chance,
+                held_out_rms_ratio: None,
+                runner_up: None,
+            },
+            look_alikes: Vec::new(),
+            next_recording: None,
+        }
+    }
+}
+
 /// A number with its interval.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
@@ -137,6 +160,34 @@ pub struct Parameter {
     pub unit: String,
     /// Interval that holds the true value in 95 of 100 cases; none where it is exact.
     pub ci95: Option<[f64; 2]>,
+}
+
+impl Parameter {
+    /// A number that is exact.
+    #[must_use]
+    pub fn exact(value: f64) -> Self {
+        Self {
+            value,
+            unit: "1".to_owned(),
+            ci95: None,
+        }
+    }
+
+    /// A number between two ends.
+    #[must_use]
+    pub fn between(value: f64, unit: &str, ends: [f64; 2]) -> Self {
+        Self {
+            value,
+            unit: unit.to_owned(),
+            ci95: Some(ends),
+        }
+    }
+
+    /// A number that may be off by so much either way.
+    #[must_use]
+    pub fn about(value: f64, unit: &str, by: f64) -> Self {
+        Self::between(value, unit, [value - by, value + by])
+    }
 }
 
 /// Where a finding shows; an empty list says nothing, not "none".
@@ -160,6 +211,17 @@ pub struct Place {
     pub directions: Vec<String>,
     /// Power of the speed that its angle goes with, where it was seen at more than one.
     pub speed_exponent: Option<f64>,
+}
+
+impl Place {
+    /// Of errors of stamps: their angles go with the speed.
+    #[must_use]
+    pub fn of_stamps() -> Self {
+        Self {
+            speed_exponent: Some(1.0),
+            ..Self::default()
+        }
+    }
 }
 
 /// What speaks for a finding.

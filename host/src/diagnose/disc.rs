@@ -1,6 +1,6 @@
 //! What was learned of a disc that the twins do not give, or of another one than they give.
 
-use super::diagnosis::{Evidence, Finding, Parameter, Place};
+use super::diagnosis::{Finding, Parameter};
 use super::effect::{Here, Site};
 use super::lsq;
 use super::model::{Board, Fit, Model, Term};
@@ -109,11 +109,8 @@ pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> 
     let open =
         orders.clone().map(|order| own.variance(order)).sum::<f64>() / orders.count().max(1) as f64;
     let size = rms(&errors).hypot(open.sqrt());
-    let unit = |value: f64, error: f64| Parameter {
-        value,
-        unit: "rad".to_owned(),
-        ci95: Some([-1.0, 1.0].map(|side| value + side * NINETY_FIVE * spread * error)),
-    };
+    let unit =
+        |value: f64, error: f64| Parameter::about(value, "rad", NINETY_FIVE * spread * error);
     let mut parameters = std::collections::BTreeMap::new();
     let by_count = open.sqrt() / (errors.len() as f64).sqrt();
     parameters.insert("rms_rad".to_owned(), unit(size, by_count));
@@ -122,23 +119,13 @@ pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> 
             parameters.insert(format!("e_{slot:02}_rad"), unit(*error, open.sqrt()));
         }
     }
+    let text = format!(
+        "each edge of the disc has an error of its own, {} RMS, that repeats every turn",
+        si(size, "rad")
+    );
     let finding = Finding {
-        mechanism: Mechanism::LineError,
-        text: format!(
-            "each edge of the disc has an error of its own, {} RMS, that repeats every turn",
-            si(size, "rad")
-        ),
-        confidence: (1.0 - (-0.5 * worth).exp()).max(0.0),
         parameters,
-        place: Place::default(),
-        evidence: Evidence {
-            delta_bic: worth,
-            p_value: (-0.5 * worth).exp().min(1.0),
-            held_out_rms_ratio: None,
-            runner_up: None,
-        },
-        look_alikes: Vec::new(),
-        next_recording: None,
+        ..Finding::of(Mechanism::LineError, text, worth)
     };
     Some((finding, (plain.rss - fit.rss).max(0.0)))
 }

@@ -6,7 +6,7 @@ use quadcal::edge::Levels;
 
 use super::edges::{CountEvent, CountKind};
 use super::rig::Recorded;
-use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place};
+use crate::diagnose::diagnosis::{Finding, Parameter, Place};
 use crate::mechanism::Mechanism;
 
 /// Rows of a glitch: its start and its end.
@@ -33,7 +33,7 @@ pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
             continue;
         }
         let count: i32 = of(kind).map(|event| event.edges).sum();
-        let parameters = BTreeMap::from([("count".to_owned(), exact(f64::from(count)))]);
+        let parameters = BTreeMap::from([("count".to_owned(), Parameter::exact(f64::from(count)))]);
         let mut channels: Vec<String> = of(kind).map(|event| letter(event.channel)).collect();
         channels.sort_unstable();
         channels.dedup();
@@ -46,16 +46,11 @@ pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
         all.push(finding(mechanism, parameters, place, text));
     }
     for event in of(CountKind::IndexSlip) {
+        let ends = [event.after_s, event.time_s];
+        let at = Parameter::between(0.5 * (ends[0] + ends[1]), "s", ends);
         let parameters = BTreeMap::from([
-            (
-                "at_s".to_owned(),
-                Parameter {
-                    value: 0.5 * (event.after_s + event.time_s),
-                    unit: "s".to_owned(),
-                    ci95: Some([event.after_s, event.time_s]),
-                },
-            ),
-            ("edges".to_owned(), exact(f64::from(event.edges))),
+            ("at_s".to_owned(), at),
+            ("edges".to_owned(), Parameter::exact(f64::from(event.edges))),
         ]);
         let place = Place {
             times_s: vec![event.time_s],
@@ -132,14 +127,6 @@ fn in_order(events: Vec<CountEvent>, classes: u32) -> Vec<CountEvent> {
     events.iter().filter(alone).copied().collect()
 }
 
-fn exact(value: f64) -> Parameter {
-    Parameter {
-        value,
-        unit: "1".to_owned(),
-        ci95: None,
-    }
-}
-
 /// The channel of a level bit.
 fn letter(bit: u8) -> String {
     let at = match bit {
@@ -157,19 +144,12 @@ fn finding(
     place: Place,
     text: String,
 ) -> Finding {
-    Finding {
-        mechanism,
-        text,
+    let mut finding = Finding {
         confidence: 0.999,
         parameters,
         place,
-        evidence: Evidence {
-            delta_bic: 1e3,
-            p_value: 0.0,
-            held_out_rms_ratio: None,
-            runner_up: None,
-        },
-        look_alikes: Vec::new(),
-        next_recording: None,
-    }
+        ..Finding::of(mechanism, text, 1e3)
+    };
+    finding.evidence.p_value = 0.0;
+    finding
 }

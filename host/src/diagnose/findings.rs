@@ -4,7 +4,7 @@ use super::agreement::{self, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
 use super::diagnosis::{
-    self, Answer, Diagnosis, Evidence, Finding, Map, NextRecording, Place, RunnerUp, Sized, Verdict,
+    self, Answer, Diagnosis, Evidence, Finding, Map, NextRecording, RunnerUp, Sized, Verdict,
 };
 use super::effect::{Carrier, Effect, Site};
 use super::judge::{self, Parts};
@@ -228,17 +228,17 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
             place.speed_exponent = Some(f64::from(exponent));
         }
+        let text = match sideband {
+            Some(whole) => format!(
+                "{}: beside order {whole}, of a size or phase that changes along the recording",
+                name::text(&effects)
+            ),
+            None if !corrected.is_empty() => correct::text(&corrected, spread),
+            None => name::text(&effects),
+        };
+        let plain = Finding::of(mechanism, text, worth);
         let finding = Finding {
-            mechanism,
-            text: match sideband {
-                Some(whole) => format!(
-                    "{}: beside order {whole}, of a size or phase that changes along the recording",
-                    name::text(&effects)
-                ),
-                None if !corrected.is_empty() => correct::text(&corrected, spread),
-                None => name::text(&effects),
-            },
-            confidence: (1.0 - (-0.5 * worth).exp()).max(0.0) / (1.0 + against),
+            confidence: plain.confidence / (1.0 + against),
             parameters: if !corrected.is_empty() {
                 correct::parameters(&corrected, spread)
             } else if mechanism == Mechanism::Unknown {
@@ -248,16 +248,16 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             },
             place,
             evidence: Evidence {
-                delta_bic: worth,
-                p_value: (-0.5 * worth).exp().min(1.0),
                 held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),
                 runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
                     mechanism: *mechanism,
                     delta_bic: *apart,
                 }),
+                ..plain.evidence
             },
             look_alikes,
             next_recording: next,
+            ..plain
         };
         let terms = fit.model.terms.iter().filter(|term| term.group == group);
         let sized = terms.map(|term| Sized {
@@ -356,21 +356,11 @@ fn kind_of_noise(board: &Board) -> Option<String> {
 
 /// Something that is none of the cells.
 fn unknown() -> Finding {
-    Finding {
-        mechanism: Mechanism::Unknown,
-        text: "more than noise is left, and no cell of the map explains it".to_owned(),
-        confidence: 0.9,
-        parameters: std::collections::BTreeMap::new(),
-        place: Place::default(),
-        evidence: Evidence {
-            delta_bic: 0.0,
-            p_value: NOT_WHITE,
-            held_out_rms_ratio: None,
-            runner_up: None,
-        },
-        look_alikes: Vec::new(),
-        next_recording: None,
-    }
+    let text = "more than noise is left, and no cell of the map explains it".to_owned();
+    let mut finding = Finding::of(Mechanism::Unknown, text, 0.0);
+    finding.confidence = 0.9;
+    finding.evidence.p_value = NOT_WHITE;
+    finding
 }
 
 /// All that has no name as one finding after the named ones, which come the strongest first.

@@ -1,13 +1,11 @@
 //! Stamps noisier than the twin declares: white jitter, or a one-sided latency, which is skewed. Or less noisy than it declares.
 
-use std::collections::BTreeMap;
-
 use super::course::Course;
 use super::filter::Noise;
 use super::model::{Board, Fit};
 use super::noise::{self, Free};
 use super::{agreement, bench};
-use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place, RunnerUp};
+use crate::diagnose::diagnosis::{Finding, Parameter, Place, RunnerUp};
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
@@ -68,25 +66,19 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     let declared2 = tick2 + first.twin.timer.jitter_s.powi(2) + late * late;
     let rest = board.rest(&fit.model);
     let rests = bench::rests(&board.benches, &rest);
-    let fitted = |stamp_s: f64, stamp: bool| {
-        let start = Noise {
-            stamp_s,
-            ..board.noise
+    let fitted = |least_s: f64, start: Noise, torque: bool, stamp: bool| {
+        let free = Free {
+            torque,
+            drift: false,
+            stamp,
+            ..board.free
         };
-        noise::fit(
-            &rests,
-            tick2.sqrt(),
-            start,
-            Free {
-                torque: true,
-                drift: false,
-                stamp,
-                ..board.free
-            },
-        )
+        noise::fit(&rests, least_s, start, free)
     };
-    let (_, given) = fitted(declared2.sqrt(), false);
-    let (best, free) = fitted(board.noise.stamp_s, true);
+    let with = |noise: Noise, stamp_s: f64| Noise { stamp_s, ..noise };
+    let start = with(board.noise, declared2.sqrt());
+    let (_, given) = fitted(tick2.sqrt(), start, true, false);
+    let (best, free) = fitted(tick2.sqrt(), board.noise, true, true);
     let gain = given - free;
     if gain < SURE {
         return None;
@@ -98,23 +90,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
         return None;
     }
     // Curvature of the likelihood over the stamp's logarithm.
-    let cost = |factor: f64| {
-        noise::fit(
-            &rests,
-            0.0,
-            Noise {
-                stamp_s: best.stamp_s * factor,
-                ..best
-            },
-            Free {
-                torque: false,
-                drift: false,
-                stamp: false,
-                ..board.free
-            },
-        )
-        .1
-    };
+    let cost = |factor: f64| fitted(0.0, with(best, best.stamp_s * factor), false, false).1;
     let by: f64 = 0.02;
     let curve = (cost(1.0 + by) + cost(1.0 - by) - 2.0 * cost(1.0)) / (by * by);
     let relative = if curve > 0.0 {
@@ -122,113 +98,60 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     } else {
         0.1
     };
-    let evidence = |runner_up| Evidence {
-        delta_bic: gain - (board.edges() as f64).ln(),
-        p_value: (-0.5 * gain).exp(),
-        held_out_rms_ratio: None,
-        runner_up,
+    let finding = |mechanism, text, name: &str, value, ends| {
+        let mut finding = Finding::of(mechanism, text, gain);
+        finding.evidence.delta_bic -= (board.edges() as f64).ln();
+        finding.place = Place::of_stamps();
+        let parameter = Parameter::between(value, "s", ends);
+        finding.parameters.insert(name.to_owned(), parameter);
+        finding
     };
+    let (jitter, latency) = (Mechanism::TimestampJitter, Mechanism::CaptureLatency);
     if added2 < 0.0 {
         // The larger part of what is declared is what there is less of.
         let jitter2 = first.twin.timer.jitter_s.powi(2);
-        let of_latency = late * late > jitter2;
-        let (mechanism, path, name, declared, other2) = if of_latency {
-            (
-                Mechanism::CaptureLatency,
-                "capture_latency.mean_s",
-                "mean_s",
-                late,
-                jitter2,
-            )
+        let (mechanism, table, name, declared, other2) = if late * late > jitter2 {
+            (latency, "capture_latency", "mean_s", late, jitter2)
         } else {
-            (
-                Mechanism::TimestampJitter,
-                "timer.jitter_s",
-                "jitter_s",
-                jitter2.sqrt(),
-                late * late,
-            )
+            (jitter, "timer", "jitter_s", jitter2.sqrt(), late * late)
         };
         let value2 = (best.stamp_s.powi(2) - tick2 - other2).max(0.0);
         let by2 = 2.0 * 1.96 * relative * best.stamp_s.powi(2);
         let ends = [value2 - by2, value2 + by2].map(|end| end.max(0.0).sqrt());
-        let text = format!(
-            "{path}: {} declared, {} measured, {} to {}",
-            si(declared, "s"),
-            si(value2.sqrt(), "s"),
-            si(ends[0], "s"),
-            si(ends[1], "s")
-        );
-        let parameter = Parameter {
-            value: value2.sqrt(),
-            unit: "s".to_owned(),
-            ci95: Some(ends),
-        };
-        return Some(Finding {
-            mechanism,
-            text,
-            confidence: 1.0 - (-0.5 * gain).exp(),
-            parameters: BTreeMap::from([(name.to_owned(), parameter)]),
-            place: Place {
-                speed_exponent: Some(1.0),
-                ..Place::default()
-            },
-            evidence: evidence(None),
-            look_alikes: Vec::new(),
-            next_recording: None,
-        });
+        let [declared, value_s, from, to] =
+            [declared, value2.sqrt(), ends[0], ends[1]].map(|time_s| si(time_s, "s"));
+        let text =
+            format!("{table}.{name}: {declared} declared, {value_s} measured, {from} to {to}");
+        return Some(finding(mechanism, text, name, value2.sqrt(), ends));
     }
     let share = added2 / best.stamp_s.powi(2);
     let (seen, expected) = skewness(board, fit, best.stamp_s, share);
-    let late = seen > 0.5 * expected;
     let apart = (2.0 * seen - expected).abs() * expected;
-    let (mechanism, other) = if late {
-        (Mechanism::CaptureLatency, Mechanism::TimestampJitter)
-    } else {
-        (Mechanism::TimestampJitter, Mechanism::CaptureLatency)
-    };
-    let (name, value) = if late {
-        ("mean_s", added2.sqrt())
-    } else {
-        (
-            "jitter_s",
-            (best.stamp_s.powi(2) - tick2).max(added2).sqrt(),
-        )
-    };
-    let error = relative * best.stamp_s * best.stamp_s / value;
-    let text = if late {
-        format!(
+    let (of, other, name, value, text) = if seen > 0.5 * expected {
+        let value = added2.sqrt();
+        let text = format!(
             "every capture late by an exponential latency of mean {}: skewed, not only spread",
             si(value, "s")
-        )
+        );
+        (latency, jitter, "mean_s", value, text)
     } else {
-        format!(
-            "stamps spread by {} RMS, {} more than declared",
-            si(value, "s"),
-            si(added2.sqrt(), "s")
-        )
+        let value = (best.stamp_s.powi(2) - tick2).max(added2).sqrt();
+        let [value_s, added] = [value, added2.sqrt()].map(|time_s| si(time_s, "s"));
+        let text = format!("stamps spread by {value_s} RMS, {added} more than declared");
+        (jitter, latency, "jitter_s", value, text)
     };
-    let parameter = Parameter {
-        value,
-        unit: "s".to_owned(),
-        ci95: Some([value - 1.96 * error, value + 1.96 * error]),
-    };
-    Some(Finding {
-        mechanism,
-        text,
-        confidence: 1.0 / (1.0 + (-0.5 * apart).exp()),
-        parameters: BTreeMap::from([(name.to_owned(), parameter)]),
-        place: Place {
-            speed_exponent: Some(1.0),
-            ..Place::default()
-        },
-        evidence: evidence(Some(RunnerUp {
-            mechanism: other,
-            delta_bic: apart,
-        })),
-        look_alikes: if apart < 6.0 { vec![other] } else { Vec::new() },
-        next_recording: None,
-    })
+    let error = relative * best.stamp_s * best.stamp_s / value;
+    let ends = [value - 1.96 * error, value + 1.96 * error];
+    let mut found = finding(of, text, name, value, ends);
+    found.confidence = 1.0 / (1.0 + (-0.5 * apart).exp());
+    found.evidence.runner_up = Some(RunnerUp {
+        mechanism: other,
+        delta_bic: apart,
+    });
+    if apart < 6.0 {
+        found.look_alikes.push(other);
+    }
+    Some(found)
 }
 
 /// Part of the variance of an innovation that errors of the stamps make, for unit variance of these, 1/s^2.

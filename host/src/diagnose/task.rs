@@ -1,7 +1,6 @@
 //! A task that holds captures up, found from the recording: late edges whose stamps have one phase of a rate, and none in the busy time
 //! before (A. Schuster, Terrestrial Magnetism 3, 1898).
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::bench::Bench;
@@ -11,7 +10,7 @@ use super::lsq;
 use super::model::{Board, Fit};
 use super::record::Record;
 use super::scan::SURE;
-use crate::diagnose::diagnosis::{Evidence, Finding, Parameter, Place};
+use crate::diagnose::diagnosis::{Finding, Parameter, Place};
 use crate::mechanism::{Mechanism, TASK_HZ};
 use crate::report::si;
 
@@ -187,13 +186,8 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
         phase_s,
     };
     let deviation_s = deviation_s.max(record.tick_s);
-    Some(shown(
-        record,
-        task,
-        deviation_s,
-        near.len(),
-        late.last()? - late.first()?,
-    ))
+    let span_s = late.last()? - late.first()?;
+    Some(shown(record, task, deviation_s, near.len(), span_s))
 }
 
 /// How far so many held edges over a time show a task, if their stamps are off by so much.
@@ -295,55 +289,28 @@ pub fn finding(given: &Bench, board: &Board, fit: &Fit, at: usize) -> Option<Fin
     let near_s = board.noise.stamp_s.hypot(now.record.tick_s);
     let denied = declared.map_or(0.0, |task| against(now, &task, near_s));
     let lost = other.lost(&other.fit(&fit.model)) - board.lost(fit) + denied;
-    let number = |value: f64, by: f64, unit: &str| Parameter {
-        value,
-        unit: unit.to_owned(),
-        ci95: Some([value - by, value + by]),
-    };
     let held = now.record.held.len();
     let shown = shown(&now.record, task, near_s, held, now.record.seconds());
-    let parameters = BTreeMap::from([
-        (
-            "task_hz".to_owned(),
-            number(task.rate_hz, shown.rate_hz, "Hz"),
-        ),
-        ("busy_s".to_owned(), number(task.busy_s, shown.start_s, "s")),
-        (
-            "phase_s".to_owned(),
-            number(task.phase_s, shown.start_s, "s"),
-        ),
-    ]);
-    let is = format!(
-        "a task at {} holds captures up for {}, from {} on: {held} edges are stamped at its end",
-        si(task.rate_hz, "Hz"),
-        si(task.busy_s, "s"),
-        si(task.phase_s, "s")
-    );
+    let numbers = [
+        ("task_hz", task.rate_hz, "Hz", shown.rate_hz),
+        ("busy_s", task.busy_s, "s", shown.start_s),
+        ("phase_s", task.phase_s, "s", shown.start_s),
+    ];
+    let parameters =
+        numbers.map(|(name, value, unit, by)| (name.to_owned(), Parameter::about(value, unit, by)));
+    let words = |task: Task, that: &str| {
+        let [busy, from] = [task.busy_s, task.phase_s].map(|time_s| si(time_s, "s"));
+        let rate = si(task.rate_hz, "Hz");
+        format!("a task at {rate}{that} holds captures up for {busy}, from {from} on")
+    };
+    let is = words(task, "") + &format!(": {held} edges are stamped at its end");
     let text = match declared {
-        Some(was) => format!(
-            "the twin declares a task at {} that holds captures up for {}, from {} on; measured: {is}",
-            si(was.rate_hz, "Hz"),
-            si(was.busy_s, "s"),
-            si(was.phase_s, "s")
-        ),
+        Some(was) => format!("the twin declares {}; measured: {is}", words(was, " that")),
         None => is,
     };
     Some(Finding {
-        mechanism: Mechanism::CaptureLatency,
-        text,
-        confidence: 1.0 - (-0.5 * lost).exp(),
-        parameters,
-        place: Place {
-            speed_exponent: Some(1.0),
-            ..Place::default()
-        },
-        evidence: Evidence {
-            delta_bic: lost,
-            p_value: (-0.5 * lost).exp(),
-            held_out_rms_ratio: None,
-            runner_up: None,
-        },
-        look_alikes: Vec::new(),
-        next_recording: None,
+        parameters: parameters.into(),
+        place: Place::of_stamps(),
+        ..Finding::of(Mechanism::CaptureLatency, text, lost)
     })
 }
