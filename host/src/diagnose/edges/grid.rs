@@ -1,11 +1,18 @@
-//! The edges that a turn really has, as a row of ranks on the grid, and what an observation may say of them.
+//! The edges that a turn really has, as a row of ranks on the grid, what an observation may say of them, and how fast they go by.
 
 use std::collections::VecDeque;
+use std::f64::consts::{PI, TAU};
 
 use super::median;
 
 /// Turns in which an edge has to be seen for its place to be known.
 const TURNS: usize = 3;
+/// Share of intervals that no smooth speed explains.
+const OUTLIERS: f64 = 1e-3;
+/// Standard deviation of a log interval about its prediction at the least: clocks and discs are no better.
+const SPREAD_LEAST: f64 = 0.004;
+/// Gains of the speed and its slope, and of the spread's mean, as parts of an innovation.
+const GAINS: [f64; 3] = [0.6, 0.15, 0.08];
 
 /// One pulse or change of state, as the search sees it.
 #[derive(Clone, Copy, Debug)]
@@ -45,18 +52,12 @@ impl Grid {
 
     /// A wheel's teeth; at least one is there.
     pub fn teeth(present: &[bool]) -> Self {
-        let all = present.iter().all(|&there| there);
         let there = (0..).zip(present).filter(|(_, there)| **there);
+        let there: Vec<i64> = there.map(|(place, _)| place).collect();
+        let all = there.len() == present.len();
         Self {
-            edges: present.len() as i64,
-            classes: 1,
-            present: if all {
-                Vec::new()
-            } else {
-                there.map(|(place, _)| place).collect()
-            },
-            measured: Vec::new(),
-            reversible: false,
+            present: if all { Vec::new() } else { there },
+            ..Self::full(present.len() as u32, 1)
         }
     }
 
@@ -162,4 +163,80 @@ impl Grid {
     pub fn classes(&self) -> i64 {
         self.classes
     }
+}
+
+/// From one edge to the next: ticks, as a log, and grid edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval {
+    pub log: f64,
+    pub distance: f64,
+}
+
+/// A speed that changes smoothly.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Speed {
+    /// Log of grid edges a tick.
+    pub log: f64,
+    /// Its change an edge.
+    pub slope: f64,
+    /// Variance of a log interval about its prediction.
+    pub variance: f64,
+}
+
+impl Speed {
+    /// Of which nothing else is known.
+    pub const fn alone(log: f64) -> Self {
+        Self {
+            log,
+            slope: 0.0,
+            variance: 0.0,
+        }
+    }
+
+    /// As a first interval tells it. Of a spread the standard deviations of a log interval at a start and at the most are given.
+    pub fn first([start, _]: [f64; 2], interval: Interval) -> Self {
+        Self {
+            variance: start * start,
+            ..Self::alone(interval.distance.ln() - interval.log)
+        }
+    }
+
+    /// How the log speed changes along a way of edges.
+    fn ahead(&self, distance: f64) -> f64 {
+        self.slope * 0.5 * (distance + 1.0).min(4.0)
+    }
+
+    /// By how much a log interval is off its prediction.
+    pub fn off(&self, Interval { log, distance }: Interval) -> f64 {
+        self.log + self.ahead(distance) + log - distance.ln()
+    }
+
+    /// Log likelihood of a log interval that is so much off its prediction, and how sure it is that it belongs to smooth motion.
+    pub fn likelihood(&self, off: f64) -> (f64, f64) {
+        let inner =
+            (-0.5 * off * off / self.variance).exp() / self.variance.sqrt() * TAU.sqrt().recip();
+        let outer = OUTLIERS / (PI * (1.0 + off * off));
+        let sum = inner + outer;
+        (sum.ln(), inner / sum)
+    }
+
+    /// What it is after an interval.
+    pub fn after(&self, [start, most]: [f64; 2], interval: Interval, off: f64, sure: f64) -> Self {
+        let gain = GAINS[0] * sure + (1.0 - sure);
+        let square = (off * off).min(9.0 * self.variance);
+        let spread = self.variance + GAINS[2] * sure * (square - self.variance);
+        let loose = (off * off).min(start * start) * (1.0 - sure);
+        let least = SPREAD_LEAST * SPREAD_LEAST;
+        // An innovation is what the interval lacks of speed: too long is too slow.
+        Self {
+            log: self.log + self.ahead(interval.distance) - gain * off,
+            slope: ((self.slope - GAINS[1] * off / interval.distance) * sure).clamp(-0.3, 0.3),
+            variance: spread.max(loose).clamp(least, most * most),
+        }
+    }
+}
+
+/// Log likelihood of a log interval that is about as the last one and `r` off it (Cauchy).
+pub(super) fn broad(r: f64) -> f64 {
+    -(PI * (1.0 + r * r)).ln()
 }

@@ -7,7 +7,6 @@ mod coded;
 mod find;
 mod follow;
 mod grid;
-mod index;
 mod reversal;
 #[cfg(test)]
 mod tests;
@@ -23,6 +22,9 @@ pub use reversal::{Undecided, turned};
 
 /// Most edges of a grid.
 const MOST_EDGES: u32 = 4_000_000;
+
+/// Advantage in log likelihood by which something is so sure that nothing else is thought of any more.
+const SURE: f64 = 25.0;
 
 /// A sensor, as declared or found.
 #[derive(Clone, Debug, PartialEq, Eq)]
