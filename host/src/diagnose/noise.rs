@@ -10,7 +10,7 @@ use super::scan::SURE;
 /// Edges that the noise is fitted on at the most: parts from all over say as much.
 const EDGES_MOST: usize = 12_000;
 /// Innovations beyond so many deviations count as if they were linear: they are events, not noise.
-const FAR: f64 = 4.0;
+pub const FAR: f64 = 4.0;
 
 /// Edges of a stretch that has a level of its own at the least, stretches of a recording at the most, and the least square of a level
 /// over that of all.

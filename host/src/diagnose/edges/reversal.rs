@@ -6,21 +6,22 @@
 //! sent it to and fro, the edges that may have been passed again are left out.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use thiserror::Error;
 
-use super::{Edges, Stretch, Unused};
+use super::{Edges, SURE, Stretch, Unused};
+use crate::diagnose::noise::FAR;
 use crate::twin::{Drive, Twin};
 
-/// Share of the top speed below which a shaft may stop, and below which it does; how many teeth on it would, as it slows down or as it
-/// gains speed.
+/// Share of the top speed below which a shaft may stop if it loses speed fast enough; at a tenth of that it does.
 const MAY_STOP: f64 = 0.2;
-const STOPS: f64 = 0.02;
-const TEETH: f64 = 3.0;
-/// How many times as long as the first stretch another one has to be.
-const FIRST: usize = 2;
-/// Share of intervals that are shorter than those of the top speed.
-const TOP: f64 = 0.05;
+/// Part of the top speed from which on an edge's place between its neighbours is the disc's.
+const FAST: f64 = 0.3;
+/// Edges that are to be seen again: so many make up for what a few say by chance.
+const AGAIN: usize = 50;
+/// How many times as much energy as a ripple can take a shaft is to have: friction takes some as well.
+const OVER: f64 = 3.0;
 
 /// Why it is not known where a shaft turned round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -40,26 +41,6 @@ pub enum Undecided {
     Alike,
 }
 
-/// Part of the top speed from which on an edge's place between its neighbours is the disc's.
-const FAST: f64 = 0.3;
-/// Evidence for the best place over the next one, as a difference of logarithms of likelihood.
-const SURE: f64 = 25.0;
-/// What one edge may say against a place, variances.
-const FAR: f64 = 16.0;
-/// Edges that are to be seen again.
-const AGAIN: usize = 50;
-/// How much more energy a shaft is to have than a ripple can take.
-const OVER: f64 = 3.0;
-/// Part of the longest interval above which another one may be a reversal too.
-const NEARLY: f64 = 0.5;
-
-/// An edge, counted forward.
-#[derive(Clone, Copy, Debug)]
-struct Mark {
-    time_s: f64,
-    place: i64,
-}
-
 /// Edges of one channel with the reversal in them that their twin has; any others as they are.
 ///
 /// # Errors
@@ -74,88 +55,58 @@ pub fn turned(mut edges: Edges, twin: &Twin) -> Result<Edges, Undecided> {
     if edges.classes < 2 {
         return Err(Undecided::OneFlank);
     }
-    let marks = edges.time_s.iter().zip(&edges.place);
-    let marks: Vec<Mark> = marks
-        .map(|(&time_s, &place)| Mark { time_s, place })
-        .collect();
-    let way = Way::of(&marks, edges.grid_edges.into()).ok_or(Undecided::Alike)?;
+    let way = Way::of(&edges).ok_or(Undecided::Alike)?;
     let last = way.last_forward().ok_or(Undecided::Alike)?;
     let left_out = way.doubtful(last, still_rad_s(twin));
-    let (start, mut end) = match left_out {
-        Some(range) => (range.start, range.end),
-        None => {
-            let split = marks.partition_point(|mark| mark.place <= last);
-            (split, split)
-        }
-    };
+    let Range { start, mut end } = left_out.unwrap_or_else(|| {
+        let split = edges.place.partition_point(|place| *place <= last);
+        split..split
+    });
     // Where edges are left out, it must not seem to go on from edge to edge.
-    let apart = |end: usize| (2 * last + 1 - marks[end].place - marks[start - 1].place).abs();
-    while end > start && end + 1 < marks.len() && apart(end) <= i64::from(edges.classes) {
+    let apart = |end: usize| (2 * last + 1 - edges.place[end] - edges.place[start - 1]).abs();
+    while end > start && end + 1 < edges.len() && apart(end) <= i64::from(edges.classes) {
         end += 1;
     }
-    for place in &mut edges.place[end..] {
-        *place = 2 * last + 1 - *place;
-    }
-    edges.forward[end..].fill(false);
-    edges.class = edges
-        .place
-        .iter()
-        .map(|place| place.rem_euclid(edges.classes.into()) as u8)
-        .collect();
-    edges.time_s.drain(start..end);
-    edges.place.drain(start..end);
-    edges.class.drain(start..end);
-    edges.forward.drain(start..end);
-    edges.fresh.drain(start..end);
+    edges.mirror(end, last);
+    edges.drain(start..end);
     Ok(edges)
 }
 
 /// The longest stretch in which the shaft did not stop: where nobody declared how it is driven, it may go on either way.
-fn between_stops(edges: Edges) -> Edges {
+fn between_stops(mut edges: Edges) -> Edges {
     let stops = stops(&edges);
     let mut from = 0;
     let mut longest = 0..0;
-    for end in stops.into_iter().chain([edges.time_s.len()]) {
-        // The first one goes forward, and begins where the twin says.
-        let enough = if longest.start == 0 { FIRST } else { 1 };
+    for end in stops.into_iter().chain([edges.len()]) {
+        // The first one goes forward, and begins where the twin says: another one has to be twice as long.
+        let enough = if longest.start == 0 { 2 } else { 1 };
         if end.saturating_sub(from) > enough * longest.len() {
             longest = from..end;
         }
         from = end + 1;
     }
-    if longest.len() == edges.time_s.len() {
+    if longest.len() == edges.len() {
         return edges;
     }
-    let (first, last) = (longest.start, longest.end - 1);
-    let (starts_s, ends_s) = (edges.time_s[first], edges.time_s[last]);
-    let mut used = edges.clone();
-    used.time_s = edges.time_s[longest.clone()].to_vec();
-    used.place = edges.place[longest.clone()].to_vec();
-    used.class = edges.class[longest.clone()].to_vec();
-    used.forward = edges.forward[longest.clone()].to_vec();
-    used.fresh = edges.fresh[longest.clone()].to_vec();
-    used.events
+    let (first, end) = (longest.start, longest.end);
+    let (starts_s, ends_s) = (edges.time_s[first], edges.time_s[end - 1]);
+    let (after, last_s) = (edges.len() - end, edges.time_s[edges.len() - 1]);
+    edges.drain(end..edges.len());
+    edges.drain(0..first);
+    edges
+        .events
         .retain(|event| (starts_s..=ends_s).contains(&event.time_s));
-    let ends = [
-        (0..first, edges.begins_s, starts_s),
-        (
-            last + 1..edges.time_s.len(),
-            ends_s,
-            edges.time_s[edges.time_s.len() - 1],
-        ),
-    ];
-    for (rows, from_s, until_s) in ends {
-        if !rows.is_empty() {
-            used.unused.push(Stretch {
-                from_s,
-                until_s,
-                rows: rows.len(),
-                why: Unused::EitherWay,
-            });
-        }
+    let ends = [(first, edges.begins_s, starts_s), (after, ends_s, last_s)];
+    for (rows, from_s, until_s) in ends.into_iter().filter(|(rows, ..)| *rows > 0) {
+        edges.unused.push(Stretch {
+            from_s,
+            until_s,
+            rows,
+            why: Unused::EitherWay,
+        });
     }
-    used.unused.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
-    used
+    edges.unused.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
+    edges
 }
 
 impl Edges {
@@ -171,22 +122,27 @@ impl Edges {
     #[must_use]
     pub fn mirrored(&self) -> Self {
         let mut other = self.clone();
-        let last = 2 * self
-            .place
-            .first()
-            .map_or(0, |first| first - first.rem_euclid(2))
-            + 1;
-        for place in &mut other.place {
-            *place = last - *place;
-        }
-        let classes = i64::from(self.classes);
-        let class = other
-            .place
-            .iter()
-            .map(|place| place.rem_euclid(classes) as u8);
-        other.class = class.collect();
-        other.forward.fill(false);
+        let first = self.place.first().copied().unwrap_or(0);
+        other.mirror(0, first - first.rem_euclid(2));
         other
+    }
+
+    /// Counts edges from a number on in reverse, from the last place that was passed forward.
+    fn mirror(&mut self, from: usize, last: i64) {
+        for at in from..self.len() {
+            self.place[at] = 2 * last + 1 - self.place[at];
+            self.class[at] = self.place[at].rem_euclid(self.classes.into()) as u8;
+            self.forward[at] = false;
+        }
+    }
+
+    /// Leaves edges out.
+    fn drain(&mut self, range: Range<usize>) {
+        self.time_s.drain(range.clone());
+        self.place.drain(range.clone());
+        self.class.drain(range.clone());
+        self.forward.drain(range.clone());
+        self.fresh.drain(range);
     }
 }
 
@@ -203,19 +159,23 @@ fn stops(edges: &Edges) -> Vec<usize> {
     let speeds: Vec<f64> = (0..count).map(speed).collect();
     let mut quick = speeds.clone();
     quick.sort_by(|a, b| b.total_cmp(a));
-    let Some(top) = quick.get((TOP * count as f64) as usize) else {
+    // A few intervals come out too short.
+    let Some(top) = quick.get(count / 20) else {
         return Vec::new();
     };
     let by = 2 * tooth;
     let near = |at: usize, beside: Option<&f64>| {
-        let gained = beside.map_or(0.0, |beside| beside * beside - speeds[at] * speeds[at]);
-        gained > 0.0 && speeds[at] * speeds[at] / gained * (by as f64) < TEETH * tooth as f64
+        let square = speeds[at] * speeds[at];
+        let gained = beside.map_or(0.0, |beside| beside * beside - square);
+        // It would be none within three teeth.
+        gained > 0.0 && square / gained < 1.5
     };
     (0..count)
         .filter(|&at| {
             let before = at.checked_sub(by).and_then(|before| speeds.get(before));
             let slow = speeds[at] < MAY_STOP * top;
-            speeds[at] < STOPS * top || slow && (near(at, before) || near(at, speeds.get(at + by)))
+            speeds[at] < MAY_STOP / 10.0 * top
+                || slow && (near(at, before) || near(at, speeds.get(at + by)))
         })
         .map(|at| at + tooth / 2)
         .collect()
@@ -251,40 +211,42 @@ fn still_rad_s(twin: &Twin) -> f64 {
 
 /// A recording's edges, counted forward.
 struct Way<'a> {
-    marks: &'a [Mark],
-    edges: i64,
-    /// Number of the mark before the longest interval.
+    edges: &'a Edges,
+    /// Edges a turn.
+    turn: i64,
+    /// Number of the edge before the longest interval.
     longest: usize,
-    /// For each mark how far it is off the middle of its neighbours, as a share of their way; none where it is slow.
+    /// For each edge how far it is off the middle of its neighbours, as a share of their way; none where it is slow.
     off: Vec<Option<f64>>,
 }
 
 impl<'a> Way<'a> {
-    fn of(marks: &'a [Mark], edges: i64) -> Option<Self> {
-        let after = |at: usize| marks[at + 1].time_s - marks[at].time_s;
-        let next = |at: usize| marks[at + 1].place == marks[at].place + 1;
-        let longest = (0..marks.len().checked_sub(1)?).filter(|at| next(*at));
+    fn of(edges: &'a Edges) -> Option<Self> {
+        let after = |at: usize| edges.time_s[at + 1] - edges.time_s[at];
+        let next = |at: usize| edges.place[at + 1] == edges.place[at] + 1;
+        let intervals = 0..edges.len().checked_sub(1)?;
+        let longest = intervals.clone().filter(|at| next(*at));
         let longest = longest.max_by(|a, b| after(*a).total_cmp(&after(*b)))?;
-        let mut quick: Vec<f64> = (0..marks.len() - 1).map(after).collect();
+        let mut quick: Vec<f64> = intervals.map(after).collect();
         quick.sort_by(f64::total_cmp);
         let slow = quick[quick.len() / 10] / FAST;
-        let off = (0..marks.len()).map(|at| {
-            if at == 0 || at + 1 >= marks.len() || !next(at - 1) || !next(at) {
+        let off = (0..edges.len()).map(|at| {
+            if at == 0 || at + 1 >= edges.len() || !next(at - 1) || !next(at) {
                 return None;
             }
             let (before, after) = (after(at - 1), after(at));
             (before.max(after) < slow).then(|| before / (before + after) - 0.5)
         });
         Some(Self {
-            marks,
             edges,
+            turn: edges.grid_edges.into(),
             longest,
             off: off.collect(),
         })
     }
 
     fn edge(&self, place: i64) -> usize {
-        usize::try_from(place.rem_euclid(self.edges)).unwrap_or(0)
+        place.rem_euclid(self.turn) as usize
     }
 
     /// Place of the last edge before it turned round, as one reversal would have it.
@@ -292,35 +254,36 @@ impl<'a> Way<'a> {
         let (forward, reverse) = self.off.split_at(self.longest + 1);
         let from = forward.iter().rposition(Option::is_some)?;
         let until = self.longest + 1 + reverse.iter().position(Option::is_some)?;
-        let count = self.edges as usize;
-        let (mut sums, mut counts) = (vec![0.0; count], vec![0.0; count]);
-        for (mark, off) in self.marks.iter().zip(forward) {
+        let places = &self.edges.place;
+        let mut means = vec![(0.0, 0.0); self.turn as usize];
+        for (place, off) in places.iter().zip(forward) {
             if let Some(off) = off {
-                sums[self.edge(mark.place)] += off;
-                counts[self.edge(mark.place)] += 1.0;
+                let (sum, count) = &mut means[self.edge(*place)];
+                *sum += off;
+                *count += 1.0;
             }
         }
-        let means: Vec<Option<f64>> = (sums.iter().zip(&counts))
-            .map(|(sum, count)| (*count > 1.0).then(|| sum / count))
-            .collect();
-        let here = self.marks.iter().zip(forward);
-        let squares = here.filter_map(|(mark, off)| Some((*off)? - means[self.edge(mark.place)]?));
+        let mean = |place: i64| {
+            let (sum, count) = means[self.edge(place)];
+            (count > 1.0).then(|| sum / count)
+        };
+        let here = places.iter().zip(forward);
+        let squares = here.filter_map(|(place, off)| Some((*off)? - mean(*place)?));
         let (sum, number) = squares.fold((0.0, 0.0), |(s, n), d| (s + d * d, n + 1.0));
         let variance = 2.0 * sum / f64::max(number, 1.0) + 1e-12;
         let against = |last: i64| {
-            let again = self.marks[until..].iter().zip(&self.off[until..]);
-            let each = again.filter_map(|(mark, off)| {
+            let again = places[until..].iter().zip(&self.off[until..]);
+            let each = again.filter_map(|(place, off)| {
                 // What is ahead forward is behind in reverse.
-                let apart = -(*off)? - means[self.edge(2 * last + 1 - mark.place)]?;
-                Some((apart * apart / variance).min(FAR))
+                let apart = -(*off)? - mean(2 * last + 1 - place)?;
+                Some((apart * apart / variance).min(FAR * FAR))
             });
             let (sum, number) = each.fold((0.0, 0), |(s, n), d| (s + d, n + 1));
             (number >= AGAIN).then_some(0.5 * sum)
         };
         // Half a turn on, it would be the same edges a turn further, which only matters to a course that goes on.
-        let (turn, around) = (self.marks[self.longest].place, self.edges / 4);
-        let places = self.marks[from].place.max(turn - around + 1)
-            ..=self.marks[until].place.min(turn + around);
+        let (turn, around) = (places[self.longest], self.turn / 4);
+        let places = places[from].max(turn - around + 1)..=places[until].min(turn + around);
         let mut tried: Vec<(i64, f64)> = places
             .filter_map(|last| Some((last, against(last)?)))
             .collect();
@@ -331,19 +294,21 @@ impl<'a> Way<'a> {
     }
 
     /// Marks between which a ripple may have sent the shaft to and fro; none where it turned round once.
-    fn doubtful(&self, last: i64, still_rad_s: f64) -> Option<std::ops::Range<usize>> {
-        let after = |at: usize| self.marks[at + 1].time_s - self.marks[at].time_s;
+    fn doubtful(&self, last: i64, still_rad_s: f64) -> Option<Range<usize>> {
+        let after = |at: usize| self.edges.time_s[at + 1] - self.edges.time_s[at];
         let turn = self.longest;
-        let others = (0..self.marks.len() - 1).filter(|at| at.abs_diff(turn) > 1);
-        let once = self.marks[turn].place == last
-            && others.map(after).fold(0.0, f64::max) < NEARLY * after(turn);
+        let intervals = 0..self.edges.len() - 1;
+        let others = intervals.clone().filter(|at| at.abs_diff(turn) > 1);
+        // One that is half as long may be a reversal too.
+        let once = self.edges.place[turn] == last
+            && others.map(after).fold(0.0, f64::max) < 0.5 * after(turn);
         if still_rad_s == 0.0 || once {
             return None;
         }
-        let step = TAU / self.edges as f64;
-        let mut slow = (0..self.marks.len() - 1).filter(|at| step / after(*at) < still_rad_s);
+        let step = TAU / self.turn as f64;
+        let mut slow = intervals.filter(|at| step / after(*at) < still_rad_s);
         let first = slow.next()?.max(1);
         let end = slow.next_back().unwrap_or(first) + 1;
-        (end + 1 < self.marks.len()).then_some(first..end)
+        (end + 1 < self.edges.len()).then_some(first..end)
     }
 }
