@@ -11,23 +11,20 @@ use super::wheel::both;
 use super::{Edges, Sensor, median, place};
 use crate::recording::Row;
 
-/// Most pulses a turn that are tried, and most intervals looked at.
+/// Most pulses a turn that are tried: wheels have fewer teeth, and time goes with the square.
 const MOST_PULSES: usize = 400;
-const MOST_LOOKED: usize = 20_000;
 /// A pattern repeats where its changes cost this part of what they do at other shifts, and a shorter one is taken where it
 /// is nearer to the best shift than to the others by this part: a shift of two turns fits an engine of four strokes a little better.
 const REPEATS: f64 = 0.6;
 const SHORTER: f64 = 0.25;
-/// Most pitches of one step.
+/// Most pitches of one step: longer gaps are rare, and each more has others look like it.
 const MOST_PITCHES: usize = 6;
 /// Turns that vote, and share of votes that a wheel needs to be tried.
 const VOTES: usize = 61;
 const TRIED: f64 = 0.15;
-/// Prior of a wheel: log speeds a usual step apart differ by about this; price of a step that is not the usual one, and of its
-/// length; usual steps are one pitch, seldom two, as where a tooth is put between two others.
+/// Prior of a wheel: log speeds a usual step apart differ by about this; price of a step that is not the usual one, and of its length.
 const SWING: f64 = 0.15;
 const UNLIKE: f64 = 6.0;
-const USUAL: [(usize, f64); 2] = [(1, 0.0), (2, 12.0)];
 const PITCH: f64 = 0.1;
 
 /// A wheel.
@@ -86,8 +83,9 @@ pub fn find_wheel(rows: &[Row], both_edges: bool) -> Option<WheelFound> {
 
 /// Log intervals from the middle of a recording.
 fn log_intervals(ticks: &[u64]) -> Vec<f64> {
-    let skipped = ticks.len().saturating_sub(MOST_LOOKED) / 2;
-    let pairs = ticks[skipped..].windows(2).take(MOST_LOOKED);
+    let most = 50 * MOST_PULSES;
+    let skipped = ticks.len().saturating_sub(most) / 2;
+    let pairs = ticks[skipped..].windows(2).take(most);
     pairs
         .map(|pair| ((pair[1] - pair[0]) as f64).max(0.5).ln())
         .collect()
@@ -141,14 +139,10 @@ fn vote(logs: &[f64]) -> Option<Ballot> {
 fn period(logs: &[f64]) -> Option<usize> {
     let most = MOST_PULSES.min(logs.len() / 3);
     let changes = |shift: usize| {
-        let far = logs[shift..]
-            .iter()
-            .zip(logs)
-            .map(|(late, early)| late - early);
-        let far: Vec<f64> = far.collect();
-        far.windows(2)
-            .map(|pair| (pair[1] - pair[0]).abs())
-            .collect::<Vec<f64>>()
+        let apart = logs[shift..].iter().zip(logs);
+        let far: Vec<f64> = apart.map(|(late, early)| late - early).collect();
+        let pairs = far.windows(2);
+        pairs.map(|pair| (pair[1] - pair[0]).abs()).collect()
     };
     let all: Vec<Vec<f64>> = (1..=most).map(changes).collect();
     let spread = all.iter().filter_map(|changes| median(changes.clone()));
@@ -174,10 +168,10 @@ fn period(logs: &[f64]) -> Option<usize> {
 
 /// The whole numbers of pitches that make a turn's speed smoothest, and what they cost.
 fn steps(turn: &[f64]) -> (Vec<usize>, f64) {
-    let [one, two] = USUAL.map(|(usual, price)| {
-        let (steps, cost) = steps_about(turn, usual);
-        (steps, cost + price)
-    });
+    let one = steps_about(turn, 1);
+    // Usual steps are seldom two pitches, as where a tooth is put between two others.
+    let mut two = steps_about(turn, 2);
+    two.1 += 2.0 * UNLIKE;
     if two.1 < one.1 { two } else { one }
 }
 

@@ -8,14 +8,11 @@ use quadcal::edge::Levels;
 use super::follow::{Seen, Way, follow};
 use super::grid::{Grid, Sight};
 use super::{CountEvent, CountKind, Edges, Stretch, Unused, median};
+use crate::diagnose::scan::SURE;
 use crate::recording::Row;
 
-/// Advantage, in log likelihood, that tells one place of the turn from all others.
-const SURE: f64 = 6.0;
 /// Intervals of bounces are this much shorter than the pitch beside them.
 const BOUNCE: f64 = 0.125;
-/// Shares of a gap of which neither level is longer than the other.
-const UNDECIDED: [f64; 2] = [0.4, 0.6];
 /// An interval this much longer than the pitch beside it is a stop.
 const STOP: f64 = 20.0;
 
@@ -175,10 +172,10 @@ impl<'a> Others<'a> {
             }
         }
         let [plain, gap] = shares.map(median);
-        // What is long over a gap is no tooth. Where neither is, teeth are high.
+        // What is long over a gap is no tooth. Where neither is clearly longer, teeth are high.
         let leading = match gap {
-            Some(share) if share < UNDECIDED[0] => true,
-            Some(share) if share > UNDECIDED[1] => false,
+            Some(share) if share < 0.4 => true,
+            Some(share) if share > 0.6 => false,
             _ => rising,
         };
         let share = plain.unwrap_or(0.5);
@@ -239,16 +236,14 @@ fn assemble(
                 if let Some((from, before)) = last.filter(|_| !fresh) {
                     let lost = rank - before - 1;
                     if lost > 0 {
-                        let [start, first, end] =
-                            [before, before + 1, rank].map(|rank| lead.grid.place(rank));
+                        let ranks = [before, before + 1, rank];
+                        let [start, first, end] = ranks.map(|rank| lead.grid.place(rank));
                         let part = (first - start) as f64 / (end - start) as f64;
                         let [from_s, until_s] = [lead.ticks[from], ticks].map(|t| edges.seconds(t));
-                        edges.events.push(event(
-                            CountKind::Lost,
-                            from_s + part * (until_s - from_s),
-                            on_grid(first, true),
-                            each * lost as i32,
-                        ));
+                        let time_s = from_s + part * (until_s - from_s);
+                        let place = on_grid(first, true);
+                        let lost = event(CountKind::Lost, time_s, place, each * lost as i32);
+                        edges.events.push(lost);
                     }
                     let other = others.and_then(|o| o.within(lead, [(from, before), (n, rank)]));
                     if let Some((tooth, at)) = other {
@@ -266,10 +261,8 @@ fn assemble(
             }
             Seen::Extra => {
                 let place = edges.place.last().copied().unwrap_or(0);
-                let time_s = edges.seconds(ticks);
-                edges
-                    .events
-                    .push(event(CountKind::Extra, time_s, place, each));
+                let extra = event(CountKind::Extra, edges.seconds(ticks), place, each);
+                edges.events.push(extra);
             }
             Seen::Astray => {}
         }
@@ -290,8 +283,8 @@ fn finish(lead: &Lead, rows: &[Row], edges: &mut Edges) {
     edges.fit = lead.fit();
     let turn = lead.grid.ranks();
     let whole = longest(seen) >= turn;
-    edges.anchored = lead.grid.starts() > 1 && (whole || lead.way.lead > SURE);
-    let stretch = |from: u64, until: u64, rows: usize, why| Stretch {
+    edges.anchored = lead.grid.starts() > 1 && (whole || 2.0 * lead.way.lead > SURE);
+    let stretch = |[from, until]: [u64; 2], rows: usize, why| Stretch {
         from_s: edges.seconds(from),
         until_s: edges.seconds(until),
         rows,
@@ -306,40 +299,29 @@ fn finish(lead: &Lead, rows: &[Row], edges: &mut Edges) {
         if run[0] == Seen::Astray {
             let intervals = ticks[from..until].windows(2);
             let typical = median(intervals.map(|pair| (pair[1] - pair[0]) as f64).collect());
+            let pitch = lead.pitch(until);
             let short = typical
-                .zip(lead.pitch(until))
+                .zip(pitch)
                 .is_some_and(|(t, pitch)| t < BOUNCE * pitch);
             let why = if short {
                 Unused::Bounces
             } else {
                 Unused::OffPattern
             };
-            unused.push(stretch(
-                ticks[from],
-                ticks[until - 1],
-                each * run.len(),
-                why,
-            ));
+            let ends = [ticks[from], ticks[until - 1]];
+            unused.push(stretch(ends, each * run.len(), why));
         }
     }
-    if let (Some(row), Some(&first)) = (rows.first(), ticks.first())
-        && lead
-            .pitch(0)
-            .is_some_and(|pitch| (first - row.ticks) as f64 > STOP * pitch)
+    if let (Some(row), Some(&first), Some(pitch)) = (rows.first(), ticks.first(), lead.pitch(0))
+        && (first - row.ticks) as f64 > STOP * pitch
     {
-        unused.push(stretch(row.ticks, first, 0, Unused::Standing));
+        unused.push(stretch([row.ticks, first], 0, Unused::Standing));
     }
-    let innovations = lead.way.innovations.iter();
-    for (n, _) in innovations
-        .enumerate()
-        .filter(|(_, r)| f64::from(**r) > STOP.ln())
-    {
-        unused.push(stretch(
-            ticks[n.saturating_sub(1)],
-            ticks[n],
-            0,
-            Unused::Standing,
-        ));
+    for (n, innovation) in lead.way.innovations.iter().enumerate() {
+        if f64::from(*innovation) > STOP.ln() {
+            let ends = [ticks[n.saturating_sub(1)], ticks[n]];
+            unused.push(stretch(ends, 0, Unused::Standing));
+        }
     }
     unused.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
     edges.unused = unused;
