@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use super::bench::Bench;
 use super::filter::{Around, DRIFTING, Filter, Leap, Noise};
+use super::plant::free;
 
 /// Turns and edges, at the least, in which the gains settle to those of a turn without ends.
 const SETTLES: [usize; 2] = [4, 400];
@@ -69,31 +70,7 @@ impl MeanTurn {
             let (sum, count) = apart[(at + edges - 1) % edges];
             let apart = if count > 0.0 { sum / count } else { step };
             let apart = apart.clamp(APART * step, edges as f64 * step);
-            let power = |power: i32, over: f64| apart.powi(power) / over;
-            let torque = [
-                [power(3, 3.0), power(2, 2.0), 0.0],
-                [power(2, 2.0), apart, 0.0],
-                [0.0; DRIFTING],
-            ];
-            let drift = [
-                [power(5, 20.0), power(4, 8.0), power(3, 6.0)],
-                [power(4, 8.0), power(3, 3.0), power(2, 2.0)],
-                [power(3, 6.0), power(2, 2.0), apart],
-            ];
-            Leap {
-                way: [
-                    [1.0, apart, power(2, 2.0)],
-                    [0.0, 1.0, apart],
-                    [0.0, 0.0, 1.0],
-                ],
-                torque,
-                drift,
-                load: None,
-                jolt: [0.0; 2],
-                speed: 1.0,
-                doubt_s: 0.0,
-                kept: false,
-            }
+            free(apart)
         });
         let leaps: Vec<Leap<DRIFTING>> = leaps.collect();
         Self {
@@ -148,30 +125,19 @@ impl MeanTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::filter::Whitens;
+    use crate::diagnose::filter::{DRIFT, Whitens};
 
     /// A turn of edges that come unevenly.
     fn turn(edges: usize) -> Vec<Leap<DRIFTING>> {
         let leap = |at: usize| {
             let apart = 0.01 * (1.0 + 0.3 * (at % edges % 4) as f64);
-            Leap {
-                way: [
-                    [1.0, apart, apart * apart / 2.0],
-                    [0.0, 1.0, apart],
-                    [0.0; DRIFTING],
-                ],
-                torque: [
-                    [apart.powi(3) / 3.0, apart.powi(2) / 2.0, 0.0],
-                    [apart.powi(2) / 2.0, apart, 0.0],
-                    [0.0; DRIFTING],
-                ],
-                drift: [[0.0; DRIFTING]; DRIFTING],
-                load: None,
-                jolt: [0.0; 2],
-                speed: 1.0,
+            let mut leap = Leap {
                 doubt_s: 0.1,
-                kept: false,
-            }
+                ..free(apart)
+            };
+            // A drift would take more turns to settle.
+            leap.way[DRIFT] = [0.0; DRIFTING];
+            leap
         };
         (0..40 * edges).map(leap).collect()
     }

@@ -110,13 +110,7 @@ impl Plant {
                 column(place, [0.0; 4], 1.0);
             }
         } else {
-            let (r, stays) = reach(b, h);
-            way[ANGLE][SPEED] = r;
-            way[SPEED][SPEED] = stays;
-            for &place in pushed {
-                way[ANGLE][place] = swept(b, h, r);
-                way[SPEED][place] = r;
-            }
+            rigid(&mut way, b, h, pushed);
         }
         way
     }
@@ -127,13 +121,7 @@ impl Plant {
             let near = [(SPEED, 1.0 + mode.ratio), (SWINGS, mode.ratio)];
             return self.stirred(mode, b, h, &near);
         }
-        let mut q = [[0.0; N]; N];
-        let [angle, both, speed] = stir(b * h);
-        q[ANGLE][ANGLE] = h * h * h * angle;
-        q[ANGLE][SPEED] = h * h * both;
-        q[SPEED][ANGLE] = q[ANGLE][SPEED];
-        q[SPEED][SPEED] = h * speed;
-        q
+        jostled(b, h)
     }
 
     /// Covariance that white noise makes over a time of two masses, pushing states by so much: pushes in the middle of short parts.
@@ -160,13 +148,50 @@ impl Plant {
     }
 }
 
+/// The leap of a stiff shaft that nothing damps.
+#[must_use]
+pub fn free<const N: usize>(h: f64) -> Leap<N> {
+    let mut way = identity();
+    rigid(&mut way, 0.0, h, &[DRIFT]);
+    Leap {
+        way,
+        torque: jostled(0.0, h),
+        drift: drift_noise(SPEED, h),
+        load: None,
+        jolt: [0.0; 2],
+        speed: 1.0,
+        doubt_s: 0.0,
+        kept: false,
+    }
+}
+
+/// How angle and speed of a stiff shaft go on over a time, where some states push it.
+fn rigid<const N: usize>(way: &mut Square<N>, b: f64, h: f64, pushed: &[usize]) {
+    let (r, stays) = reach(b, h);
+    way[ANGLE][SPEED] = r;
+    way[SPEED][SPEED] = stays;
+    for &place in pushed {
+        way[ANGLE][place] = swept(b, h, r);
+        way[SPEED][place] = r;
+    }
+}
+
+/// Covariance that unit white torque noise gives a stiff shaft over a time.
+fn jostled<const N: usize>(b: f64, h: f64) -> Square<N> {
+    let mut q = [[0.0; N]; N];
+    let [angle, both, speed] = stir(b * h);
+    q[ANGLE][ANGLE] = h * h * h * angle;
+    q[ANGLE][SPEED] = h * h * both;
+    q[SPEED][ANGLE] = q[ANGLE][SPEED];
+    q[SPEED][SPEED] = h * speed;
+    q
+}
+
 /// How a state goes on over a time where an unknown drive keeps a speed: torque noise makes another one beside it, which friction and
 /// drive damp.
 fn kept_up<const N: usize>(b: f64, h: f64) -> Square<N> {
     let mut way = identity();
-    let (r, stays) = reach(b, h);
-    way[ANGLE][SPEED] = r;
-    way[SPEED][SPEED] = stays;
+    rigid(&mut way, b, h, &[]);
     way[ANGLE][KEPT] = h;
     way[ANGLE][DRIFT] = 0.5 * h * h;
     way[KEPT][DRIFT] = h;

@@ -10,5 +10,5 @@ mod response;
 
 pub use crate::effect::Here;
 pub use law::{Law, Mode, Swing, sign};
-pub use leaps::{Gains, Leaps};
+pub use leaps::{Gains, Leaps, free};
 pub use response::{Motion, Plant};
