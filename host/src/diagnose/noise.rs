@@ -104,11 +104,8 @@ impl Problem<'_> {
         let mut logs = logs.iter();
         let mut noise = self.start;
         let mut next = |free: bool, was: f64| {
-            if free {
-                logs.next().map_or(was, |log| log.exp())
-            } else {
-                was
-            }
+            let log = if free { logs.next() } else { None };
+            log.map_or(was, |log| log.exp())
         };
         noise.torque = next(self.free.torque, noise.torque);
         let over = next(self.free.stamp, 0.0);
@@ -206,48 +203,37 @@ pub fn fit(rests: &[Rest<'_>], least_stamp_s: f64, start: Noise, free: Free) -> 
     let over = (start.stamp_s.powi(2) - least_stamp_s.powi(2))
         .max(1e-2 * least_stamp_s.powi(2))
         .sqrt();
-    let mut first = Vec::new();
-    if free.torque {
-        first.push(start.torque.max(1e-30).ln());
-    }
-    if free.stamp {
-        first.push(over.ln());
-    }
-    if free.drift {
-        let slow = if free.fade { start.fade.powi(2) } else { 1.0 };
-        first.push((start.drift / slow).max(1e-30).ln());
-    }
-    if free.fade {
-        first.push(start.fade.ln());
-    }
+    let slow = if free.fade { start.fade.powi(2) } else { 1.0 };
+    let first = [
+        (free.torque, start.torque.max(1e-30)),
+        (free.stamp, over),
+        (free.drift, (start.drift / slow).max(1e-30)),
+        (free.fade, start.fade),
+    ];
+    let first: Vec<f64> = (first.iter().filter(|(free, _)| *free))
+        .map(|(_, size)| size.ln())
+        .collect();
     if first.is_empty() {
         let cost = problem.cost_of(&start);
         return (start, cost);
     }
-    let mut corners = vec![first.clone()];
+    let mut corners = vec![first.clone(); first.len() + 1];
     for at in 0..first.len() {
-        let mut corner = first.clone();
-        corner[at] += 1.5;
-        corners.push(corner);
+        corners[at + 1][at] += 1.5;
     }
-    let Ok(solver) = NelderMead::new(corners).with_sd_tolerance(0.05) else {
+    let run = NelderMead::new(corners)
+        .with_sd_tolerance(0.05)
+        .and_then(|solver| {
+            let run = Executor::new(problem, solver);
+            run.configure(|state| state.max_iters(120)).run()
+        });
+    let Ok(ended) = run else {
         return (start, f64::INFINITY);
     };
-    let run = Executor::new(problem, solver)
-        .configure(|state| state.max_iters(120))
-        .run();
-    match run {
-        Ok(ended) => {
-            let best = ended.state().get_best_param().cloned().unwrap_or(first);
-            let cost = ended.state().get_best_cost();
-            let noise = match ended.problem().problem.as_ref() {
-                Some(problem) => problem.noise(&best),
-                None => start,
-            };
-            (noise, cost)
-        }
-        Err(_) => (start, f64::INFINITY),
-    }
+    let best = ended.state().get_best_param().unwrap_or(&first);
+    let problem = ended.problem().problem.as_ref();
+    let noise = problem.map_or(start, |problem| problem.noise(best));
+    (noise, ended.state().get_best_cost())
 }
 
 /// Level of the noise at each edge over that of all, by stretches of a recording; 1 throughout where that is not sure.
@@ -263,14 +249,15 @@ pub fn levels(white: &[f64], edges_of_a_turn: usize) -> Vec<f64> {
     let stretch_of = |at: usize| (at / length).min(stretches - 1);
     let squares: Vec<f64> = (0..stretches)
         .map(|stretch| {
-            let from = stretch * length;
-            let until = if stretch + 1 < stretches {
-                from + length
-            } else {
+            let last = stretch + 1 == stretches;
+            let until = if last {
                 white.len()
+            } else {
+                (stretch + 1) * length
             };
-            let each = white[from..until].iter().map(|white| huber(white / unit));
-            (each.sum::<f64>() / (until - from) as f64).max(LEAST)
+            let here = &white[stretch * length..until];
+            let each = here.iter().map(|white| huber(white / unit));
+            (each.sum::<f64>() / here.len() as f64).max(LEAST)
         })
         .collect();
     let logs = (0..white.len()).map(|at| squares[stretch_of(at)].ln());

@@ -133,44 +133,34 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
     let near_s = stamp_s.max(bench.twin.timer.jitter_s).hypot(record.tick_s);
     // The end of the busy time after the recording's start, by all late edges that come at it.
     let mut turns = phase(&late, rate_hz);
+    let apart = |time_s: f64, rate_hz: f64, turns: f64| {
+        let apart = time_s * rate_hz - turns;
+        apart - apart.round()
+    };
     for within in NARROWER {
-        let apart = |time_s: f64| {
-            let apart = time_s * rate_hz - turns;
-            apart - apart.round()
-        };
-        let near = late.iter().filter(|time_s| apart(**time_s).abs() < within);
+        let aparts = late.iter().map(|time_s| apart(*time_s, rate_hz, turns));
+        let near = late.iter().copied().zip(aparts);
         let (times, aparts): (Vec<f64>, Vec<f64>) =
-            near.map(|time_s| (*time_s, apart(*time_s))).unzip();
+            near.filter(|(_, apart)| apart.abs() < within).unzip();
         let solved = lsq::solve(&[&vec![1.0; times.len()], &times], &aparts);
         turns += solved.sizes[0];
         rate_hz -= solved.sizes[1];
     }
-    let at_end = |time_s: f64| {
-        let apart = time_s * rate_hz - turns;
-        (apart - apart.round()) / rate_hz
-    };
-    let near: Vec<f64> = late
-        .iter()
-        .map(|time_s| at_end(*time_s))
-        .filter(|apart_s| apart_s.abs() <= LATE * near_s)
-        .collect();
+    let at_end = |time_s: &f64| apart(*time_s, rate_hz, turns) / rate_hz;
+    let is_near = |apart_s: &f64| apart_s.abs() <= LATE * near_s;
+    let near: Vec<f64> = late.iter().map(at_end).filter(is_near).collect();
     if coherent < COHERENT || near.len() < LEAST || 2 * near.len() < late.len() {
         return None;
     }
     // How long before an end all others are.
-    let mut before: Vec<f64> = record
-        .time_s
-        .iter()
-        .map(|time_s| at_end(*time_s))
-        .filter(|apart_s| apart_s.abs() > LATE * near_s)
+    let others = record.time_s.iter().map(at_end);
+    let mut before: Vec<f64> = others
+        .filter(|apart_s| !is_near(apart_s))
         .map(|apart_s| (-apart_s).rem_euclid(1.0 / rate_hz))
         .collect();
     before.sort_by(f64::total_cmp);
     let empty_s = *before.first()?;
-    let widest_s = before
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .fold(0.0, f64::max);
+    let widest_s = (before.windows(2).map(|pair| pair[1] - pair[0])).fold(0.0, f64::max);
     if empty_s < EMPTY * widest_s || empty_s < 2.0 * LATE * near_s {
         return None;
     }
