@@ -8,6 +8,7 @@ use super::edges::{CountEvent, CountKind};
 use super::rig::Recorded;
 use crate::diagnose::diagnosis::{Finding, Parameter, Place};
 use crate::mechanism::Mechanism;
+use crate::twin::IndexSlip;
 
 /// Rows of a glitch: its start and its end.
 pub const ROWS_A_GLITCH: i32 = 2;
@@ -20,14 +21,10 @@ pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
     let events: Vec<CountEvent> = rig.iter().flat_map(undeclared).collect();
     let of = |kind: CountKind| events.iter().filter(move |event| event.kind == kind);
     let mut all = Vec::new();
-    for (kind, mechanism, word) in [
-        (CountKind::Lost, Mechanism::LostEdges, "edges are missing"),
-        (
-            CountKind::Extra,
-            Mechanism::ExtraEdges,
-            "pulses came that no edge made",
-        ),
-    ] {
+    let missing = (CountKind::Lost, Mechanism::LostEdges, "edges are missing");
+    let added = "pulses came that no edge made";
+    let added = (CountKind::Extra, Mechanism::ExtraEdges, added);
+    for (kind, mechanism, word) in [missing, added] {
         let instants = of(kind).count();
         if instants == 0 {
             continue;
@@ -79,32 +76,19 @@ fn undeclared(one: &Recorded) -> Vec<CountEvent> {
     let declared = &one.twin.faults;
     let slips = &one.twin.index_slip;
     let mut events = one.edges.events.clone();
-    events.retain(|event| match event.kind {
-        CountKind::IndexSlip => !slips.iter().any(|slip| {
+    events.retain(|event| {
+        let declared = |slip: &IndexSlip| {
             slip.edges == event.edges && (event.after_s..=event.time_s).contains(&slip.at_s)
-        }),
-        CountKind::Lost | CountKind::Extra => true,
+        };
+        event.kind != CountKind::IndexSlip || !slips.iter().any(declared)
     });
     let mut events = in_order(events, one.edges.classes);
-    for (kind, probability, listed, rows) in [
-        (
-            CountKind::Lost,
-            declared.lost_probability,
-            declared.lost_edges.len(),
-            1,
-        ),
-        (
-            CountKind::Extra,
-            declared.glitch_probability,
-            0,
-            ROWS_A_GLITCH,
-        ),
-    ] {
-        let count: i32 = events
-            .iter()
-            .filter(|event| event.kind == kind)
-            .map(|event| event.edges)
-            .sum();
+    let lost = (declared.lost_probability, declared.lost_edges.len(), 1);
+    let extra = (declared.glitch_probability, 0, ROWS_A_GLITCH);
+    for (kind, (probability, listed, rows)) in [(CountKind::Lost, lost), (CountKind::Extra, extra)]
+    {
+        let of = events.iter().filter(|event| event.kind == kind);
+        let count: i32 = of.map(|event| event.edges).sum();
         let expected = probability * one.edges.len() as f64;
         let most = expected + SURE * expected.sqrt() + listed as f64;
         if expected + listed as f64 > 0.0 && f64::from(count) <= most * f64::from(rows) {
@@ -129,12 +113,12 @@ fn in_order(events: Vec<CountEvent>, classes: u32) -> Vec<CountEvent> {
 
 /// The channel of a level bit.
 fn letter(bit: u8) -> String {
-    let at = match bit {
+    match bit {
         Levels::A => "A",
         Levels::B => "B",
         _ => "C",
-    };
-    at.to_owned()
+    }
+    .to_owned()
 }
 
 /// A finding that is counted, not fitted.
