@@ -86,11 +86,7 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
         if let Some((edge, was_forward)) = last {
             let on = if forward { 1 } else { -1 };
             // Turning back, the first edge is the last one again.
-            let next = if forward == was_forward {
-                edge + on
-            } else {
-                edge
-            };
+            let next = edge + if forward == was_forward { on } else { 0 };
             let lost = (rank - next) * on;
             if lost > 0 {
                 let time_s = between(edges, row.ticks, lost);

@@ -60,17 +60,15 @@ pub fn find_wheel(rows: &[Row], both_edges: bool) -> Option<WheelFound> {
             present: present.clone(),
             both_edges,
         };
-        let Ok(Edges { inverted, fit, .. }) = place(&sensor, 1, rows) else {
-            continue;
-        };
-        let confidence = *votes as f64 / all as f64;
-        let wheel = WheelFound {
-            present,
-            inverted,
-            confidence,
-            alternatives: Vec::new(),
-        };
-        tried.push((wheel, fit));
+        if let Ok(Edges { inverted, fit, .. }) = place(&sensor, 1, rows) {
+            let wheel = WheelFound {
+                present,
+                inverted,
+                confidence: *votes as f64 / all as f64,
+                alternatives: Vec::new(),
+            };
+            tried.push((wheel, fit));
+        }
     }
     tried.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let mut tried = tried.into_iter().map(|(wheel, _)| wheel);
@@ -149,16 +147,12 @@ fn period(logs: &[f64]) -> Option<usize> {
     let spread = spread.fold(f64::INFINITY, f64::min).max(1e-6);
     // Likelihood of a Student distribution: most intervals come again at any shift, it is the others that tell.
     let cost = |changes: &Vec<f64>| {
-        let each = changes
-            .iter()
-            .map(|change| (change / spread).powi(2).ln_1p());
+        let each = (changes.iter()).map(|change| (change / spread).powi(2).ln_1p());
         each.sum::<f64>() / changes.len() as f64
     };
     let costs: Vec<f64> = all.iter().map(cost).collect();
-    let [least, others] = [
-        costs.iter().copied().reduce(f64::min)?,
-        median(costs.clone())?,
-    ];
+    let least = costs.iter().copied().reduce(f64::min)?;
+    let others = median(costs.clone())?;
     if least > REPEATS * others {
         return None;
     }
@@ -225,24 +219,16 @@ fn steps_about(turn: &[f64], usual: usize) -> (Vec<usize>, f64) {
 /// The turn that starts behind the longest gap, in as few pitches as it takes.
 fn canonical(steps: &[usize]) -> Vec<usize> {
     let longest = steps.iter().copied().max().unwrap_or(1);
-    let common = (1..=longest)
-        .rev()
-        .find(|n| steps.iter().all(|step| step.is_multiple_of(*n)));
+    let all = |n: &usize| steps.iter().all(|step| step.is_multiple_of(*n));
+    let common = (1..=longest).rev().find(all).unwrap_or(1);
     let rotations = (1..=steps.len()).filter(|&start| steps[start - 1] == longest);
-    let first = rotations
-        .map(|start| [&steps[start..], &steps[..start]].concat())
-        .min()
-        .unwrap_or_default();
-    first
-        .iter()
-        .map(|step| step / common.unwrap_or(1))
-        .collect()
+    let turns = rotations.map(|start| [&steps[start..], &steps[..start]].concat());
+    let first = turns.min().unwrap_or_default();
+    first.iter().map(|step| step / common).collect()
 }
 
 /// Tooth places of steps.
 fn teeth(steps: &[usize]) -> Vec<bool> {
-    let places = steps
-        .iter()
-        .flat_map(|&step| (0..step).map(|place| place == 0));
-    places.collect()
+    let step = |&step: &usize| (0..step).map(|place| place == 0);
+    steps.iter().flat_map(step).collect()
 }

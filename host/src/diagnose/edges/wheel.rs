@@ -64,10 +64,9 @@ pub(super) fn place(present: &[bool], rows: &[Row], edges: &mut Edges) {
 /// Times at which the channel falls, and at which it rises.
 pub(super) fn both(rows: &[Row]) -> [Vec<u64>; 2] {
     let of = |rises: bool| {
-        let pairs = rows.windows(2);
-        let changes =
-            pairs.filter(|pair| pair[0].levels.a() != rises && pair[1].levels.a() == rises);
-        changes.map(|pair| pair[1].ticks).collect()
+        let changes = |pair: &&[Row]| pair[0].levels.a() != rises && pair[1].levels.a() == rises;
+        let pairs = rows.windows(2).filter(changes);
+        pairs.map(|pair| pair[1].ticks).collect()
     };
     [of(false), of(true)]
 }
@@ -75,10 +74,8 @@ pub(super) fn both(rows: &[Row]) -> [Vec<u64>; 2] {
 impl<'a> Lead<'a> {
     fn new(present: &[bool], ticks: &'a [u64]) -> Self {
         let along = |grid: Grid| {
-            let sights = ticks.iter().map(|&ticks| Sight {
-                ticks,
-                class: Some(0),
-            });
+            let class = Some(0);
+            let sights = ticks.iter().map(|&ticks| Sight { ticks, class });
             let mut way = follow(&grid, None, sights);
             drop_short(&mut way.seen, grid.ranks());
             Self { ticks, grid, way }
@@ -192,24 +189,20 @@ impl<'a> Others<'a> {
         let [(from, before), (until, after)] = step;
         let [start, end] = [lead.grid.place(before), lead.grid.place(after)];
         let span = (lead.ticks[until] - lead.ticks[from]) as f64;
-        let teeth = if self.leading {
-            before..after
-        } else {
-            before + 1..after + 1
-        };
-        let mut best: Option<(f64, i64, u64)> = None;
+        let first = before + i64::from(!self.leading);
+        let teeth = first..first + after - before;
+        let mut best = (f64::INFINITY, None);
         for &at in self.ticks.get(from + self.ahead..until + self.ahead)? {
             let share = at.saturating_sub(lead.ticks[from]) as f64 / span.max(1.0);
             for tooth in teeth.clone() {
-                let expected =
-                    ((lead.grid.place(tooth) - start) as f64 + self.width) / ((end - start) as f64);
-                let off = (share - expected).abs();
-                if best.is_none_or(|(least, ..)| off < least) {
-                    best = Some((off, tooth, at));
+                let way = (lead.grid.place(tooth) - start) as f64 + self.width;
+                let off = (share - way / (end - start) as f64).abs();
+                if off < best.0 {
+                    best = (off, Some((tooth, at)));
                 }
             }
         }
-        best.map(|(_, tooth, at)| (tooth, at))
+        best.1
     }
 }
 
