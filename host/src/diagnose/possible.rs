@@ -9,7 +9,7 @@ use crate::mechanism::RUN_OUT_RAD;
 const SPEEDS: u32 = 8;
 const FREE: f64 = 0.05;
 /// Order that torques of motors and gears stay below: more edges a turn show all of them as they are.
-const HIGHEST: f64 = 128.0;
+const HIGHEST: f64 = 64.0;
 
 impl Board {
     /// Whether a machine can be so.

@@ -8,7 +8,7 @@ use crate::diagnose::model::{Board, Model, pushes};
 pub const CHANGES: usize = 16;
 
 /// Orders of a disc with many edges that may be as large as they like: what is off the centre, tilted or bent moves all edges of a part of
-/// the turn alike.
+/// the turn alike. Of few edges the pattern alone takes that, as its size then is theirs.
 const LOW: i64 = 8;
 
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
@@ -18,11 +18,15 @@ pub fn nuisances(board: &Board) -> Model {
     let mut model = Model::default();
     if !board.disc_given {
         model.add_open(&cells::classes(board), usize::MAX);
-        let edges = board.benches.iter().map(|bench| bench.record.edges).min();
-        let orders = (1..=LOW).filter(|order| 16 * order < edges.unwrap_or(0));
-        let orders =
-            orders.map(|order| Effect::new(Site::Disc(On::ALL), Carrier::Order(order as f64)));
-        model.add_open(&orders.collect::<Vec<_>>(), usize::MAX);
+        let mut benches = board.benches.iter();
+        if benches.all(|bench| bench.record.edges > 16 * LOW) {
+            let orders = 1..=LOW;
+            let orders = orders.map(|order| Carrier::Order(order as f64));
+            let low: Vec<Effect> = orders
+                .map(|order| Effect::new(Site::Disc(On::ALL), order))
+                .collect();
+            model.add_open(&low, usize::MAX);
+        }
     }
     let mut benches = board.benches.iter();
     if benches.any(|bench| bench.is_held() && bench.plant.law.mode.is_none()) {
