@@ -473,3 +473,21 @@ fn effects_that_no_recording_tells_apart_are_the_same() {
     assert!(!board.is_same(&torque(5.3), &tone));
     assert!(!board.is_same(&torque(5.3), &Effect::new(Site::Drive, Carrier::Order(5.3))));
 }
+
+#[test]
+fn what_a_fit_has_without_a_finding_is_what_the_others_have_alone() {
+    let board = board(PAIR_FAST);
+    let mut model = Model::default();
+    // Orders that so few turns hardly tell apart take from each other.
+    for (group, order) in [5.0, 5.06].into_iter().enumerate() {
+        model.add(&[Effect::new(Site::Torque, Carrier::Order(order))], group);
+    }
+    let fit = board.fit(&model);
+    let (without, alone) = (fit.without(1), board.fit(&model.without(1)));
+    let sizes = |of: &[f64]| of.iter().fold(0.0_f64, |sum, size| sum.hypot(*size));
+    let (here, there) = (&without.model.terms[0].sizes, &alone.model.terms[0].sizes);
+    assert!(sizes(&fit.model.terms[0].sizes) > 1.1 * sizes(there));
+    let off: Vec<f64> = here.iter().zip(there).map(|(a, b)| a - b).collect();
+    assert!(sizes(&off) < 1e-6 * sizes(there), "{here:?} {there:?}");
+    assert!((without.rss / alone.rss - 1.0).abs() < 1e-9);
+}

@@ -69,7 +69,13 @@ impl Fit {
         let kept =
             kept.map(|(column, &(term, number))| (column.clone(), (term - before(term), number)));
         let (columns, of) = kept.unzip();
-        Self::of(Model { terms }, columns, of, &self.beside(gone))
+        let mut fit = Self::of(Model { terms }, columns, of, &self.beside(gone));
+        for (&(term, number), by) in fit.of.iter().zip(&mut fit.by) {
+            if let Some(size) = fit.model.terms[term].sizes.get_mut(number) {
+                *size += std::mem::take(by);
+            }
+        }
+        fit
     }
 
     /// What a group makes of each innovation.
