@@ -198,6 +198,7 @@ pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
         file: one.file.clone(),
         twin: one.twin.name.clone(),
         edges: bench.record.len() as u64,
+        edges_recorded: one.edges.time_s.len() as u64,
         turns: bench.record.turns(),
         seconds: bench.record.seconds(),
         speed_r_min: [least * r_min, most * r_min],

@@ -52,6 +52,8 @@ pub struct RecordingFacts {
     pub twin: String,
     /// Edges that were compared.
     pub edges: u64,
+    /// Edges in the recording: of very many some are compared.
+    pub edges_recorded: u64,
     /// Turns that they make.
     pub turns: f64,
     /// From first to last edge, s.

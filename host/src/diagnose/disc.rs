@@ -87,24 +87,42 @@ pub fn rms(errors: &[f64]) -> f64 {
     (squares.sum::<f64>() / count).sqrt()
 }
 
-/// The finding that the disc is another one than the twins give, and by how much the sum of squares falls with it.
+/// Another disc than the twins give.
+#[derive(Clone, Copy, Debug)]
+pub struct Other {
+    /// Its evidence.
+    pub worth: f64,
+    /// By how much the sum of squares falls with it.
+    pub fall: f64,
+}
+
+/// What another disc than the twins give explains beside a fit; none where it is theirs.
 #[must_use]
-pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> {
-    let own = board
-        .pattern
-        .as_ref()
-        .filter(|own| board.disc_given && !own.known && own.size2 > 0.0)?;
-    let errors = pattern(board, &board.rest(&fit.model))?;
+pub fn other(board: &Board, fit: &Fit) -> Option<Other> {
+    let own = board.pattern.as_ref();
+    let mut own = own
+        .filter(|own| board.disc_given && !own.known && own.size2 > 0.0)?
+        .clone();
     let mut without = board.clone();
     without.pattern = without.pattern_given();
     let plain = without.fit(&fit.model);
-    let mut sized = own.clone();
     let white = without.with_pattern(&without.rest(&plain.model));
-    let mut worth = sized.size_up(&board.benches, &white);
+    let mut worth = own.size_up(&board.benches, &white);
     if let Some(given) = &mut without.pattern {
         worth -= given.size_up(&board.benches, &white);
     }
-    let worth = search::evidence(board, worth, 1);
+    Some(Other {
+        worth: search::evidence(board, worth, 1),
+        fall: (plain.rss - fit.rss).max(0.0),
+    })
+}
+
+/// The finding that the disc is another one than the twins give, and by how much the sum of squares falls with it.
+#[must_use]
+pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> {
+    let Other { worth, fall } = other(board, fit)?;
+    let own = board.pattern.as_ref()?;
+    let errors = pattern(board, &board.rest(&fit.model))?;
     let orders = 1..=errors.len() / 2;
     let open =
         orders.clone().map(|order| own.variance(order)).sum::<f64>() / orders.count().max(1) as f64;
@@ -127,5 +145,5 @@ pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> 
         parameters,
         ..Finding::of(Mechanism::LineError, text, worth)
     };
-    Some((finding, (plain.rss - fit.rss).max(0.0)))
+    Some((finding, fall))
 }

@@ -105,8 +105,9 @@ fn way(one: &Recorded) -> Result<Recorded, DiagnoseError> {
     };
     let edges = turned(one.edges.clone(), &one.twin).map_err(undecided)?;
     Ok(Recorded {
+        file: one.file.clone(),
         edges,
-        ..one.clone()
+        twin: one.twin.clone(),
     })
 }
 

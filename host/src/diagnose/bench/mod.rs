@@ -2,6 +2,8 @@
 
 mod ties;
 
+use std::sync::Arc;
+
 use super::columns::{Columns, Kept};
 use super::course::Course;
 use super::declared::{self, Declared};
@@ -45,8 +47,8 @@ pub struct Bench {
     pub plant: Plant,
     /// What the twin says of each edge.
     pub declared: Declared,
-    /// The filter's steps.
-    pub leaps: Leaps,
+    /// The filter's steps: many, and the same in any noise.
+    pub leaps: Arc<Leaps>,
     /// The gains for the present noise.
     pub gains: Gains,
     /// 1 / deviation of each innovation, 1/rad.
@@ -373,10 +375,10 @@ fn unsaid(record: &Record, declared: &Declared) -> Vec<f64> {
 }
 
 /// The filter's steps, with what the course leaves open.
-fn leaps(twin: &Twin, course: &Course, plant: &Plant) -> Leaps {
+fn leaps(twin: &Twin, course: &Course, plant: &Plant) -> Arc<Leaps> {
     let mut leaps = Leaps::of(plant, course);
     leaps.jolt(&declared::jolts(twin, course, plant));
-    leaps
+    Arc::new(leaps)
 }
 
 /// The noise that fits several benches best beside residual angles.

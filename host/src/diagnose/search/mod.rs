@@ -17,10 +17,11 @@ use open::{CHANGES, is_open, left_open};
 use super::agreement;
 use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
+use super::disc;
 use super::effect::{Carrier, Effect, Site};
 use super::identify;
 use super::jury;
-use super::model::{Board, Fit, Model};
+use super::model::{Board, Fit, Model, Term};
 use super::plant::Law;
 pub use super::scan::{SURE, evidence};
 use super::task;
@@ -67,6 +68,11 @@ impl Found {
     /// Sizes of what was found by a board of more edges of the same recordings, in noise of any kind.
     pub fn settle(&mut self, board: &mut Board) {
         self.fit = board.fit_in_noise(&self.fit.model);
+        // Another disc than the twins give has to be worth it here as well.
+        if disc::other(board, &self.fit).is_some_and(|other| other.worth < SURE) {
+            board.pattern = board.pattern_given();
+            self.fit = board.fit_in_noise(&self.fit.model);
+        }
         prune(board, &mut self.fit);
     }
 
@@ -110,7 +116,6 @@ impl Found {
             }
             self.bank = Bank::new(board);
         }
-        thin_out(board, &mut self.fit);
     }
 
     /// Adds findings until nothing is left that is worth its numbers.
@@ -238,44 +243,40 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
     }
 }
 
-/// Takes off a fit groups that are no longer worth their numbers.
+/// Takes off a fit what is no longer worth its numbers: groups, and orders of a family.
 fn prune(board: &Board, fit: &mut Fit) {
-    let superfluous = |fit: &Fit| {
-        let mut groups = fit.model.groups().into_iter();
-        groups.find(|group| {
-            let worth = evidence(board, fit.loss(*group), fit.model.numbers(*group));
-            worth < SURE || !board.can_be(&fit.model.only(*group))
-        })
-    };
-    while let Some(group) = superfluous(fit) {
-        *fit = board.fit(&fit.model.without(group));
+    while let Some(model) = dropped(board, fit) {
+        *fit = board.fit(&model);
     }
 }
 
-/// Takes off families of torques the orders that are not worth their own numbers: a push of many harmonics need not have all of them.
-fn thin_out(board: &Board, fit: &mut Fit) {
-    let superfluous = |fit: &Fit| {
-        let terms = &fit.model.terms;
-        let one_of_many = |at: &usize| {
-            let order = matches!(terms[*at].effect.carrier, Carrier::Order(_));
-            let group = fit.model.effects(terms[*at].group);
-            order
-                && !terms[*at].nuisance
-                && terms[*at].effect.site == Site::Torque
-                && group.len() > 1
+/// A model without the first group that is not worth its numbers, or an order of a family that is not; none where all are.
+fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
+    let terms = &fit.model.terms;
+    for group in fit.model.groups() {
+        let own = fit.model.only(group);
+        let worth = evidence(board, fit.loss(group), fit.model.numbers(group));
+        if worth < SURE || !board.can_be(&own) {
+            return Some(fit.model.without(group));
+        }
+        let order = |term: &Term| {
+            let carrier = term.effect.carrier;
+            term.effect.site == Site::Torque && matches!(carrier, Carrier::Order(_))
         };
-        let places = (0..terms.len()).filter(one_of_many);
-        let worth = |at: usize| {
-            let loss = fit.loss_of(&|term| term == at);
-            evidence(board, loss, terms[at].effect.sizes())
-        };
-        let least = places.map(|at| (worth(at), at));
-        let least = least.min_by(|a, b| a.0.total_cmp(&b.0));
-        least.filter(|least| least.0 < 0.0).map(|least| least.1)
-    };
-    while let Some(at) = superfluous(fit) {
-        let mut model = fit.model.clone();
-        model.terms.remove(at);
-        *fit = board.fit(&model);
+        if own.terms.len() < 2 || !own.terms.iter().all(order) {
+            continue;
+        }
+        // A family has the orders that show, and not those between them.
+        let places = (0..terms.len()).filter(|at| terms[*at].group == group);
+        let losses = places.map(|at| (fit.loss_of(&|term| term == at), at));
+        let least = losses.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((loss, at)) = least
+            && evidence(board, loss, terms[at].effect.sizes()) < 0.0
+        {
+            let mut model = fit.model.clone();
+            model.terms.remove(at);
+            return Some(model);
+        }
     }
+    None
 }

@@ -143,8 +143,12 @@ fn instants(all: &[f64]) -> String {
 
 /// A recording in a line.
 pub(super) fn recording(facts: &RecordingFacts) -> String {
+    let of = match facts.edges_recorded {
+        all if all > facts.edges => format!(" of {all}"),
+        _ => String::new(),
+    };
     let mut text = format!(
-        "{} against {}: {} edges in {:.1} turns, {} at {}; ",
+        "{} against {}: {}{of} edges in {:.1} turns, {} at {}; ",
         facts.file,
         facts.twin,
         facts.edges,

@@ -150,6 +150,7 @@ fn recording(file: &str, r_min: f64) -> RecordingFacts {
         file: file.to_owned(),
         twin: "rig.toml".to_owned(),
         edges: 40_000,
+        edges_recorded: 40_000,
         turns: 20.0,
         seconds: 20.0 * 60.0 / r_min,
         speed_r_min: [r_min, 1.002 * r_min],
