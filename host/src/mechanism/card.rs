@@ -90,7 +90,7 @@ impl Card {
     pub fn quantity(&self, name: &str) -> Option<&Quantity> {
         let of = |name: &str| self.parameters.iter().find(|one| one.name == name);
         // That of a harmonic has its order before it.
-        of(name).or_else(|| of(name.split_once('.')?.1))
+        of(name).or_else(|| of(name.rsplit_once('.')?.1))
     }
 
     /// The unit of a number of its; that of a pure number where it has none of the name.

@@ -87,7 +87,7 @@ pub fn parameter_name(name: &str, unit: &str) -> String {
         .and_then(|rest| rest.strip_suffix('_'))
         .filter(|rest| !rest.is_empty())
         .unwrap_or(name);
-    match bare.split_once('.') {
+    match bare.rsplit_once('.') {
         // Both would be a Stribeck.
         None if bare == "stribeck" => match unit {
             "rad/s" => "Stribeck speed".to_owned(),
@@ -152,6 +152,7 @@ mod tests {
             ("stribeck_n_m", "N m", "Stribeck friction"),
             ("fraction_per_s", "1/s", "fraction"),
             ("order", "1", "order"),
+            ("order_1.5.torque_n_m", "N m", "order 1.5: torque"),
             ("torque_n_m", "N m/(kg m^2)", "torque"),
             ("s", "s", "s"),
         ] {
