@@ -8,7 +8,7 @@ use super::filter::ANGLE;
 use super::plant::{Motion, Plant, sign};
 use super::record::Record;
 use crate::effect::number::Sloped;
-pub use crate::effect::{Carrier, Effect, Growth, Here, On, Site, along_time};
+pub use crate::effect::{Carrier, Effect, Growth, Here, On, Site, along_time, is_exact};
 
 /// What an effect acts on.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::DVector;
 
-use super::effect::{Carrier, Effect, Growth, On, Site};
+use super::effect::{Carrier, Effect, Growth, On, Site, is_exact};
 use super::model::{Board, Fit, Term};
 use crate::diagnose::diagnosis::{Parameter, Place};
 use crate::mechanism::Mechanism;
@@ -50,7 +50,7 @@ pub fn mechanism(effects: &[Effect]) -> Mechanism {
         (Site::Disc(_), Carrier::Direction) => Mechanism::Hysteresis,
         (Site::Level(_), Carrier::Tone(_)) => Mechanism::ThresholdRipple,
         (Site::Level(_), Carrier::Settling(..)) => Mechanism::ThresholdDrift,
-        (Site::Torque, Carrier::Order(order)) if order.fract() == 0.0 => Mechanism::TorqueRipple,
+        (Site::Torque, Carrier::Order(order)) if is_exact(order) => Mechanism::TorqueRipple,
         (Site::Torque, Carrier::Order(_)) => Mechanism::GearMesh,
         (Site::Torque, Carrier::Tone(_)) => Mechanism::TorqueTone,
         (Site::Torque, Carrier::Window(..)) => Mechanism::LoadStep,

@@ -288,7 +288,8 @@ impl Scores<'_> {
             return Vec::new();
         }
         let carrier = |at: f64| match over {
-            Over::Angle => Carrier::Order(at * step),
+            // An exact order is chosen, and not met by chance.
+            Over::Angle => Carrier::Order((at * step).next_up()),
             Over::Time => Carrier::Tone(at * step),
         };
         let mut power = vec![0.0; count];

@@ -92,6 +92,13 @@ pub enum Carrier {
     Stribeck(f64),
 }
 
+/// Whether an order is exactly what it is, and so no number to be fitted: what a machine does each turn, or every two turns as a
+/// four-stroke engine does.
+#[must_use]
+pub fn is_exact(order: f64) -> bool {
+    (2.0 * order).fract() == 0.0
+}
+
 /// How its size goes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -80,7 +80,7 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
         .collect()
 }
 
-/// The same effect with harmonics of its order: what pushes once in a part of a turn is no sine.
+/// The same effect with harmonics of its order: what pushes once in a part of a turn, or of two turns, is no sine.
 pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     let [
         Effect {
@@ -94,18 +94,22 @@ pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
         return Vec::new();
     };
     let effect = own[0];
+    // What comes every two turns has all odd halves.
+    let half = order.floor() + 0.5;
+    let of_two_turns = (order - half).abs() < board.reach(&effect)[0] && order.fract() != 0.0;
+    let nth = |nth: u32| match of_two_turns {
+        true => f64::from(nth) - 0.5,
+        false => order * f64::from(nth),
+    };
     let each = board.benches.iter().map(|bench| bench.record.edges as f64);
-    let most = 0.5 * each.fold(0.0, f64::max) / order;
+    let most = 0.5 * each.fold(0.0, f64::max);
     let of = |count: u32| {
         let each = (1..=count).map(|times| Effect {
-            carrier: Carrier::Order(order * f64::from(times)),
+            carrier: Carrier::Order(nth(times)),
             ..effect
         });
         each.collect()
     };
     let counts = HARMONICS.into_iter();
-    counts
-        .filter(|count| f64::from(*count) < most)
-        .map(of)
-        .collect()
+    counts.filter(|count| nth(*count) < most).map(of).collect()
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::board::Raw;
 use super::{Board, Model, Term};
-use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
+use crate::diagnose::effect::{Carrier, Effect, Growth, Site, is_exact};
 use crate::diagnose::lsq::{self, Basis};
 use crate::diagnose::record::Record;
 
@@ -199,7 +199,7 @@ impl Board {
                 Carrier::Window(..) => knobs[at] > first && knobs[at] < last,
                 // Without a start it settles from the first edge on.
                 Carrier::Settling(from, _) => at == 1 || from > first,
-                Carrier::Order(order) => order.fract() != 0.0,
+                Carrier::Order(order) => !is_exact(order),
                 _ => true,
             })
             .collect()

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::rhythm::{Phasor, Span, same_or};
 use crate::diagnose::diagnosis::Sized;
-use crate::diagnose::effect::Carrier;
+use crate::diagnose::effect::{Carrier, is_exact};
 use crate::diagnose::plant::Swing;
 use crate::twin::{LoadStep, Ripple, SpeedDrift, TorqueTone, Twin};
 
@@ -40,7 +40,7 @@ macro_rules! add {
     };
 }
 
-/// Torque at an order: more of a section that has that order, else a motor's where it is whole, or a gear's.
+/// Torque at an order: more of a section that has that order, else a motor's or an engine's where it is exact, or a gear's.
 fn put_order(twin: &mut Twin, order: f64, wave: Phasor, span: &Span) {
     let swing = Swing::of(twin);
     let same = |there: f64| span.same_order(there, order);
@@ -51,7 +51,7 @@ fn put_order(twin: &mut Twin, order: f64, wave: Phasor, span: &Span) {
         }
     }
     let same = |there: &Ripple| same(there.order);
-    let gears = order.fract() != 0.0 || twin.gear_mesh.iter().any(same);
+    let gears = !is_exact(order) || twin.gear_mesh.iter().any(same);
     let into = if gears && !twin.ripple.iter().any(same) {
         &mut twin.gear_mesh
     } else {

@@ -251,7 +251,7 @@ pub(crate) fn full() -> Answer {
     let diagnosis = Diagnosis {
         version: 2,
         verdict: Verdict::Ambiguous,
-        summary: "The twin lacked: torque ripple of the motor, rise and fall delayed unequally, friction, jitter, lost edges; these \
+        summary: "The twin lacked: torque ripple of motor or engine, rise and fall delayed unequally, friction, jitter, lost edges; these \
                   recordings allow other names for it."
             .to_owned(),
         recordings: vec![recording("slow.csv", 60.0), recording("fast.csv", 90.0)],

@@ -39,7 +39,7 @@ fn the_page_is_well_formed_and_tells_each_finding_in_a_card() {
     assert_eq!(cards.count(), answer.diagnosis.findings.len());
     assert!(!page.contains("NaN"));
     for part in [
-        "1. Torque ripple of the motor (torque_ripple)",
+        "1. Torque ripple of motor or engine (torque_ripple)",
         "Order 3<",
         "Count 7<",
         "Torque at order 3, constant",
