@@ -2,10 +2,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::effect::{Carrier, Effect};
+use super::effect::{Carrier, Effect, is_exact};
 use super::lsq::{self, dot};
 use super::model::{Board, Fit};
-use super::scan::SURE;
+use super::scan::{SURE, evidence};
 
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 4;
@@ -16,9 +16,8 @@ const KEPT: f64 = 0.01;
 /// Part of what a finding shows that other turns have to foretell of it.
 const FORETELLS: f64 = 0.6;
 /// Blocks in which a whole order may have sizes of its own: an order that slips by less than two turns against it where it shows is not told
-/// from it; and part of what the order explains that these have to explain.
+/// from it.
 const SLIPS: usize = 8;
-const AS_MUCH: f64 = 0.8;
 /// Share of each recording that is held out for the figures of the fit: its last part.
 pub const HELD_OUT: f64 = 0.3;
 
@@ -106,12 +105,12 @@ fn bounds(count: usize) -> Vec<f64> {
 }
 
 /// The whole order whose sideband a group's order, with its harmonics, may be: a part of each turn that comes and goes, or turns its phase,
-/// along the recording shows as an order beside it. Its size in each of some blocks explains as much then.
+/// along the recording shows as an order beside it. Its sizes in each of some blocks have more evidence then.
 #[must_use]
 pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
     let effects = fit.model.effects(group);
     let wholes = effects.iter().map(|effect| match effect.carrier {
-        Carrier::Order(order) if order.fract() != 0.0 && order.round() > 0.0 => Some(Effect {
+        Carrier::Order(order) if !is_exact(order) && order.round() > 0.0 => Some(Effect {
             carrier: Carrier::Order(order.round()),
             ..*effect
         }),
@@ -150,7 +149,8 @@ pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
     let each: Vec<Vec<f64>> = each.collect();
     let each: Vec<&[f64]> = each.iter().map(Vec::as_slice).collect();
     let gain = rest.rss - lsq::solve(&each, &rest.left).rss;
-    (gain > AS_MUCH * (rest.rss - fit.rss)).then_some(whole)
+    let own = evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
+    (evidence(board, gain, each.len()) > own).then_some(whole)
 }
 
 impl Parts {

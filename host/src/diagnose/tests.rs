@@ -265,10 +265,13 @@ fn an_order_beside_a_whole_one_of_changing_size_is_its_sideband_and_a_gear_is_no
     let (beside, whole) = fitted(part(1.6), part(-1.6), 4.0 + 1e-3);
     assert!((beside - 4.0).abs() > 0.01, "{beside}");
     assert_eq!(whole, Some(4.0));
-    let gear = order(4.3, Growth::Constant);
-    let (gear, whole) = fitted(gear, gear, 4.3);
-    assert!((gear - 4.3).abs() < 1e-6, "{gear}");
-    assert_eq!(whole, None);
+    // A gear is none, and slips by one turn only against the whole order.
+    for truth in [4.3, 4.02] {
+        let gear = order(truth, Growth::Constant);
+        let (gear, whole) = fitted(gear, gear, truth);
+        assert!((gear - truth).abs() < 1e-6, "{gear}");
+        assert_eq!(whole, None);
+    }
 }
 
 #[test]
@@ -431,6 +434,32 @@ fn a_torque_past_half_of_the_edges_is_told_from_the_lower_one_where_edges_come_u
             "{truth}: {least} {most}"
         );
     }
+}
+
+#[test]
+fn torques_that_repeat_every_two_turns_are_one_finding_of_half_orders() {
+    let engine = "seed = 9\nduration = { turns = 60 }\n[encoder.wheel]\nteeth = 36\nmissing = 1\n\
+        [errors]\nposition = { normal = { rms_rad = 2e-3 } }\n[shaft]\ninertia_kg_m2 = 0.1\nviscous_n_m_s = 0.05\n\
+        [drive.constant]\nr_min = 1400\n[noise.white]\npsd_n2_m2_s = 1e-3\n[timer]\nclock_hz = 16e6\n";
+    let ripple = |order: f64, torque: f64| {
+        format!("[[ripple]]\norder = {order}\nphase_rad = 1.0\ntorque_n_m = {torque}\n")
+    };
+    let torques = [(0.5, 8.0), (1.5, 6.0), (2.5, 4.0), (3.5, 3.0)].map(|(o, t)| ripple(o, t));
+    let thin = "[encoder.wheel]\nteeth = 36\nmissing = 1\n[shaft]\ninertia_kg_m2 = 0.1\n[timer]\nclock_hz = 16e6\n";
+    let answer = against(&format!("{engine}{}", torques.concat()), thin);
+    let [finding] = &answer.diagnosis.findings[..] else {
+        panic!("{:?}", said(&answer))
+    };
+    assert_eq!(finding.mechanism, Mechanism::TorqueRipple);
+    assert_eq!(finding.place.orders, [0.5, 1.5, 2.5, 3.5]);
+    // An order that is no half keeps an interval of its own.
+    let answer = against(&format!("{engine}{}", ripple(3.47, 8.0)), thin);
+    let [finding] = &answer.diagnosis.findings[..] else {
+        panic!("{:?}", said(&answer))
+    };
+    assert_eq!(finding.mechanism, Mechanism::GearMesh);
+    let [least, most] = finding.parameters["order"].ci95.unwrap();
+    assert!(least < 3.47 && 3.47 < most, "{least} {most}");
 }
 
 #[test]
