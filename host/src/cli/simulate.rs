@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::report::si;
 use crate::reports::simulate as page;
 use crate::sim::Simulation;
-use crate::twin::{Drive, Duration, Encoder, Twin};
+use crate::twin::{Drive, Duration, Encoder, KEYS, Twin};
 
 use super::failure::Failure;
 use super::footer::footer;
@@ -73,9 +73,6 @@ pub struct Simulate {
     #[command(flatten)]
     json: JsonArg,
 }
-
-/// Every key of a twin: key, unit, default and what it is.
-const KEYS: &str = include_str!("../../twins/keys.txt");
 
 /// Twins shipped with the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

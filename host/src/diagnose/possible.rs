@@ -3,7 +3,7 @@
 use super::effect::{Carrier, Effect, Growth, Here, Site};
 use super::model::{Board, Model, Term};
 use super::pattern::LARGE;
-use crate::mechanism::RUN_OUT_RAD;
+use crate::mechanism::Mechanism;
 
 /// Speeds at which friction is seen, and part of its largest that errors of its numbers may make push.
 const SPEEDS: u32 = 8;
@@ -109,10 +109,11 @@ impl Board {
         let shifts = |term: &&Term| {
             !term.nuisance && matches!(term.effect.site, Site::Disc(_) | Site::Level(_))
         };
+        let [_, run_out] = Mechanism::Bearing.card().range("runout_rad");
         model.terms.iter().filter(shifts).all(|term| {
             let (most, amplitude) = match term.effect.carrier {
-                Carrier::Order(_) | Carrier::Tone(_) => (LARGE, RUN_OUT_RAD),
-                Carrier::Direction => (1.0, RUN_OUT_RAD),
+                Carrier::Order(_) | Carrier::Tone(_) => (LARGE, run_out),
+                Carrier::Direction => (1.0, run_out),
                 _ => (1.0, f64::INFINITY),
             };
             let size = term

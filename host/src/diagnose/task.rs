@@ -11,7 +11,7 @@ use super::model::{Board, Fit};
 use super::record::Record;
 use super::scan::SURE;
 use crate::diagnose::diagnosis::{Finding, Parameter, Place};
-use crate::mechanism::{Mechanism, TASK_HZ};
+use crate::mechanism::Mechanism;
 use crate::report::si;
 
 /// Deviations by which an edge is late, and how many late edges make a rate.
@@ -204,7 +204,8 @@ fn rate(late: &[f64]) -> Option<(f64, f64)> {
     let span = |run: &[f64]| run[run.len() - 1] - run[0];
     let longest_s = runs.iter().map(|run| span(run)).fold(0.0, f64::max);
     let step = 1.0 / (FINE * longest_s);
-    let points = ((TASK_HZ[1] - TASK_HZ[0]) / step) as usize;
+    let [lowest_hz, highest_hz] = Mechanism::CaptureLatency.card().range("task_hz");
+    let points = ((highest_hz - lowest_hz) / step) as usize;
     if longest_s <= 0.0 || points > POINTS {
         return None;
     }
@@ -215,14 +216,14 @@ fn rate(late: &[f64]) -> Option<(f64, f64)> {
     use rayon::prelude::*;
     let all: Vec<f64> = (0..points)
         .into_par_iter()
-        .map(|point| power(TASK_HZ[0] + step * point as f64))
+        .map(|point| power(lowest_hz + step * point as f64))
         .collect();
     let most = all.iter().copied().fold(0.0, f64::max);
     // A grid misses the top of a peak.
     let first = all.iter().position(|power| *power >= 0.7 * LOWEST * most)?;
     let peak = (first..(first + 2 * FINE as usize).min(points))
         .max_by(|a, b| all[*a].total_cmp(&all[*b]))?;
-    let mut rate_hz = TASK_HZ[0] + step * peak as f64;
+    let mut rate_hz = lowest_hz + step * peak as f64;
     // Over ever longer spans.
     let mut within = step;
     let mut last = 1;

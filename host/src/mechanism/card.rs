@@ -5,12 +5,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer};
 
-use super::{EdgeClasses, LockedTo, Mechanism};
-
-/// Rates that a task is looked for at, Hz: the catalogue's range of `capture_latency`'s `task_hz`.
-pub const TASK_HZ: [f64; 2] = [40.0, 11_000.0];
-/// Largest amplitude of a rhythm of the disc, rad: the catalogue's `run_out`.
-pub const RUN_OUT_RAD: f64 = 0.1;
+use super::Mechanism;
 
 /// The catalogue's text.
 pub(super) const TEXT: &str = include_str!("catalogue.toml");
@@ -39,13 +34,13 @@ pub struct Card {
     pub twin: String,
     /// Its numbers, by the names that findings and the JSON have for them.
     pub parameters: Vec<Quantity>,
-    /// What it keeps step with: one, or each that it may.
+    /// What it keeps step with, in words: one, or each that it may.
     #[serde(default)]
-    pub locked_to: Vec<LockedTo>,
+    pub locked_to: Vec<String>,
     /// Exponent n where the size of the angle residual goes as speed^n; none where it follows no power of the speed.
     pub speed_exponent: Option<i8>,
-    /// How it tells edges apart.
-    pub edge_classes: EdgeClasses,
+    /// How it tells edges apart, in words.
+    pub edge_classes: String,
     /// Mechanisms that the same recording may show alike; if one is another's look-alike, so is the other the one's.
     #[serde(default)]
     pub look_alikes: Vec<Mechanism>,
@@ -91,6 +86,12 @@ impl Card {
         let of = |name: &str| self.parameters.iter().find(|one| one.name == name);
         // That of a harmonic has its order before it.
         of(name).or_else(|| of(name.rsplit_once('.')?.1))
+    }
+
+    /// Least and greatest plausible value of a number of its; none of a name that it has not.
+    #[must_use]
+    pub fn range(&self, name: &str) -> [f64; 2] {
+        self.quantity(name).map_or([f64::NAN; 2], |one| one.range)
     }
 
     /// The unit of a number of its; that of a pure number where it has none of the name.

@@ -74,21 +74,8 @@ fn the_catalogue_has_a_card_for_each_and_nothing_else() {
 }
 
 #[test]
-fn constants_are_the_catalogues() {
-    let range = |mechanism: Mechanism, name| mechanism.card().quantity(name).unwrap().range;
-    assert_eq!(range(Mechanism::CaptureLatency, "task_hz"), TASK_HZ);
-    for (mechanism, name) in [
-        (Mechanism::Bearing, "runout_rad"),
-        (Mechanism::Eccentricity, "amplitude_rad"),
-        (Mechanism::DiscTilt, "amplitude_rad"),
-    ] {
-        assert_eq!(range(mechanism, name), [0.0, RUN_OUT_RAD]);
-    }
-}
-
-#[test]
 fn every_section_is_one_that_a_twin_may_have() {
-    let keys: Vec<String> = include_str!("../../twins/keys.txt")
+    let keys: Vec<String> = crate::twin::KEYS
         .lines()
         .filter_map(|line| Some(line.split_whitespace().next()?.replace("[]", "")))
         .collect();

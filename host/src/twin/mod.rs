@@ -53,6 +53,9 @@ pub use tone::TorqueTone;
 
 use whole::whole;
 
+/// Every key of a twin: key, unit, default and what it is.
+pub const KEYS: &str = include_str!("../../twins/keys.txt");
+
 /// A declared rig: encoder, shaft, drive, noise, timer and what to record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

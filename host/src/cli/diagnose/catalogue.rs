@@ -53,10 +53,9 @@ fn card(mechanism: Mechanism) -> String {
     row("Physics", physics);
     row("Equation", equation);
     row("Source", source);
-    let locked_to: Vec<String> = locked_to.iter().map(ToString::to_string).collect();
     row("Keeps step with", &locked_to.join(", or "));
     if mechanism != Mechanism::Unknown {
-        row("Edges", &edge_classes.to_string());
+        row("Edges", edge_classes);
         let size = speed_exponent.map_or_else(
             || "no one power of the speed".to_owned(),
             |exponent| format!("speed^{exponent}"),
