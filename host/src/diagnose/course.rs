@@ -1,6 +1,5 @@
 //! Where the shaft is between and at edges, as the edges themselves have it: the angle that torques are evaluated at.
 
-use super::filter::{ANGLE, SPEED};
 use super::plant::Motion;
 use super::record::Record;
 
@@ -39,11 +38,11 @@ impl Course {
         let rest: Vec<f64> = angle
             .iter()
             .zip(known)
-            .map(|(angle, known)| angle - known[ANGLE])
+            .map(|(angle, [known, _])| angle - known)
             .collect();
         // An edge that the shaft rocks about says nothing of a speed.
         let each = speeds(record, &rest).into_iter().zip(known);
-        let speed = each.map(|(speed, known)| speed.map_or(0.0, |speed| speed + known[SPEED]));
+        let speed = each.map(|(speed, [_, known])| speed.map_or(0.0, |speed| speed + known));
         let speed = speed.collect();
         let mut course = Self {
             time_s: record.time_s.clone(),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::effect::{Carrier, Effect, On, Scene, Site, along_time};
-use super::filter::{ANGLE, SPEED};
+use super::lsq::add;
 use super::plant::{Here, Motion, Plant, Swing, sign};
 use super::record::Record;
 use super::speed_loop;
@@ -221,7 +221,7 @@ impl Declared {
     #[must_use]
     pub fn is_pushed(&self) -> bool {
         let mut each = self.response.iter();
-        each.any(|motion| motion[ANGLE] != 0.0)
+        each.any(|[angle, _]| *angle != 0.0)
     }
 
     /// What a twin says of a recording; `disc` is its errors.
@@ -244,29 +244,26 @@ impl Declared {
                 Site::Torque => {
                     for (motions, size) in effect.motions(&scene).iter().zip(&sizes) {
                         for (into, by) in response.iter_mut().zip(motions) {
-                            into[ANGLE] += size * by[ANGLE];
-                            into[SPEED] += size * by[SPEED];
+                            add(into, *size, by);
                         }
                     }
                 }
                 _ => {
                     for (column, size) in effect.columns(&scene).iter().zip(&sizes) {
-                        let each = off.iter_mut().zip(column);
-                        each.for_each(|(into, by)| *into += size * by);
+                        add(&mut off, *size, column);
                     }
                 }
             }
         }
         let mean_s = mean_late_s(twin);
-        let each = off.iter_mut().zip(&course.speed);
-        each.for_each(|(off, speed)| *off -= speed * mean_s);
+        add(&mut off, -mean_s, &course.speed);
         Self { off, response }
     }
 
     /// What drive, torques and friction do to the angle, rad, less a straight way.
     #[must_use]
     pub fn angles(&self) -> Vec<f64> {
-        self.response.iter().map(|motion| motion[ANGLE]).collect()
+        self.response.iter().map(|[angle, _]| *angle).collect()
     }
 }
 

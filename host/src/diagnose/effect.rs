@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use super::course::Course;
 use super::declared::Asked;
-use super::filter::ANGLE;
 use super::plant::{Motion, Plant, sign};
 use super::record::Record;
 use crate::effect::number::Sloped;
@@ -30,7 +29,7 @@ impl Effect {
         match self.site {
             Site::Torque | Site::Drive => {
                 let each = self.motions(scene).into_iter();
-                each.map(|column| column.iter().map(|motion| motion[ANGLE]).collect())
+                each.map(|column| column.iter().map(|[angle, _]| *angle).collect())
                     .collect()
             }
             Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {

@@ -5,34 +5,42 @@
 //! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
 //! Trans. Information Theory 11, 1965).
 
+use std::f64::consts::TAU;
 use std::fmt::Debug;
 
 use nalgebra::DMatrix;
 
+use State::{Angle, Drift, Held, Speed, Swing, Swings};
+
 use super::square::{Square, back, through, times};
 
-/// Numbers of a state.
-pub const STATES: usize = 6;
-/// Of a stiff shaft the last two are left out, without a noise grid the held torque too, and without a drift that as well.
-pub const STIFF: usize = 4;
-/// Angle, speed and drift.
-pub const DRIFTING: usize = 3;
-/// Angle and speed.
-pub const PLAIN: usize = 2;
-/// Places in a state.
-pub const ANGLE: usize = 0;
-/// Speed of the near side.
-pub const SPEED: usize = 1;
-/// Acceleration of a slow drift.
-pub const DRIFT: usize = 2;
-/// Acceleration held over a step of the noise grid.
-pub const HELD: usize = 3;
-/// In its place where the drive is unknown: the speed that the drive keeps, which nothing damps. [`SPEED`] is what noise adds to it.
-pub const KEPT: usize = 3;
-/// Angle of the swing against the common motion.
-pub const SWING: usize = 4;
-/// Its speed.
-pub const SWINGS: usize = 5;
+/// Numbers of a state, in their order. A shaft that has none of the last ones has a shorter state.
+#[derive(Clone, Copy, Debug)]
+pub enum State {
+    /// Angle.
+    Angle,
+    /// Speed of the near side; where a drive keeps a speed of its own, what noise adds to it.
+    Speed,
+    /// Acceleration of a slow drift.
+    Drift,
+    /// Acceleration held over a step of the noise grid; where the drive is unknown, the speed that it keeps, which nothing damps.
+    Held,
+    /// Angle of the swing against the common motion.
+    Swing,
+    /// Its speed.
+    Swings,
+}
+
+impl State {
+    /// Numbers of a state of which it is the last.
+    #[must_use]
+    pub const fn and_before(self) -> usize {
+        self as usize + 1
+    }
+}
+
+/// A state of angle, speed and drift.
+pub const DRIFTING: usize = State::Drift.and_before();
 
 /// Sizes of the noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -75,11 +83,9 @@ impl<const N: usize> Leap<N> {
     #[must_use]
     pub fn first<const M: usize>(&self) -> Leap<M> {
         let part = |whole: &Square<N>| {
-            let mut part = [[0.0; M]; M];
-            for (part, whole) in part.iter_mut().zip(whole) {
-                part.copy_from_slice(&whole[..M]);
-            }
-            part
+            Square(std::array::from_fn(|row| {
+                std::array::from_fn(|column| whole.0[row][column])
+            }))
         };
         Leap {
             way: part(&self.way),
@@ -96,24 +102,24 @@ impl<const N: usize> Leap<N> {
     /// The transition where the drift fades, and what scales its covariance (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
     fn fading(&self, noise: &Noise) -> (Square<N>, f64) {
         let mut way = self.way;
-        let faded = noise.fade * way[ANGLE][SPEED];
-        if N <= DRIFT || noise.drift <= 0.0 || faded <= 0.0 {
+        let faded = noise.fade * way[(Angle, Speed)];
+        if N < DRIFTING || noise.drift <= 0.0 || faded <= 0.0 {
             return (way, noise.drift);
         }
         let mean = -(-faded).exp_m1() / faded;
-        for row in [ANGLE, SPEED] {
-            way[row][DRIFT] *= mean;
+        for row in [Angle, Speed] {
+            way[(row, Drift)] *= mean;
         }
-        way[DRIFT][DRIFT] = (-faded).exp();
+        way[(Drift, Drift)] = (-faded).exp();
         (way, noise.drift * -(-2.0 * faded).exp_m1() / (2.0 * faded))
     }
 }
 
-impl Leap<STIFF> {
+impl Leap<{ Held.and_before() }> {
     /// Whether a held torque pushes, or the drive keeps a speed.
     #[must_use]
     pub fn is_held(&self) -> bool {
-        self.way[ANGLE][HELD] != 0.0 || self.way[SPEED][HELD] != 0.0
+        [Angle, Speed].map(|row| self.way[(row, Held)]) != [0.0; 2]
     }
 }
 
@@ -133,7 +139,7 @@ impl<const N: usize> Gain<N> {
     #[inline(always)]
     fn whiten<const L: usize>(&self, state: &mut [[f64; L]; N], angles: &mut [f64; L]) {
         *state = times(&self.way, state);
-        for (angle, state) in angles.iter_mut().zip(state[ANGLE]) {
+        for (angle, state) in angles.iter_mut().zip(state[Angle as usize]) {
             *angle -= state;
         }
         for (state, gain) in state.iter_mut().zip(&self.gain) {
@@ -156,7 +162,7 @@ impl<const N: usize> Gain<N> {
         for (value, taken) in values.iter_mut().zip(taken) {
             *value = *value * self.scale + taken;
         }
-        for (state, innovation) in state[ANGLE].iter_mut().zip(&*values) {
+        for (state, innovation) in state[Angle as usize].iter_mut().zip(&*values) {
             *state -= innovation;
         }
         *state = back(&self.way, state);
@@ -196,12 +202,8 @@ pub struct Filter<const N: usize> {
     gains: Vec<Gain<N>>,
 }
 
-/// Edges at the start that only set the filter, with or without a drift: likelihoods of both are compared.
-const SETTLES: usize = 3;
-/// Part of the greatest speed by which torques may have a shaft off the speed that its drive keeps, to begin with.
+/// Part of the greatest speed by which torques may have a shaft off the speed that its drive keeps, or its far side swing, to begin with.
 const SWAY: f64 = 0.1;
-/// Variance of an angle of which nothing is known, rad^2.
-const ANYWHERE: f64 = 1e2;
 
 impl<const N: usize> Filter<N> {
     /// The gains for a noise.
@@ -211,28 +213,29 @@ impl<const N: usize> Filter<N> {
             .iter()
             .map(|leap| leap.speed.abs())
             .fold(0.0, f64::max);
-        let span: f64 = leaps.iter().map(|leap| leap.way[ANGLE][SPEED]).sum();
-        let mut p = [[0.0; N]; N];
-        p[ANGLE][ANGLE] = ANYWHERE;
-        p[SPEED][SPEED] = top * top;
-        if N > DRIFT && noise.drift > 0.0 {
+        let span: f64 = leaps.iter().map(|leap| leap.way[(Angle, Speed)]).sum();
+        let mut p = Square::<N>::default();
+        // It may be anywhere.
+        p[(Angle, Angle)] = TAU * TAU;
+        p[(Speed, Speed)] = top * top;
+        if N >= DRIFTING && noise.drift > 0.0 {
             // As fast as any speed of the recording in a hundredth of it.
             let most = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
             // One that fades is no torque that was always there.
             let faded = span.min(0.5 / noise.fade);
-            p[DRIFT][DRIFT] = if noise.fade > 0.0 {
+            p[(Drift, Drift)] = if noise.fade > 0.0 {
                 most.min(noise.drift * faded)
             } else {
                 most
             };
         }
-        if N > KEPT && leaps.iter().any(|leap| leap.kept) {
-            p[KEPT][KEPT] = top * top;
-            p[SPEED][SPEED] = SWAY * SWAY * top * top;
+        if N >= Held.and_before() && leaps.iter().any(|leap| leap.kept) {
+            p[(Held, Held)] = top * top;
+            p[(Speed, Speed)] = SWAY * SWAY * top * top;
         }
-        if N > SWINGS {
-            p[SWINGS][SWINGS] = 1e-2 * top * top;
-            p[SWING][SWING] = 1e-6;
+        if N >= Swings.and_before() {
+            p[(Swings, Swings)] = SWAY * SWAY * top * top;
+            p[(Swing, Swing)] = 1e-6;
         }
         let gains = leaps.iter().enumerate().map(|(at, leap)| {
             let (way, drift_size) = leap.fading(noise);
@@ -240,36 +243,37 @@ impl<const N: usize> Filter<N> {
                 p = through(&way, &p);
                 for row in 0..N {
                     for column in 0..N {
-                        p[row][column] += noise.torque * leap.torque[row][column]
-                            + drift_size * leap.drift[row][column];
+                        p.0[row][column] += noise.torque * leap.torque.0[row][column]
+                            + drift_size * leap.drift.0[row][column];
                         if let Some(load) = &leap.load {
-                            p[row][column] += load[row][column];
+                            p.0[row][column] += load.0[row][column];
                         }
                     }
                 }
                 for (row, one) in leap.jolt.iter().enumerate() {
                     for (column, other) in leap.jolt.iter().enumerate() {
-                        p[row][column] += one * other;
+                        p.0[row][column] += one * other;
                     }
                 }
             }
             let own = leap.speed.powi(2) * (noise.stamp_s.powi(2) + leap.doubt_s.powi(2))
                 + noise.angle_rad.powi(2)
                 + 1e-30;
-            let inverse = 1.0 / (p[ANGLE][ANGLE] + own);
-            let row = p[ANGLE];
+            let inverse = 1.0 / (p[(Angle, Angle)] + own);
+            let row = p.0[Angle as usize];
             let gain = row.map(|of| of * inverse);
             for at in 0..N {
                 for other in at..N {
-                    p[at][other] = if at == ANGLE {
+                    p.0[at][other] = if at == Angle as usize {
                         own * gain[other]
                     } else {
-                        p[at][other] - gain[at] * row[other]
+                        p.0[at][other] - gain[at] * row[other]
                     };
-                    p[other][at] = p[at][other];
+                    p.0[other][at] = p.0[at][other];
                 }
             }
-            let scale = if at < SETTLES { 0.0 } else { inverse.sqrt() };
+            // Edges that only set the filter, as many with a drift as without: likelihoods of both are compared.
+            let scale = if at < DRIFTING { 0.0 } else { inverse.sqrt() };
             Gain { way, gain, scale }
         });
         Self {
@@ -313,8 +317,10 @@ impl<const N: usize> Filter<N> {
             let open = own - DMatrix::from_fn(N, N, |row, column| ends[column][row][0]);
             // A state that never fades begins as nothing.
             let start = open.try_inverse();
-            start.map_or([[0.0; N]; N], |start| {
-                std::array::from_fn(|row| std::array::from_fn(|column| start[(row, column)]))
+            start.map_or_else(Square::default, |start| {
+                Square(std::array::from_fn(|row| {
+                    std::array::from_fn(|column| start[(row, column)])
+                }))
             })
         };
         let start = fades(&|state, value, step| step.whiten(state, value), false);
@@ -371,7 +377,7 @@ impl<const N: usize> Whitens for Filter<N> {
             } else {
                 0.0
             };
-            *value = innovation + state[ANGLE][0];
+            *value = innovation + state[Angle as usize][0];
             for ([state], gain) in state.iter_mut().zip(&step.gain) {
                 *state += gain * innovation;
             }

@@ -125,7 +125,7 @@ impl MeanTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::filter::{DRIFT, Whitens};
+    use crate::diagnose::filter::{State, Whitens};
 
     /// A turn of edges that come unevenly.
     fn turn(edges: usize) -> Vec<Leap<DRIFTING>> {
@@ -136,7 +136,7 @@ mod tests {
                 ..free(apart)
             };
             // A drift would take more turns to settle.
-            leap.way[DRIFT] = [0.0; DRIFTING];
+            leap.way.0[State::Drift as usize] = [0.0; DRIFTING];
             leap
         };
         (0..40 * edges).map(leap).collect()

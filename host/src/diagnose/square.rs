@@ -1,28 +1,49 @@
 //! Small square matrices, and their products with states that run side by side.
 
-/// A square matrix.
-pub type Square<const N: usize> = [[f64; N]; N];
+use std::array::from_fn;
+use std::ops::{Index, IndexMut};
+
+use super::filter::State;
+
+/// A square matrix, row by row.
+#[derive(Clone, Copy, Debug)]
+pub struct Square<const N: usize>(pub [[f64; N]; N]);
+
+impl<const N: usize> Default for Square<N> {
+    fn default() -> Self {
+        Self([[0.0; N]; N])
+    }
+}
+
+impl<const N: usize> Index<(State, State)> for Square<N> {
+    type Output = f64;
+
+    #[inline]
+    fn index(&self, (row, column): (State, State)) -> &f64 {
+        &self.0[row as usize][column as usize]
+    }
+}
+
+impl<const N: usize> IndexMut<(State, State)> for Square<N> {
+    #[inline]
+    fn index_mut(&mut self, (row, column): (State, State)) -> &mut f64 {
+        &mut self.0[row as usize][column as usize]
+    }
+}
 
 /// What changes nothing.
 #[must_use]
 pub fn identity<const N: usize>() -> Square<N> {
-    let mut one = [[0.0; N]; N];
-    for (at, row) in one.iter_mut().enumerate() {
-        row[at] = 1.0;
-    }
-    one
+    Square(from_fn(|row| {
+        from_fn(|column| f64::from(u8::from(row == column)))
+    }))
 }
 
 /// A B.
 #[must_use]
 pub fn product<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
-    let mut c = [[0.0; N]; N];
-    for row in 0..N {
-        for column in 0..N {
-            c[row][column] = (0..N).map(|k| a[row][k] * b[k][column]).sum();
-        }
-    }
-    c
+    let cell = |row: usize, column: usize| (0..N).map(|k| a.0[row][k] * b.0[k][column]).sum();
+    Square(from_fn(|row| from_fn(|column| cell(row, column))))
 }
 
 /// A matrix times states, side by side.
@@ -32,7 +53,7 @@ pub fn times<const N: usize, const L: usize>(
     state: &[[f64; L]; N],
 ) -> [[f64; L]; N] {
     let mut end = [[0.0; L]; N];
-    for (end, way) in end.iter_mut().zip(way) {
+    for (end, way) in end.iter_mut().zip(&way.0) {
         for (state, way) in state.iter().zip(way) {
             for (end, of) in end.iter_mut().zip(state) {
                 *end += way * of;
@@ -49,7 +70,7 @@ pub fn back<const N: usize, const L: usize>(
     state: &[[f64; L]; N],
 ) -> [[f64; L]; N] {
     let mut end = [[0.0; L]; N];
-    for (row, state) in way.iter().zip(state) {
+    for (row, state) in way.0.iter().zip(state) {
         for (end, way) in end.iter_mut().zip(row) {
             for (end, of) in end.iter_mut().zip(state) {
                 *end += way * of;
@@ -63,12 +84,12 @@ pub fn back<const N: usize, const L: usize>(
 #[must_use]
 pub fn through<const N: usize>(way: &Square<N>, p: &Square<N>) -> Square<N> {
     let half = product(way, p);
-    let mut end = [[0.0; N]; N];
+    let mut end = Square::default();
     for row in 0..N {
         for column in row..N {
-            let sum: f64 = (0..N).map(|k| half[row][k] * way[column][k]).sum();
-            end[row][column] = sum;
-            end[column][row] = sum;
+            let sum: f64 = (0..N).map(|k| half.0[row][k] * way.0[column][k]).sum();
+            end.0[row][column] = sum;
+            end.0[column][row] = sum;
         }
     }
     end

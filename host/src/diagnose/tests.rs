@@ -4,7 +4,7 @@ use super::bench::Bench;
 use super::diagnosis::Answer;
 use super::edges::{Edges, Sensor, place};
 use super::effect::{Carrier, Effect, Growth, Site};
-use super::filter::{Filter, Noise, STIFF, Whitens};
+use super::filter::{Filter, Noise, State, Whitens};
 use super::model::{Board, Model};
 use super::pattern::Pattern;
 use super::pipeline::diagnose;
@@ -156,7 +156,7 @@ fn the_transposed_filter_is_the_filters_adjoint() {
     let record = Record::of(&edges(&twin), &twin);
     let course = Course::new(&record, &vec![0.0; record.len()]);
     let plant = Plant::new(Law::of(&twin), &course);
-    let leaps = plant.leaps::<STIFF>(&course);
+    let leaps = plant.leaps::<{ State::Held.and_before() }>(&course);
     let noise = Noise {
         torque: 1e-4,
         stamp_s: 1e-8,

@@ -8,7 +8,7 @@ use super::columns::{Columns, Kept};
 use super::course::Course;
 use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
-use super::filter::{ANGLE, Noise};
+use super::filter::Noise;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
@@ -370,7 +370,7 @@ impl Bench {
 /// Grid angles less all that a twin says, rad.
 fn unsaid(record: &Record, declared: &Declared) -> Vec<f64> {
     let each = 0..record.len();
-    each.map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at][ANGLE])
+    each.map(|at| record.grid_rad(at) - declared.off[at] - declared.response[at][0])
         .collect()
 }
 

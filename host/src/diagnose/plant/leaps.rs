@@ -6,10 +6,8 @@ use std::sync::Arc;
 use super::law::Mode;
 use super::response::{Motion, Plant, parts, reach, swept};
 use crate::diagnose::course::Course;
-use crate::diagnose::filter::{
-    ANGLE, DRIFT, DRIFTING, Filter, HELD, KEPT, Leap, Noise, PLAIN, SPEED, STATES, STIFF, SWING,
-    SWINGS, Whitens,
-};
+use crate::diagnose::filter::State::{Angle, Drift, Held, Speed, Swing, Swings};
+use crate::diagnose::filter::{DRIFTING, Filter, Leap, Noise, State, Whitens};
 use crate::diagnose::square::{Square, identity, product, through};
 
 /// The filter of any shaft.
@@ -27,13 +25,13 @@ impl Plant {
             let b = self.damping[at];
             // Where an unknown drive keeps a speed, a slow drift of the acceleration changes that one.
             let (way, torque, drifts) = if kept {
-                (kept_up(b, h), self.white(b, h), KEPT)
+                (kept_up(b, h), self.white(b, h), Held)
             } else {
                 let (way, torque) = self.spread(self.fades(at), course.time_s[at], h);
-                (way, torque, SPEED)
+                (way, torque, Speed)
             };
             let load = law.mode.filter(|mode| mode.load > 0.0).map(|mode| {
-                let far = [(SWINGS, mode.load.sqrt())];
+                let far = [(Swings, mode.load.sqrt())];
                 Box::new(self.stirred(&mode, b, h, &far))
             });
             Leap {
@@ -59,7 +57,7 @@ impl Plant {
         }
         // The noise's grid: a value is held over each step of it.
         let mut way = identity::<N>();
-        let mut torque = [[0.0; N]; N];
+        let mut torque = Square::default();
         let mut now = ends_s - h;
         let mut grid = (now / hold).floor() + 1.0;
         loop {
@@ -73,12 +71,10 @@ impl Plant {
                 break;
             }
             // A new value: nothing of the old one stays.
-            for k in 0..N {
-                way[HELD][k] = 0.0;
-                torque[HELD][k] = 0.0;
-                torque[k][HELD] = 0.0;
-            }
-            torque[HELD][HELD] = 1.0 / hold;
+            way.0[Held as usize] = [0.0; N];
+            torque.0[Held as usize] = [0.0; N];
+            torque.0.iter_mut().for_each(|row| row[Held as usize] = 0.0);
+            torque[(Held, Held)] = 1.0 / hold;
             now = stop;
             grid += 1.0;
         }
@@ -89,21 +85,21 @@ impl Plant {
     fn way<const N: usize>(&self, b: f64, h: f64, held: bool) -> Square<N> {
         let mut way = identity::<N>();
         if !held {
-            way[HELD][HELD] = 0.0;
+            way[(Held, Held)] = 0.0;
         }
-        let pushed = &[DRIFT, HELD][..1 + usize::from(held)];
+        let pushed = &[Drift, Held][..1 + usize::from(held)];
         if let Some(mode) = &self.law.mode {
             let parts = parts(mode.rate(b), h);
-            let places = [ANGLE, SPEED, SWING, SWINGS];
-            let mut column = |column: usize, mut state: [f64; 4], push: f64| {
+            let places = [Angle, Speed, Swing, Swings];
+            let mut column = |column: State, mut state: [f64; 4], push: f64| {
                 for _ in 0..parts as usize {
                     state = mode.swung(b, h / parts, state, [push; 3]);
                 }
                 for (row, value) in places.into_iter().zip(state) {
-                    way[row][column] = value;
+                    way[(row, column)] = value;
                 }
             };
-            for (place, start) in places.into_iter().zip(identity()) {
+            for (place, start) in places.into_iter().zip(identity().0) {
                 column(place, start, 0.0);
             }
             for &place in pushed {
@@ -118,7 +114,7 @@ impl Plant {
     /// Covariance that unit white torque noise makes over a time.
     fn white<const N: usize>(&self, b: f64, h: f64) -> Square<N> {
         if let Some(mode) = &self.law.mode {
-            let near = [(SPEED, 1.0 + mode.ratio), (SWINGS, mode.ratio)];
+            let near = [(Speed, 1.0 + mode.ratio), (Swings, mode.ratio)];
             return self.stirred(mode, b, h, &near);
         }
         jostled(b, h)
@@ -130,9 +126,9 @@ impl Plant {
         mode: &Mode,
         b: f64,
         h: f64,
-        pushed: &[(usize, f64)],
+        pushed: &[(State, f64)],
     ) -> Square<N> {
-        let mut q = [[0.0; N]; N];
+        let mut q = Square::default();
         let parts = parts(mode.rate(0.0), h).clamp(4.0, 32.0);
         let step = h / parts;
         let part = self.way(b, step, false);
@@ -140,7 +136,7 @@ impl Plant {
             q = through(&part, &q);
             for (row, one) in pushed {
                 for (column, other) in pushed {
-                    q[*row][*column] += step * one * other;
+                    q[(*row, *column)] += step * one * other;
                 }
             }
         }
@@ -152,11 +148,11 @@ impl Plant {
 #[must_use]
 pub fn free<const N: usize>(h: f64) -> Leap<N> {
     let mut way = identity();
-    rigid(&mut way, 0.0, h, &[DRIFT]);
+    rigid(&mut way, 0.0, h, &[Drift]);
     Leap {
         way,
         torque: jostled(0.0, h),
-        drift: drift_noise(SPEED, h),
+        drift: drift_noise(Speed, h),
         load: None,
         jolt: [0.0; 2],
         speed: 1.0,
@@ -166,24 +162,24 @@ pub fn free<const N: usize>(h: f64) -> Leap<N> {
 }
 
 /// How angle and speed of a stiff shaft go on over a time, where some states push it.
-fn rigid<const N: usize>(way: &mut Square<N>, b: f64, h: f64, pushed: &[usize]) {
+fn rigid<const N: usize>(way: &mut Square<N>, b: f64, h: f64, pushed: &[State]) {
     let (r, stays) = reach(b, h);
-    way[ANGLE][SPEED] = r;
-    way[SPEED][SPEED] = stays;
+    way[(Angle, Speed)] = r;
+    way[(Speed, Speed)] = stays;
     for &place in pushed {
-        way[ANGLE][place] = swept(b, h, r);
-        way[SPEED][place] = r;
+        way[(Angle, place)] = swept(b, h, r);
+        way[(Speed, place)] = r;
     }
 }
 
 /// Covariance that unit white torque noise gives a stiff shaft over a time.
 fn jostled<const N: usize>(b: f64, h: f64) -> Square<N> {
-    let mut q = [[0.0; N]; N];
+    let mut q = Square::default();
     let [angle, both, speed] = stir(b * h);
-    q[ANGLE][ANGLE] = h * h * h * angle;
-    q[ANGLE][SPEED] = h * h * both;
-    q[SPEED][ANGLE] = q[ANGLE][SPEED];
-    q[SPEED][SPEED] = h * speed;
+    q[(Angle, Angle)] = h * h * h * angle;
+    q[(Angle, Speed)] = h * h * both;
+    q[(Speed, Angle)] = q[(Angle, Speed)];
+    q[(Speed, Speed)] = h * speed;
     q
 }
 
@@ -192,23 +188,23 @@ fn jostled<const N: usize>(b: f64, h: f64) -> Square<N> {
 fn kept_up<const N: usize>(b: f64, h: f64) -> Square<N> {
     let mut way = identity();
     rigid(&mut way, b, h, &[]);
-    way[ANGLE][KEPT] = h;
-    way[ANGLE][DRIFT] = 0.5 * h * h;
-    way[KEPT][DRIFT] = h;
+    way[(Angle, Held)] = h;
+    way[(Angle, Drift)] = 0.5 * h * h;
+    way[(Held, Drift)] = h;
     way
 }
 
 /// Covariance that a unit random walk of the acceleration makes over a time, by way of a speed.
-fn drift_noise<const N: usize>(speed: usize, h: f64) -> Square<N> {
-    let mut q = [[0.0; N]; N];
+fn drift_noise<const N: usize>(speed: State, h: f64) -> Square<N> {
+    let mut q = Square::default();
     let h2 = h * h;
     let (aa, av, am) = (h2 * h2 * h / 20.0, h2 * h2 / 8.0, h2 * h / 6.0);
     let (vv, vm, mm) = (h2 * h / 3.0, h2 / 2.0, h);
     let all = [[aa, av, am], [av, vv, vm], [am, vm, mm]];
-    let places = [ANGLE, speed, DRIFT];
+    let places = [Angle, speed, Drift];
     for (row, values) in places.into_iter().zip(all) {
         for (column, value) in places.into_iter().zip(values) {
-            q[row][column] = value;
+            q[(row, column)] = value;
         }
     }
     q
@@ -237,9 +233,9 @@ fn stir(x: f64) -> [f64; 3] {
 #[derive(Clone, Debug)]
 pub enum Leaps {
     /// Stiff.
-    Stiff(Vec<Leap<STIFF>>),
+    Stiff(Vec<Leap<{ Held.and_before() }>>),
     /// With a mode.
-    Sprung(Vec<Leap<STATES>>),
+    Sprung(Vec<Leap<{ Swings.and_before() }>>),
 }
 
 impl Leaps {
@@ -286,13 +282,13 @@ impl Leaps {
         match (leaps.iter().any(Leap::is_held), noise.drift > 0.0) {
             (true, _) => Arc::new(Filter::new(leaps, noise)),
             (false, true) => first::<DRIFTING>(leaps, noise),
-            (false, false) => first::<PLAIN>(leaps, noise),
+            (false, false) => first::<{ Speed.and_before() }>(leaps, noise),
         }
     }
 }
 
 /// The filter of the first states.
-fn first<const M: usize>(leaps: &[Leap<STIFF>], noise: &Noise) -> Gains {
+fn first<const M: usize>(leaps: &[Leap<{ Held.and_before() }>], noise: &Noise) -> Gains {
     let leaps: Vec<Leap<M>> = leaps.iter().map(Leap::first).collect();
     Arc::new(Filter::new(&leaps, noise))
 }

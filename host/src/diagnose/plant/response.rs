@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use super::law::{Law, sign};
 use crate::diagnose::course::Course;
-use crate::diagnose::filter::{ANGLE, SPEED};
 use crate::effect::Here;
 
 /// Angle, rad, and speed, rad/s.
@@ -78,7 +77,7 @@ impl Plant {
     ) -> Vec<f64> {
         let push = |here: Here| [acceleration(here)];
         let [out] = self.responses(range, course, false, push, rate, breaks);
-        out.iter().map(|motion| motion[ANGLE]).collect()
+        out.iter().map(|[angle, _]| *angle).collect()
     }
 
     /// Angle and speed that several accelerations make; they see the speed that was foretold, or the one that was.
@@ -117,7 +116,7 @@ impl Plant {
             }
             next += within;
             for (out, state) in out.iter_mut().zip(&states) {
-                out[at - range.start] = [state[ANGLE], state[SPEED]];
+                out[at - range.start] = [state[0], state[1]];
             }
         }
         out
@@ -141,8 +140,11 @@ impl Plant {
                 } else {
                     reach(b, h)
                 };
-                state[ANGLE] += r * state[SPEED] + push * swept(b, h, r);
-                state[SPEED] = stays * state[SPEED] + push * r;
+                let [angle, speed] = state;
+                state = [
+                    angle + (r * speed + push * swept(b, h, r)),
+                    stays * speed + push * r,
+                ];
             };
             let begins = from_s.max(before).min(now);
             let ends = until_s.max(begins).min(now);
