@@ -1,5 +1,7 @@
 //! From a fit to what is said: findings with their words, confidence and verdict.
 
+use std::collections::BTreeMap;
+
 use super::agreement::{self, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
@@ -10,6 +12,7 @@ use super::effect::{Carrier, Effect, Site};
 use super::judge::{self, Parts};
 use super::lsq::dot;
 use super::model::{Board, Fit};
+use super::name::Number;
 use super::noise::Tails;
 use super::rig::Recorded;
 use super::scan::SURE;
@@ -237,15 +240,20 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             None => name::text(&effects),
         };
         let plain = Finding::of(mechanism, text, worth);
+        let parameters = match (corrected.is_empty(), mechanism) {
+            (true, Mechanism::Unknown) => BTreeMap::new(),
+            _ => {
+                let units = corrected.iter().map(|one| one.unit.to_owned());
+                let of_name = |number: &Number| name::unit(mechanism, &number.name, known_inertia);
+                let units = units.chain(numbers.iter().map(of_name));
+                let each = numbers.iter().zip(units);
+                each.map(|(number, unit)| (number.name.clone(), number.parameter(&unit)))
+                    .collect()
+            }
+        };
         let finding = Finding {
             confidence: plain.confidence / (1.0 + against),
-            parameters: if !corrected.is_empty() {
-                correct::parameters(&corrected, spread)
-            } else if mechanism == Mechanism::Unknown {
-                std::collections::BTreeMap::new()
-            } else {
-                name::parameters(mechanism, &numbers, known_inertia)
-            },
+            parameters,
             place,
             evidence: Evidence {
                 held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),

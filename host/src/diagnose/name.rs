@@ -1,13 +1,11 @@
 //! From cells to the catalogue's names: which mechanism a group of effects is, with its numbers by the twin's names and their errors.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use nalgebra::DVector;
-
+use super::diagnosis::{Parameter, Place};
 use super::effect::{Carrier, Effect, Growth, On, Site, is_exact};
 use super::model::{Board, Fit, Term};
-use crate::diagnose::diagnosis::{Parameter, Place};
+use super::numbers;
 use crate::mechanism::Mechanism;
 
 /// Deviations of a 95 % interval.
@@ -19,29 +17,15 @@ pub fn mechanism(effects: &[Effect]) -> Mechanism {
     let Some(first) = effects.first() else {
         return Mechanism::Unknown;
     };
-    if effects
-        .iter()
-        .any(|effect| effect.growth != Growth::Constant)
-    {
+    let grows = |effect: &Effect| effect.growth != Growth::Constant;
+    if effects.iter().any(grows) {
         return Mechanism::Unknown;
     }
     match (first.site, first.carrier) {
-        (Site::Disc(On { rises: Some(_), .. }), Carrier::Steady) => Mechanism::WidthError,
-        (
-            Site::Disc(On {
-                channel: Some(_),
-                rises: None,
-            }),
-            Carrier::Steady,
-        ) => Mechanism::QuadratureError,
-        (Site::Stamp(On { rises: Some(_), .. }), Carrier::Steady) => Mechanism::EdgeDelay,
-        (
-            Site::Stamp(On {
-                channel: Some(_),
-                rises: None,
-            }),
-            Carrier::Steady,
-        ) => Mechanism::ChannelSkew,
+        (Site::Disc(on), Carrier::Steady) if on.rises.is_some() => Mechanism::WidthError,
+        (Site::Disc(on), Carrier::Steady) if on != On::ALL => Mechanism::QuadratureError,
+        (Site::Stamp(on), Carrier::Steady) if on.rises.is_some() => Mechanism::EdgeDelay,
+        (Site::Stamp(on), Carrier::Steady) if on != On::ALL => Mechanism::ChannelSkew,
         (Site::Disc(_), Carrier::Order(1.0)) => Mechanism::Eccentricity,
         (Site::Disc(_), Carrier::Order(2.0)) => Mechanism::DiscTilt,
         (Site::Disc(_), Carrier::Order(order)) if order.fract() == 0.0 => Mechanism::LineError,
@@ -54,10 +38,9 @@ pub fn mechanism(effects: &[Effect]) -> Mechanism {
         (Site::Torque, Carrier::Order(_)) => Mechanism::GearMesh,
         (Site::Torque, Carrier::Tone(_)) => Mechanism::TorqueTone,
         (Site::Torque, Carrier::Window(..)) => Mechanism::LoadStep,
-        (Site::Torque, Carrier::Power(power)) if [0.0, 1.0, 2.0].contains(&power) => {
+        (Site::Torque, Carrier::Power(0.0 | 1.0 | 2.0) | Carrier::Stribeck(_)) => {
             Mechanism::Friction
         }
-        (Site::Torque, Carrier::Stribeck(_)) => Mechanism::Friction,
         (Site::Drive, Carrier::Time | Carrier::Settling(..)) => Mechanism::SpeedDrift,
         _ => Mechanism::Unknown,
     }
@@ -74,22 +57,32 @@ pub struct Number {
     pub error: Option<f64>,
 }
 
+impl Number {
+    /// As a finding has it.
+    #[must_use]
+    pub fn parameter(&self, unit: &str) -> Parameter {
+        let by = self.error.map(|error| NINETY_FIVE * error);
+        Parameter {
+            ci95: by.map(|by| [self.value - by, self.value + by]),
+            unit: unit.to_owned(),
+            ..Parameter::exact(self.value)
+        }
+    }
+}
+
 impl Fit {
-    /// Columns of a term's number.
-    fn column(&self, term: usize, number: usize) -> Option<usize> {
+    /// Column of a term's number.
+    #[must_use]
+    pub fn column(&self, term: usize, number: usize) -> Option<usize> {
         self.of.iter().position(|of| *of == (term, number))
     }
 
-    /// Standard error of a function of numbers, from its slopes.
-    fn error(&self, slopes: &[(Option<usize>, f64)]) -> f64 {
-        let mut gradient = DVector::zeros(self.covariance.nrows());
-        for (column, slope) in slopes {
-            if let Some(column) = column {
-                gradient[*column] += slope;
-            }
-        }
-        let variance = gradient.dot(&(&self.covariance * &gradient));
-        variance.max(0.0).sqrt()
+    /// Covariance of two columns; nothing of what is none.
+    #[must_use]
+    pub fn covariance_of(&self, columns: [Option<usize>; 2]) -> [[f64; 2]; 2] {
+        columns.map(|one| {
+            columns.map(|other| one.zip(other).map_or(0.0, |both| self.covariance[both]))
+        })
     }
 
     /// Numbers of a group of terms.
@@ -111,170 +104,122 @@ impl Fit {
     }
 
     fn numbers_of(&self, at: usize, term: &Term) -> Vec<Number> {
+        let Effect { site, carrier, .. } = term.effect;
         let mut all = Vec::new();
-        let sizes = term.effect.sizes();
         let mut add = |name: &str, value: f64, error: Option<f64>| {
-            all.push(Number {
-                name: name.to_owned(),
-                value,
-                error,
-            })
+            let name = name.to_owned();
+            all.push(Number { name, value, error });
         };
-        let knob = |number: usize| self.column(at, sizes + number);
-        let of_knob = |number: usize| {
-            knob(number).map(|column| self.covariance[(column, column)].max(0.0).sqrt())
-        };
-        let channel = |on: On| {
-            on.channel
-                .map_or("", |channel| ["a", "b", "c"][usize::from(channel.min(2))])
-        };
-        if sizes == 2 {
-            let (cos, sin) = (term.sizes[0], term.sizes[1]);
-            let amplitude = cos.hypot(sin);
-            let columns = (self.column(at, 0), self.column(at, 1));
-            let square = (amplitude * amplitude).max(f64::MIN_POSITIVE);
-            let of_amplitude =
-                self.error(&[(columns.0, cos / amplitude), (columns.1, sin / amplitude)]);
-            let of_phase = self.error(&[(columns.0, sin / square), (columns.1, -cos / square)]);
-            let (name, minus) = match (term.effect.site, term.effect.carrier) {
-                (Site::Disc(_), Carrier::Order(order)) if order.fract() == 0.0 => {
-                    ("amplitude_rad", true)
-                }
-                (Site::Disc(_), _) => ("runout_rad", false),
-                (Site::Level(_), _) => ("angle_rad", false),
-                (Site::Stamp(_), _) => ("delay_s", false),
-                _ => ("torque_n_m", false),
-            };
+        let covariance = self.covariance_of([0, 1].map(|number| self.column(at, number)));
+        let name = self.size_name(&term.effect);
+        if let [cos, sin] = term.sizes[..] {
+            let [of_amplitude, of_phase] = numbers::wave_errors([cos, sin], &covariance);
             // amplitude sin(x + phase), or sin(x - phase) of a disc's orders.
-            let phase = cos.atan2(sin);
-            let phase = if minus { -phase } else { phase };
-            add(name, amplitude, Some(of_amplitude));
+            let phase = match name.as_str() {
+                "amplitude_rad" => -cos.atan2(sin),
+                _ => cos.atan2(sin),
+            };
+            add(&name, cos.hypot(sin), Some(of_amplitude));
             add("phase_rad", phase.rem_euclid(TAU), Some(of_phase));
-            match term.effect.carrier {
-                Carrier::Order(order) if minus && order <= 2.0 => {}
-                Carrier::Order(order) => add("order", order, of_knob(0)),
-                Carrier::Tone(f_hz) => add("f_hz", f_hz, of_knob(0)),
-                Carrier::Chirp(f_hz, rate) => {
-                    add("f_hz", f_hz, of_knob(0));
-                    add("rate_hz_s", rate, of_knob(1));
-                }
-                _ => {}
-            }
-            return all;
+        } else {
+            // Of falls alone it counts the other way.
+            let size = match site {
+                Site::Stamp(on) if on.channel.is_some() && on.rises == Some(false) => -1.0,
+                _ => 1.0,
+            } * term.sizes[0];
+            add(&name, size, Some(covariance[0][0].max(0.0).sqrt()));
         }
-        let size = term.sizes[0];
-        let of_size = Some(self.error(&[(self.column(at, 0), 1.0)]));
-        match (term.effect.site, term.effect.carrier) {
-            (Site::Disc(on), Carrier::Steady) if on.rises.is_some() => match on.channel {
-                None => add("width_rad", size, of_size),
-                Some(_) => add(&format!("width_{}_rad", channel(on)), size, of_size),
-            },
-            (Site::Disc(on), Carrier::Steady) => {
-                let hall = self.model.terms.iter().any(|t| {
-                    matches!(
-                        t.effect.site,
-                        Site::Disc(On {
-                            channel: Some(2),
-                            ..
-                        })
-                    )
-                });
-                let name = if hall {
-                    format!("shift_{}_rad", channel(on))
-                } else {
-                    "quadrature_rad".to_owned()
-                };
-                add(&name, size, of_size);
+        let names: &[&str] = match (site, carrier) {
+            (Site::Disc(_), Carrier::Order(1.0 | 2.0)) => &[],
+            (_, Carrier::Order(_)) => &["order"],
+            (_, Carrier::Tone(_)) => &["f_hz"],
+            (_, Carrier::Chirp(..)) => &["f_hz", "rate_hz_s"],
+            (_, Carrier::Bump(..)) => &["angle_rad", "width_rad"],
+            (_, Carrier::Window(..)) => &["from_s", "until_s"],
+            (_, Carrier::Settling(..)) => &["from_s", "tau_s"],
+            (_, Carrier::Stribeck(_)) => &["stribeck_rad_s"],
+            _ => &[],
+        };
+        for ((number, name), knob) in (0..).zip(names).zip(term.effect.knobs()) {
+            let column = self.column(at, term.effect.sizes() + number);
+            let error = column.map(|column| self.covariance[(column, column)].max(0.0).sqrt());
+            match (site, carrier, *name) {
+                // What is open at an end has none, and a drive settles from the start on.
+                (_, Carrier::Window(..), _) if error.is_none() => {}
+                (Site::Drive, _, "from_s") => {}
+                (_, Carrier::Bump(..), "angle_rad") => add(name, knob.rem_euclid(TAU), error),
+                _ => add(name, knob, error),
             }
-            (Site::Stamp(on), Carrier::Steady) => match (on.channel, on.rises) {
-                (None, _) => add("rise_less_fall_s", size, of_size),
-                (Some(_), Some(true)) => {
-                    add(&format!("{}.rise_less_fall_s", channel(on)), size, of_size)
-                }
-                (Some(_), Some(false)) => {
-                    add(&format!("{}.rise_less_fall_s", channel(on)), -size, of_size)
-                }
-                (Some(_), None) => add(&format!("{}_less_a_s", channel(on)), size, of_size),
-            },
-            (Site::Disc(_), Carrier::Bump(angle, width)) => {
-                add("error_rad", size, of_size);
-                add("angle_rad", angle.rem_euclid(TAU), of_knob(0));
-                add("width_rad", width, of_knob(1));
-            }
-            (Site::Disc(_), Carrier::Direction) => add("angle_rad", size, of_size),
-            (Site::Level(_), Carrier::Settling(from_s, tau_s)) => {
-                add("angle_rad", size, of_size);
-                add("tau_s", tau_s, of_knob(1));
-                add("from_s", from_s, of_knob(0));
-            }
-            (Site::Drive, Carrier::Time) => add("fraction_per_s", size, of_size),
-            (Site::Drive, Carrier::Settling(_, tau_s)) => {
-                add("fraction", size, of_size);
-                add("tau_s", tau_s, of_knob(1));
-            }
-            (Site::Torque, Carrier::Window(from_s, until_s)) => {
-                add("torque_n_m", size, of_size);
-                if knob(0).is_some() {
-                    add("from_s", from_s, of_knob(0));
-                }
-                if knob(1).is_some() {
-                    add("until_s", until_s, of_knob(1));
-                }
-            }
-            (Site::Torque, Carrier::Power(power)) => {
-                let name = match power {
-                    0.0 => "coulomb_n_m",
-                    1.0 => "viscous_n_m_s",
-                    _ => "drag_n_m_s2",
-                };
-                add(name, size, of_size);
-            }
-            (Site::Torque, Carrier::Stribeck(speed)) => {
-                add("stribeck_n_m", size, of_size);
-                add("stribeck_rad_s", speed, of_knob(0));
-            }
-            _ => add("size", size, of_size),
         }
         all
     }
-}
 
-/// A unit of torque where the twin declares no inertia: then only torque over inertia is known.
-fn per_inertia(unit: &str, known_inertia: bool) -> String {
-    if known_inertia || !unit.starts_with("N m") {
-        unit.to_owned()
-    } else {
-        format!("{unit}/(kg m^2)")
+    /// The name of an effect's size.
+    fn size_name(&self, effect: &Effect) -> String {
+        let third =
+            |term: &Term| matches!(term.effect.site, Site::Disc(on) if on.channel == Some(2));
+        let of = |on: On| {
+            on.channel
+                .map_or_else(String::new, |one| letter(one).to_lowercase())
+        };
+        let name = match (effect.site, effect.carrier) {
+            (Site::Disc(on), Carrier::Steady) if on.rises.is_some() => match on.channel {
+                None => "width_rad",
+                Some(_) => return format!("width_{}_rad", of(on)),
+            },
+            (Site::Disc(on), Carrier::Steady) if self.model.terms.iter().any(third) => {
+                return format!("shift_{}_rad", of(on));
+            }
+            (Site::Disc(_), Carrier::Steady) => "quadrature_rad",
+            (Site::Disc(_), Carrier::Order(order)) if order.fract() == 0.0 => "amplitude_rad",
+            (Site::Disc(_), Carrier::Bump(..)) => "error_rad",
+            (Site::Disc(_), Carrier::Direction) | (Site::Level(_), _) => "angle_rad",
+            (Site::Disc(_), _) => "runout_rad",
+            (Site::Stamp(on), Carrier::Steady) => match (on.channel, on.rises) {
+                (None, _) => "rise_less_fall_s",
+                (_, Some(_)) => return format!("{}.rise_less_fall_s", of(on)),
+                (_, None) => return format!("{}_less_a_s", of(on)),
+            },
+            (Site::Stamp(_), _) => "delay_s",
+            (Site::Drive, Carrier::Time) => "fraction_per_s",
+            (Site::Drive, _) => "fraction",
+            (Site::Torque, Carrier::Power(0.0)) => "coulomb_n_m",
+            (Site::Torque, Carrier::Power(1.0)) => "viscous_n_m_s",
+            (Site::Torque, Carrier::Power(_)) => "drag_n_m_s2",
+            (Site::Torque, Carrier::Stribeck(_)) => "stribeck_n_m",
+            (Site::Torque, _) => "torque_n_m",
+            (Site::Declared(_), _) => "size",
+        };
+        name.to_owned()
     }
 }
 
-/// Numbers as a finding has them.
+/// The letter of a channel.
+fn letter(channel: u8) -> &'static str {
+    ["A", "B", "C"][usize::from(channel.min(2))]
+}
+
+/// The unit of a mechanism's number; where the twin declares no inertia only torque over inertia is known.
 #[must_use]
-pub fn parameters(
-    mechanism: Mechanism,
-    numbers: &[Number],
-    known_inertia: bool,
-) -> BTreeMap<String, Parameter> {
-    let each = numbers.iter().map(|number| {
-        let by = number.error.map(|error| NINETY_FIVE * error);
-        let parameter = Parameter {
-            value: number.value,
-            unit: per_inertia(mechanism.card().unit(&number.name), known_inertia),
-            ci95: by.map(|by| [number.value - by, number.value + by]),
-        };
-        (number.name.clone(), parameter)
-    });
-    each.collect()
+pub fn unit(mechanism: Mechanism, name: &str, known_inertia: bool) -> String {
+    let unit = mechanism.card().unit(name);
+    match known_inertia || !unit.starts_with("N m") {
+        true => unit.to_owned(),
+        false => format!("{unit}/(kg m^2)"),
+    }
 }
 
 /// Where a group of effects shows.
 #[must_use]
 pub fn place(board: &Board, effects: &[Effect]) -> Place {
     let mut place = Place::default();
-    let classes = board
-        .benches
-        .first()
-        .map_or(1, |bench| bench.record.classes);
+    let first = board.benches.first();
+    let classes = first.map_or(1, |bench| bench.record.classes);
+    let add = |all: &mut Vec<String>, name: String| {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    };
     for effect in effects {
         match effect.carrier {
             Carrier::Order(order) => place.orders.push(order),
@@ -294,21 +239,15 @@ pub fn place(board: &Board, effects: &[Effect]) -> Place {
             let change = super::record::change(class, classes);
             if on != On::ALL && on.has(change) {
                 let flank = if change.rises { "rise" } else { "fall" };
-                let name = if classes > 2 {
-                    format!("{} {flank}", ["A", "B", "C"][usize::from(change.channel)])
-                } else {
-                    flank.to_owned()
+                let name = match classes > 2 {
+                    true => format!("{} {flank}", letter(change.channel)),
+                    false => flank.to_owned(),
                 };
-                if !place.edge_classes.contains(&name) {
-                    place.edge_classes.push(name);
-                }
+                add(&mut place.edge_classes, name);
             }
         }
         if let Some(channel) = on.channel {
-            let name = ["A", "B", "C"][usize::from(channel.min(2))].to_owned();
-            if !place.channels.contains(&name) {
-                place.channels.push(name);
-            }
+            add(&mut place.channels, letter(channel).to_owned());
         }
     }
     place
@@ -321,10 +260,10 @@ pub fn text(effects: &[Effect]) -> String {
         return String::new();
     };
     let on = |on: On| {
-        let channel = on.channel.map_or_else(
-            || "all channels".to_owned(),
-            |channel| format!("channel {}", ["A", "B", "C"][usize::from(channel.min(2))]),
-        );
+        let channel = match on.channel {
+            None => "all channels".to_owned(),
+            Some(channel) => format!("channel {}", letter(channel)),
+        };
         match on.rises {
             None => channel,
             Some(true) => format!("rises of {channel}"),

@@ -6,7 +6,7 @@ use std::fmt;
 use toml::Value;
 
 use crate::mechanism::Mechanism;
-use crate::twin::{Drive, Twin};
+use crate::twin::{Drive, KEYS, Twin};
 
 /// Part of a path into a twin.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,36 +21,8 @@ pub enum Step {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Path(Vec<Step>);
 
-/// Sections and keys that declare a mechanism, the more special ones first. The shaft's inertia, and how stiffly the drive holds it, are none.
-const MECHANISMS: [(&str, Mechanism); 27] = [
-    ("shaft.viscous", Mechanism::Friction),
-    ("shaft.coulomb", Mechanism::Friction),
-    ("shaft.drag", Mechanism::Friction),
-    ("shaft.stribeck_", Mechanism::Friction),
-    ("errors.width_", Mechanism::WidthError),
-    ("errors.quadrature_rad", Mechanism::QuadratureError),
-    ("errors.shift_", Mechanism::QuadratureError),
-    ("errors.eccentricity", Mechanism::Eccentricity),
-    ("errors.tilt", Mechanism::DiscTilt),
-    ("errors", Mechanism::LineError),
-    ("local_defect", Mechanism::LocalDefect),
-    ("drive.speed_loop", Mechanism::ClosedLoop),
-    ("ripple", Mechanism::TorqueRipple),
-    ("gear_mesh", Mechanism::GearMesh),
-    ("bearing", Mechanism::Bearing),
-    ("torque_tone", Mechanism::TorqueTone),
-    ("load_step", Mechanism::LoadStep),
-    ("speed_drift", Mechanism::SpeedDrift),
-    ("stick_slip", Mechanism::StickSlip),
-    ("torsional_resonance", Mechanism::TorsionalResonance),
-    ("edge_delay", Mechanism::EdgeDelay),
-    ("channel_skew", Mechanism::ChannelSkew),
-    ("threshold_ripple", Mechanism::ThresholdRipple),
-    ("threshold_drift", Mechanism::ThresholdDrift),
-    ("hysteresis", Mechanism::Hysteresis),
-    ("backlash", Mechanism::Backlash),
-    ("capture_latency", Mechanism::CaptureLatency),
-];
+/// Sections of which some keys are numbers of one mechanism each: those that its card has.
+const SHARED: [&str; 2] = ["errors", "shaft"];
 /// Sections and keys that are no numbers of physics, or whose numbers show in the noise alone: how long is recorded, what counts, where
 /// it starts, sizes of noise.
 const LEFT_OUT: [&str; 16] = [
@@ -110,15 +82,11 @@ impl Path {
 
     /// The path of keys, without places in lists.
     fn dotted(&self) -> String {
-        self.keys().join(".")
-    }
-
-    fn keys(&self) -> Vec<&str> {
         let each = self.0.iter().filter_map(|step| match step {
             Step::Key(key) => Some(key.as_str()),
             Step::At(_) => None,
         });
-        each.collect()
+        each.collect::<Vec<_>>().join(".")
     }
 
     /// The section that it is in.
@@ -148,31 +116,31 @@ impl Path {
     }
 
     fn set(&self, tree: &mut Value, number: f64) {
-        let place = self.section();
-        let section = place.0.iter().try_fold(tree, |value, step| match step {
+        let section = self.section();
+        let section = section.0.iter().try_fold(tree, |value, step| match step {
             Step::Key(key) => value.get_mut(key),
             Step::At(at) => value.get_mut(at),
         });
-        match (section, self.0.last()) {
-            (Some(Value::Table(table)), Some(Step::Key(key))) => {
-                table.insert(key.clone(), Value::Float(number));
-            }
-            (Some(Value::Array(list)), Some(Step::At(at))) => {
-                if let Some(value) = list.get_mut(*at) {
-                    *value = Value::Float(number);
-                }
-            }
-            _ => {}
+        if let Some(Value::Table(table)) = section {
+            table.insert(self.last().to_owned(), Value::Float(number));
         }
     }
 
-    /// The mechanism that it is of; none where it is of the drive or the shaft itself.
+    /// The mechanism that it is of, going by the section of each card; none where it is of the drive or the shaft itself.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let dotted = self.dotted();
-        let mut each = MECHANISMS.iter();
-        each.find(|(start, _)| dotted.starts_with(start))
-            .map_or(Mechanism::Unknown, |(_, mechanism)| *mechanism)
+        let is_of = |mechanism: &Mechanism| {
+            let card = mechanism.card();
+            let own = dotted.strip_prefix(&card.twin);
+            own.is_some_and(|key| key.starts_with('.'))
+                && (!SHARED.contains(&card.twin.as_str()) || card.quantity(self.last()).is_some())
+        };
+        let other = match dotted.starts_with("errors") {
+            true => Mechanism::LineError,
+            false => Mechanism::Unknown,
+        };
+        Mechanism::ALL.into_iter().find(is_of).unwrap_or(other)
     }
 
     /// What is one finding: numbers of one mechanism in one entry of a list, or in one section.
@@ -189,37 +157,21 @@ impl Path {
     /// Its name within its mechanism's section: "torque_n_m", "a.rise_s".
     #[must_use]
     pub fn name(&self) -> String {
-        let keys = self.keys();
-        let from = match keys.as_slice() {
-            ["edge_delay", ..] => 1,
-            _ => keys.len().saturating_sub(1),
-        };
-        keys[from..].join(".")
+        let dotted = self.dotted();
+        let of_delay = dotted.strip_prefix("edge_delay.");
+        of_delay.unwrap_or_else(|| self.last()).to_owned()
     }
 
-    /// Its unit, by the end of its key.
+    /// Its unit, as the list of a twin's keys has it.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 14] = [
-            ("n_m_s2", "N m s^2"),
-            ("n2_m2_s", "N^2 m^2 s"),
-            ("n_m_rad", "N m/rad"),
-            ("n_m_s", "N m s"),
-            ("n_m", "N m"),
-            ("kg_m2", "kg m^2"),
-            ("rad_s", "rad/s"),
-            ("_rad", "rad"),
-            ("r_min", "r/min"),
-            ("_hz", "Hz"),
-            ("per_s", "1/s"),
-            ("_s", "s"),
-            ("order", "1"),
-            ("fraction", "1"),
-        ];
-        UNITS
-            .iter()
-            .find(|(end, _)| self.last().ends_with(end))
-            .map_or("1", |(_, unit)| unit)
+        let dotted = self.dotted();
+        let of_line = |line: &'static str| {
+            let (key, rest) = line.split_once(' ')?;
+            let unit = rest.trim_start().split("  ").next()?;
+            (key.replace("[]", "") == dotted && unit != "-").then_some(unit)
+        };
+        KEYS.lines().find_map(of_line).unwrap_or("1")
     }
 }
 
@@ -299,19 +251,9 @@ impl Knob {
     /// Standard errors of those numbers, from the covariance of the values.
     #[must_use]
     pub fn errors(&self, values: &[f64], covariance: &[[f64; 2]; 2]) -> Vec<f64> {
-        let [[cc, cs], [_, ss]] = *covariance;
         match self {
-            Self::Number(_) => vec![cc.max(0.0).sqrt()],
-            Self::Wave(..) => {
-                let (c, s) = (values[0], values[1]);
-                let square = (c * c + s * s).max(f64::MIN_POSITIVE);
-                let along = (c * c * cc + 2.0 * c * s * cs + s * s * ss) / square;
-                let across = (s * s * cc - 2.0 * c * s * cs + c * c * ss) / square;
-                vec![
-                    along.max(0.0).sqrt(),
-                    (across.max(0.0) / square).sqrt().min(PI),
-                ]
-            }
+            Self::Number(_) => vec![covariance[0][0].max(0.0).sqrt()],
+            Self::Wave(..) => wave_errors([values[0], values[1]], covariance).to_vec(),
         }
     }
 
@@ -321,6 +263,19 @@ impl Knob {
             path.set(tree, number);
         }
     }
+}
+
+/// Standard errors of amplitude and phase, from the covariance of cosine and sine.
+#[must_use]
+pub fn wave_errors([c, s]: [f64; 2], covariance: &[[f64; 2]; 2]) -> [f64; 2] {
+    let [[cc, cs], [_, ss]] = *covariance;
+    let square = (c * c + s * s).max(f64::MIN_POSITIVE);
+    let along = (c * c * cc + 2.0 * c * s * cs + s * s * ss) / square;
+    let across = (s * s * cc - 2.0 * c * s * cs + c * c * ss) / square;
+    [
+        along.max(0.0).sqrt(),
+        (across.max(0.0) / square).sqrt().min(PI),
+    ]
 }
 
 /// A twin with other values of some knobs; none where there is no such twin.

@@ -10,7 +10,7 @@ mod words;
 use rayon::prelude::*;
 
 pub use knobs::{Candidate, Slopes, all, candidates};
-pub use words::{Measured, declared, measured, parameters, text};
+pub use words::{Measured, declared, measured, text};
 
 use super::bench::Bench;
 use super::effect::{Effect, Site};

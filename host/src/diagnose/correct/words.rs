@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnose::diagnosis::{Parameter, Sized};
+use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::model::{Board, Correction, Fit};
 use crate::diagnose::name::{NINETY_FIVE, Number};
 use crate::report::si;
@@ -34,17 +34,13 @@ pub fn measured(board: &Board, fit: &Fit, group: usize) -> Vec<Measured> {
         let effects = own.effects();
         let each = effects.iter().map(|effect| {
             let term = terms.iter().position(|term| term.effect == *effect)?;
-            let column = fit.of.iter().position(|of| *of == (term, 0))?;
-            Some((terms[term].sizes[0], column))
+            Some((terms[term].sizes[0], fit.column(term, 0)?))
         });
         let each = each.collect::<Option<Vec<(f64, usize)>>>()?;
         let values = own.declared.iter().zip(&each);
         let values: Vec<f64> = values.map(|(declared, (by, _))| declared + by).collect();
-        let of = |a: usize, b: usize| match (each.get(a), each.get(b)) {
-            (Some((_, a)), Some((_, b))) => fit.covariance[(*a, *b)],
-            _ => 0.0,
-        };
-        let covariance = [[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]];
+        let columns = [0, 1].map(|at| each.get(at).map(|(_, column)| *column));
+        let covariance = fit.covariance_of(columns);
         let errors = own.knob.errors(&values, &covariance);
         let numbers = own.knob.numbers(&values).into_iter().zip(errors);
         let declared = own.knob.numbers(&own.declared);
@@ -93,19 +89,4 @@ pub fn declared(board: &Board, cells: &[Sized]) -> BTreeMap<String, f64> {
         }
     }
     all
-}
-
-/// Numbers of corrections as a finding has them; `spread` widens the intervals.
-#[must_use]
-pub fn parameters(corrections: &[Measured], spread: f64) -> BTreeMap<String, Parameter> {
-    let each = corrections.iter().map(|one| {
-        let by = one.number.error.map(|error| NINETY_FIVE * spread * error);
-        let parameter = Parameter {
-            value: one.number.value,
-            unit: one.unit.to_owned(),
-            ci95: by.map(|by| [one.number.value - by, one.number.value + by]),
-        };
-        (one.number.name.clone(), parameter)
-    });
-    each.collect()
 }
