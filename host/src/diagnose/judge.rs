@@ -1,6 +1,8 @@
 //! What holds on turns that it was not fitted on, and how well.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
 
 use super::effect::{Carrier, Effect, is_exact};
 use super::lsq::{self, dot};
@@ -9,61 +11,50 @@ use super::scan::{SURE, evidence};
 
 /// Blocks that are left out in turn.
 const BLOCKS: usize = 4;
-/// Share of what a finding shows in one block from which on the others can't foretell it.
-const ONCE: f64 = 0.7;
-/// Weight of what all blocks say in a fit to some of them.
-const KEPT: f64 = 0.01;
-/// Part of what a finding shows that other turns have to foretell of it.
-const FORETELLS: f64 = 0.6;
-/// Blocks in which a whole order may have sizes of its own: an order that slips by less than two turns against it where it shows is not told
-/// from it.
-const SLIPS: usize = 8;
 /// Share of each recording that is held out for the figures of the fit: its last part.
 pub const HELD_OUT: f64 = 0.3;
-
-/// Products of a fit's columns and target over some rows.
-#[derive(Clone, Debug)]
-struct Products {
-    gram: DMatrix<f64>,
-    right: DVector<f64>,
-    square: f64,
-}
+/// Part of what a finding shows that is most of it: what other turns have to foretell of it, and what of it in one block the others can't
+/// foretell.
+const MOST: f64 = 0.7;
+/// Weight of what all blocks say in a fit to some of them.
+const KEPT: f64 = 0.01;
 
 /// Rows of a fit in parts, to fit some and judge on others.
 #[derive(Clone, Debug)]
 pub struct Parts {
-    /// Products of each part; what belongs to no turn is in all fits.
-    parts: Vec<Products>,
-    always: Products,
+    /// Products of the fit's columns and, as the last one, its target over the rows of each part; what belongs to no turn is in all fits.
+    parts: Vec<DMatrix<f64>>,
+    always: DMatrix<f64>,
     /// The fit's own numbers as its columns have them: sizes, and no change of the knobs.
     sizes: DVector<f64>,
     of: Vec<(usize, usize)>,
 }
 
-/// Rows of each part of each recording, by the shares of what weighs its rows, at which parts end; in a stacked row.
-fn parts(
-    board: &Board,
-    bounds: &[f64],
-    weighs: &dyn Fn(usize) -> f64,
-) -> Vec<Vec<std::ops::Range<usize>>> {
-    let mut all = vec![Vec::new(); bounds.len() - 1];
+/// Rows of each part of each recording in a stacked row, by the shares of what weighs its rows at which parts begin.
+fn parts(board: &Board, begin: &[f64], weighs: &dyn Fn(usize) -> f64) -> Vec<Vec<Range<usize>>> {
+    let mut all = vec![Vec::new(); begin.len()];
     let mut from = 0;
     for bench in &board.benches {
-        let count = bench.record.len();
+        let rows = bench.record.len();
         let mut sums = vec![0.0];
-        for at in from..from + count {
+        for at in from..from + rows {
             sums.push(sums[at - from] + weighs(at));
         }
-        let at = |share: f64| {
-            let until = share * sums[count];
-            from + sums.partition_point(|sum| *sum < until).min(count)
+        let begins = |part: usize| {
+            let share = begin.get(part).unwrap_or(&1.0) * sums[rows];
+            from + sums.partition_point(|sum| *sum < share).min(rows)
         };
-        for (part, pair) in bounds.windows(2).enumerate() {
-            all[part].push(at(pair[0])..at(pair[1]));
+        for (part, all) in all.iter_mut().enumerate() {
+            all.push(begins(part)..begins(part + 1));
         }
-        from += count;
+        from += rows;
     }
     all
+}
+
+/// Shares at which so many parts begin that are alike.
+fn alike(count: usize) -> Vec<f64> {
+    (0..count).map(|at| at as f64 / count as f64).collect()
 }
 
 /// What a group does on turns that no term was fitted on.
@@ -89,7 +80,7 @@ impl Foretold {
 /// Whether so much of what shows is foretold that it is said.
 #[must_use]
 pub fn foretells(foretold: f64, shown: f64) -> bool {
-    foretold >= FORETELLS * shown - SURE
+    foretold >= MOST * shown - SURE
 }
 
 /// Whether a group of a fit shows more than once, and is foretold on turns that it was not fitted on.
@@ -97,11 +88,6 @@ pub fn foretells(foretold: f64, shown: f64) -> bool {
 pub fn recurs(board: &Board, fit: &Fit, group: usize) -> bool {
     let Foretold { fall, shown, .. } = Parts::of_group(board, fit, group).foretold(fit, group);
     foretells(fall, shown) && !Parts::blocks(board, fit).only_once(fit, group)
-}
-
-/// Bounds of blocks that are alike.
-fn bounds(count: usize) -> Vec<f64> {
-    (0..=count).map(|at| at as f64 / count as f64).collect()
 }
 
 /// The whole order whose sideband a group's order, with its harmonics, may be: a part of each turn that comes and goes, or turns its phase,
@@ -121,7 +107,8 @@ pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
         return None;
     };
     let own = fit.own(group);
-    let shown = parts(board, &bounds(SLIPS), &|at| own[at] * own[at]);
+    // In as many parts an order that slips by less than one turn in a block is not told from the whole one.
+    let shown = parts(board, &alike(2 * BLOCKS), &|at| own[at] * own[at]);
     let sizes = wholes.iter().flat_map(|effect| {
         let benches = board.benches.iter();
         let raw: Vec<_> = benches.map(|bench| bench.columns(effect)).collect();
@@ -154,57 +141,31 @@ pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
 }
 
 impl Parts {
-    /// Of a fit: blocks over time, or the part that is fitted and the part that is held out.
-    #[must_use]
-    fn new(board: &Board, fit: &Fit, bounds: &[f64], weighs: &dyn Fn(usize) -> f64) -> Self {
-        let sizes = DVector::from_iterator(
-            fit.of.len(),
-            fit.of.iter().map(|(term, number)| {
-                fit.model.terms[*term]
-                    .sizes
-                    .get(*number)
-                    .copied()
-                    .unwrap_or(0.0)
-            }),
-        );
-        let mut target = fit.left.clone();
-        for (column, size) in fit.columns.iter().zip(sizes.iter()) {
-            if *size != 0.0 {
-                target
-                    .iter_mut()
-                    .zip(column)
-                    .for_each(|(target, of)| *target += size * of);
-            }
-        }
-        let over = |ranges: &[std::ops::Range<usize>]| {
-            let count = fit.columns.len();
-            let product = |a: &[f64], b: &[f64]| {
-                ranges
-                    .iter()
-                    .map(|range| dot(&a[range.clone()], &b[range.clone()]))
-                    .sum::<f64>()
-            };
-            let mut gram = DMatrix::zeros(count, count);
-            for a in 0..count {
-                for b in 0..=a {
-                    gram[(a, b)] = product(&fit.columns[a], &fit.columns[b]);
+    /// Of a fit, by the shares of what weighs its rows at which parts begin.
+    fn new(board: &Board, fit: &Fit, begin: &[f64], weighs: &dyn Fn(usize) -> f64) -> Self {
+        let target = fit.beside(&|_| true);
+        let columns: Vec<&Vec<f64>> = fit.columns.iter().chain([&target]).collect();
+        let over = |ranges: &[Range<usize>]| {
+            let mut gram = DMatrix::zeros(columns.len(), columns.len());
+            for (a, one) in columns.iter().enumerate() {
+                for (b, other) in columns[..=a].iter().enumerate() {
+                    let each = ranges.iter().cloned();
+                    let each = each.map(|range| dot(&one[range.clone()], &other[range]));
+                    gram[(a, b)] = each.sum::<f64>();
                     gram[(b, a)] = gram[(a, b)];
                 }
             }
-            Products {
-                gram,
-                right: DVector::from_fn(count, |a, _| product(&fit.columns[a], &target)),
-                square: product(&target, &target),
-            }
+            gram
         };
-        let edges = board.edges();
+        let sizes = fit.of.iter().map(|(term, number)| {
+            let size = fit.model.terms[*term].sizes.get(*number);
+            size.copied().unwrap_or(0.0)
+        });
+        let parts = parts(board, begin, weighs);
         Self {
-            parts: parts(board, bounds, weighs)
-                .iter()
-                .map(|ranges| over(ranges))
-                .collect(),
-            always: over(std::slice::from_ref(&(edges..target.len()))),
-            sizes,
+            parts: parts.iter().map(|ranges| over(ranges)).collect(),
+            always: over(std::slice::from_ref(&(board.edges()..target.len()))),
+            sizes: DVector::from_iterator(fit.of.len(), sizes),
             of: fit.of.clone(),
         }
     }
@@ -212,7 +173,7 @@ impl Parts {
     /// Blocks over time.
     #[must_use]
     pub fn blocks(board: &Board, fit: &Fit) -> Self {
-        Self::new(board, fit, &bounds(BLOCKS), &|_| 1.0)
+        Self::new(board, fit, &alike(BLOCKS), &|_| 1.0)
     }
 
     /// Blocks over time in each of which a group shows as much: what shows in slow turns alone is foretold from other slow turns or not
@@ -220,53 +181,45 @@ impl Parts {
     #[must_use]
     pub fn of_group(board: &Board, fit: &Fit, group: usize) -> Self {
         let own = fit.own(group);
-        Self::new(board, fit, &bounds(BLOCKS), &|at| own[at] * own[at])
+        Self::new(board, fit, &alike(BLOCKS), &|at| own[at] * own[at])
     }
 
     /// The part that is fitted and the part that is held out.
     #[must_use]
     pub fn held_out(board: &Board, fit: &Fit) -> Self {
-        Self::new(board, fit, &[0.0, 1.0 - HELD_OUT, 1.0], &|_| 1.0)
+        Self::new(board, fit, &[0.0, 1.0 - HELD_OUT], &|_| 1.0)
     }
 
     /// Numbers as some parts alone have them, of some columns; the others are 0.
     fn fitted(&self, on: impl Fn(usize) -> bool, columns: &[usize]) -> DVector<f64> {
         let count = self.sizes.len();
-        let mut gram = self.always.gram.clone();
-        let mut right = self.always.right.clone();
-        for (_, part) in self.parts.iter().enumerate().filter(|(at, _)| on(*at)) {
-            gram += &part.gram;
-            right += &part.right;
-        }
+        let mut gram = self.always.clone();
+        let parts = self.parts.iter().enumerate();
+        parts
+            .filter(|(at, _)| on(*at))
+            .for_each(|(_, part)| gram += part);
         // A little of what all parts say, so that what these can't tell stays where it is.
         for &at in columns {
-            let all: f64 = self.parts.iter().map(|part| part.gram[(at, at)]).sum();
+            let all: f64 = self.parts.iter().map(|part| part[(at, at)]).sum();
             gram[(at, at)] += KEPT * all;
-            right[at] += KEPT * all * self.sizes[at];
+            gram[(at, count)] += KEPT * all * self.sizes[at];
         }
-        let norms: Vec<f64> = columns
-            .iter()
-            .map(|&at| gram[(at, at)].sqrt().max(f64::MIN_POSITIVE))
-            .collect();
-        let some = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
-            let ridge = if a == b { 1e-9 } else { 0.0 };
-            gram[(columns[a], columns[b])] / (norms[a] * norms[b]) + ridge
-        });
-        let of = DVector::from_fn(columns.len(), |a, _| right[columns[a]] / norms[a]);
+        let rows = gram.select_rows(columns);
+        let (solved, _) = lsq::normal(
+            &rows.select_columns(columns),
+            &rows.column(count).into_owned(),
+        );
         let mut all = DVector::zeros(count);
-        if let Some(cholesky) = Cholesky::new(some) {
-            let solved = cholesky.solve(&of);
-            for (a, &at) in columns.iter().enumerate() {
-                all[at] = solved[a] / norms[a];
-            }
+        for (&at, size) in columns.iter().zip(&solved) {
+            all[at] = *size;
         }
         all
     }
 
     /// Sum of squares that numbers leave in a part.
     fn left(&self, part: usize, sizes: &DVector<f64>) -> f64 {
-        let part = &self.parts[part];
-        (part.square - 2.0 * part.right.dot(sizes) + sizes.dot(&(&part.gram * sizes))).max(0.0)
+        let by = (-sizes).push(1.0);
+        by.dot(&(&self.parts[part] * &by)).max(0.0)
     }
 
     /// Columns of terms that are asked for.
@@ -298,20 +251,16 @@ impl Parts {
     #[must_use]
     pub fn only_once(&self, fit: &Fit, group: usize) -> bool {
         let columns = self.columns(|term| fit.model.terms[term].group == group);
-        let shown: Vec<f64> = self
-            .parts
-            .iter()
-            .map(|part| {
-                let each = columns.iter();
-                each.map(|&at| self.sizes[at].powi(2) * part.gram[(at, at)])
-                    .sum()
-            })
-            .collect();
-        let most = shown.iter().copied().fold(0.0, f64::max);
-        most > ONCE * shown.iter().sum::<f64>()
+        let shown = self.parts.iter().map(|part| {
+            let each = columns.iter();
+            let each = each.map(|&at| self.sizes[at].powi(2) * part[(at, at)]);
+            each.sum::<f64>()
+        });
+        let most = shown.clone().fold(0.0, f64::max);
+        most > MOST * shown.sum::<f64>()
     }
 
-    /// Squares left in the held-out part: with nuisances alone, with everything fitted before it, and with everything fitted on it.
+    /// Squares left in the last part: with nuisances alone, with everything fitted before it, and with everything fitted on it.
     #[must_use]
     pub fn judged(&self, fit: &Fit) -> [f64; 3] {
         let all = self.columns(|_| true);

@@ -24,6 +24,15 @@ pub const PLAIN: f64 = 1e-7;
 /// Rounds of re-linearisation at the most, which bound the time.
 pub const ROUNDS: usize = 8;
 
+/// Part of its standard error by which a number may still move.
+const SETTLED: f64 = 0.05;
+
+/// Whether a number of a variance that would move by so much may as well stay.
+#[must_use]
+pub fn is_settled(by: f64, variance: f64) -> bool {
+    by.abs() <= SETTLED * variance.max(0.0).sqrt()
+}
+
 /// So many parts of a step of Gauss and Newton that are tried until one helps.
 pub fn shares(count: usize) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(1.0), |share| Some(0.3 * share)).take(count)
@@ -34,39 +43,46 @@ pub fn shares(count: usize) -> impl Iterator<Item = f64> {
 pub fn solve<C: AsRef<[f64]>>(columns: &[C], target: &[f64]) -> Solution {
     let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
     let count = columns.len();
-    let norms = columns.iter().map(|column| dot(column, column).sqrt());
-    let norms: Vec<f64> = norms.collect();
+    let pairs = (0..count).flat_map(|a| (a..count).map(move |b| (a, b)));
+    let pairs: Vec<(usize, usize)> = pairs.collect();
+    let products = pairs.par_iter().map(|&(a, b)| dot(columns[a], columns[b]));
+    let products: Vec<f64> = products.collect();
     let mut gram = DMatrix::zeros(count, count);
-    let mut right = DVector::zeros(count);
-    let pairs: Vec<(usize, usize)> = (0..count)
-        .flat_map(|a| (a..count).map(move |b| (a, b)))
-        .collect();
-    let products: Vec<f64> = pairs
-        .par_iter()
-        .map(|&(a, b)| {
-            if norms[a] > 0.0 && norms[b] > 0.0 {
-                dot(columns[a], columns[b]) / (norms[a] * norms[b])
-            } else {
-                0.0
-            }
-        })
-        .collect();
     for (&(a, b), product) in pairs.iter().zip(products) {
         gram[(a, b)] = product;
         gram[(b, a)] = product;
     }
-    for at in 0..count {
-        if norms[at] > 0.0 {
-            right[at] = dot(columns[at], target) / norms[at];
+    let right = columns.iter().map(|column| dot(column, target));
+    let (sizes, covariance) = normal(&gram, &DVector::from_iterator(count, right));
+    let mut left = target.to_vec();
+    for (column, size) in columns.iter().zip(&sizes) {
+        if *size != 0.0 {
+            add(&mut left, -size, column);
         }
     }
-    let used = independent(&gram);
-    let mut sizes = vec![0.0; count];
+    Solution {
+        sizes: sizes.as_slice().to_vec(),
+        covariance,
+        rss: dot(&left, &left),
+        left,
+    }
+}
+
+/// Solves normal equations: sizes, and their covariance.
+#[must_use]
+pub fn normal(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    let count = gram.nrows();
+    let norms = gram.diagonal().map(f64::sqrt);
+    let unit = DMatrix::from_fn(count, count, |a, b| match norms[a] * norms[b] {
+        0.0 => 0.0,
+        both => gram[(a, b)] / both,
+    });
+    let used = independent(&unit);
+    let mut sizes = DVector::zeros(count);
     let mut covariance = DMatrix::zeros(count, count);
-    let kept = DMatrix::from_fn(used.len(), used.len(), |a, b| gram[(used[a], used[b])]);
-    if let Some(cholesky) = Cholesky::new(kept) {
-        let of = DVector::from_fn(used.len(), |at, _| right[used[at]]);
-        let solved = cholesky.solve(&of);
+    if let Some(cholesky) = Cholesky::new(unit.select_rows(&used).select_columns(&used)) {
+        let of = used.iter().map(|&at| right[at] / norms[at]);
+        let solved = cholesky.solve(&DVector::from_iterator(used.len(), of));
         let inverse = cholesky.inverse();
         for (a, &at) in used.iter().enumerate() {
             sizes[at] = solved[a] / norms[at];
@@ -75,19 +91,7 @@ pub fn solve<C: AsRef<[f64]>>(columns: &[C], target: &[f64]) -> Solution {
             }
         }
     }
-    let mut left = target.to_vec();
-    for (column, size) in columns.iter().zip(&sizes) {
-        if *size != 0.0 {
-            add(&mut left, -size, column);
-        }
-    }
-    let rss = dot(&left, &left);
-    Solution {
-        sizes,
-        covariance,
-        rss,
-        left,
-    }
+    (sizes, covariance)
 }
 
 /// Columns that are of their own beside those before them, going by their products: pivots of a Cholesky decomposition.
@@ -134,12 +138,16 @@ impl Basis {
         let whole = dot(&column, &column);
         self.clear(&mut column);
         self.clear(&mut column);
+        self.take(column, OWN * whole);
+    }
+
+    /// Adds one that is clear of the others and has more than so much of its own.
+    fn take(&mut self, mut column: Vec<f64>, least: f64) -> Option<&[f64]> {
         let own = dot(&column, &column);
-        if whole > 0.0 && own > OWN * whole {
-            let scale = own.sqrt().recip();
-            column.iter_mut().for_each(|value| *value *= scale);
-            self.columns.push(column);
-        }
+        let scale = own.sqrt().recip();
+        column.iter_mut().for_each(|value| *value *= scale);
+        (own > least).then(|| self.columns.push(column))?;
+        self.columns.last().map(Vec::as_slice)
     }
 
     /// Takes what is of the basis off a column.
@@ -167,13 +175,8 @@ impl Basis {
             let whole = dot(&column, &column);
             self.clear(&mut column);
             beside.clear(&mut column);
-            let own = dot(&column, &column);
-            if whole > 0.0 && own > PLAIN * whole {
-                let scale = own.sqrt().recip();
-                column.iter_mut().for_each(|value| *value *= scale);
-                gain += dot(&column, target).powi(2);
-                beside.columns.push(column);
-            }
+            let own = beside.take(column, PLAIN * whole);
+            gain += own.map_or(0.0, |own| dot(own, target).powi(2));
         }
         gain
     }

@@ -7,9 +7,6 @@ use super::lsq;
 use super::model::{Board, Fit, Model, pushes};
 use super::scan::{SURE, evidence};
 
-/// Fall of the sum of squares that is worth another round.
-const WORTH: f64 = 1.0;
-
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
     pub fn hold(&mut self, model: &Model) -> bool {
@@ -19,15 +16,11 @@ impl Board {
         let before = self.fit(model);
         let cost = self.held_cost(&before);
         let mut best = (self.clone(), before, cost);
-        for _ in 0..6 {
+        for _ in 0..lsq::ROUNDS {
             let Some(better) = best.0.held_better(&best.1) else {
                 break;
             };
-            let gain = best.2 - better.2;
             best = better;
-            if gain < WORTH {
-                break;
-            }
         }
         // Where waves of one speed alone show it, it is as good as any torque's phase.
         let sure = evidence(self, cost - best.2, 1) > SURE;
@@ -65,10 +58,13 @@ impl Board {
         let mut columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
         columns.push(&slope);
         let solved = lsq::solve(&columns, &fit.left);
-        if fit.rss - solved.rss < WORTH {
+        let (by, cost) = (*solved.sizes.last()?, self.held_cost(fit));
+        if lsq::is_settled(
+            by,
+            solved.covariance[(columns.len() - 1, columns.len() - 1)],
+        ) {
             return None;
         }
-        let (by, cost) = (*solved.sizes.last()?, self.held_cost(fit));
         lsq::shares(3).find_map(|share| {
             let board = self.stiffer(share * by)?;
             let tried = board.fit(&fit.model);

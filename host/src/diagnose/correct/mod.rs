@@ -20,8 +20,6 @@ use super::numbers::{self, Knob};
 use crate::mechanism::Mechanism;
 use crate::sim;
 
-/// Part of its standard error by which a number may still move.
-const SETTLED: f64 = 0.05;
 /// Part of a column's square that is its own, up to which it is the same as others.
 const SAME: f64 = 1e-2;
 
@@ -158,18 +156,13 @@ impl Board {
     /// Twice the negative logarithm of the likelihood, but for a constant, with the corrections as the board's twins have them and all
     /// else fitted.
     fn cost(&self, fit: &Fit) -> f64 {
-        let mut target = fit.left.clone();
+        let mut target = fit.beside(&|_| true);
         let mut others: Vec<&[f64]> = Vec::new();
-        for (column, (term, number)) in fit.columns.iter().zip(&fit.of) {
-            let term = &fit.model.terms[*term];
-            let by = if let Some((own, at)) = self.correction(&term.effect) {
-                term.sizes[*number] - (own.now[at] - own.declared[at])
-            } else {
-                others.push(column);
-                // Knobs have no sizes.
-                term.sizes.get(*number).copied().unwrap_or(0.0)
-            };
-            add(&mut target, by, column);
+        for (column, (term, _)) in fit.columns.iter().zip(&fit.of) {
+            match self.correction(&fit.model.terms[*term].effect) {
+                Some((own, at)) => add(&mut target, own.declared[at] - own.now[at], column),
+                None => others.push(column),
+            }
         }
         lsq::solve(&others, &target).rss + self.spread()
     }
@@ -239,8 +232,7 @@ impl Board {
                 return true;
             };
             let by = wanted[which][at] - self.corrections[which].now[at];
-            let error = fit.covariance[(column, column)].max(0.0).sqrt();
-            by.abs() <= SETTLED * error
+            lsq::is_settled(by, fit.covariance[(column, column)])
         })
     }
 

@@ -98,7 +98,7 @@ impl Fit {
     }
 
     /// What is left where the sizes of some terms are none.
-    fn beside(&self, gone: &dyn Fn(usize) -> bool) -> Vec<f64> {
+    pub fn beside(&self, gone: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let mut target = self.own_of(gone);
         lsq::add(&mut target, 1.0, &self.left);
         target
