@@ -1,5 +1,6 @@
 //! What an effect does to the edges of a recording.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use super::course::Course;
@@ -58,38 +59,15 @@ impl Effect {
         }
     }
 
-    /// The same where it is a torque that is the same throughout a time.
-    fn even_push(&self, scene: &Scene<'_>) -> Option<Vec<Motion>> {
-        let law = &scene.plant.law;
-        let (Carrier::Window(from_s, until_s), Growth::Constant) = (self.carrier, self.growth)
-        else {
-            return None;
-        };
-        let plant = match self.site {
-            Site::Torque => None,
-            Site::Drive if law.undriven => Some(scene.plant.free(scene.course)),
-            _ => return None,
-        };
-        let plant = plant.as_ref().unwrap_or(scene.plant);
-        let mut motions = plant.pushed_evenly(scene.course, from_s, until_s)?;
-        for motion in &mut motions {
-            *motion = motion.map(|of| of / law.inertia);
-        }
-        Some(motions)
-    }
-
     /// What it makes of the shaft's angle and speed at each edge, for unit of each size, where it is a torque.
     #[must_use]
     pub fn motions(&self, scene: &Scene<'_>) -> Vec<Vec<Motion>> {
-        if let Some(motions) = self.even_push(scene) {
-            return vec![motions];
-        }
         let rate = |speed: f64| match self.carrier {
             Carrier::Order(order) => order * speed,
             Carrier::Tone(f_hz) => TAU * f_hz,
             Carrier::Chirp(f_hz, rate) => {
-                TAU * (f_hz.abs()
-                    + (rate * scene.course.time_s.last().copied().unwrap_or(0.0)).abs())
+                let until_s = scene.course.time_s.last().copied().unwrap_or(0.0);
+                TAU * (f_hz.abs() + (rate * until_s).abs())
             }
             Carrier::Bump(_, sigma) => speed / sigma,
             _ => 0.0,
@@ -108,48 +86,37 @@ impl Effect {
         }
         breaks.sort_by(f64::total_cmp);
         let law = &scene.plant.law;
-        let all = 0..scene.course.len();
+        let free = self.site == Site::Drive && law.undriven;
+        // What an unknown drive changes is in the free course.
+        let plant = match free {
+            true => Cow::Owned(scene.plant.free(scene.course)),
+            false => Cow::Borrowed(scene.plant),
+        };
         // Friction must not see the noise that it is to be told from.
         let foretold = (self.site == Site::Torque || law.undriven)
             && matches!(self.carrier, Carrier::Power(_) | Carrier::Stribeck(_));
-        let responses = match self.site {
-            Site::Drive if law.undriven => {
-                let push = |here: Here| self.value(here).map(|torque| torque / law.inertia);
-                let plant = scene.plant.free(scene.course);
-                plant.responses(all, scene.course, foretold, push, rate, &breaks)
+        let push = |here: Here| {
+            if self.site == Site::Drive && !free {
+                if here.inside_s >= law.off_s {
+                    return [0.0; 2];
+                }
+                // What the drive adds to follow: J dw/dt, and damping times what it asks for on top.
+                let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
+                let both = self.value(along_time(here));
+                let damping = law.damping(here.inside_s, asked);
+                return both.map(|Sloped { at: value, slope }| {
+                    rate * value + asked * slope + damping * asked * value
+                });
             }
-            Site::Drive => {
-                let change = |here: Here| {
-                    if here.inside_s >= law.off_s {
-                        return [0.0; 2];
-                    }
-                    // What the drive adds to follow: J dw/dt, and damping times what it asks for on top.
-                    let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
-                    let both = self.value(along_time(here));
-                    let damping = law.damping(here.inside_s, asked);
-                    both.map(|Sloped { at: value, slope }| {
-                        rate * value + asked * slope + damping * asked * value
-                    })
-                };
-                scene
-                    .plant
-                    .responses(all, scene.course, foretold, change, rate, &breaks)
-            }
-            _ => {
-                let push = |here: Here| {
-                    let torques = self.value(here);
-                    let given = if self.is_friction() && here.inside_s < law.off_s {
-                        self.value(scene.asked.here(here))
-                    } else {
-                        [0.0; 2]
-                    };
-                    [0, 1].map(|size| (torques[size] - given[size]) / law.inertia)
-                };
-                scene
-                    .plant
-                    .responses(all, scene.course, foretold, push, rate, &breaks)
-            }
+            let torques = self.value(here);
+            let given = match self.is_friction() && here.inside_s < law.off_s {
+                true => self.value(scene.asked.here(here)),
+                false => [0.0; 2],
+            };
+            [0, 1].map(|size| (torques[size] - given[size]) / law.inertia)
         };
+        let all = 0..scene.course.len();
+        let responses = plant.responses(all, scene.course, foretold, push, rate, &breaks);
         responses.into_iter().take(self.sizes()).collect()
     }
 }

@@ -122,40 +122,6 @@ impl Plant {
         out
     }
 
-    /// Angle and speed at each edge that an even unit acceleration between two instants makes; none of a shaft with a mode, or whose drive
-    /// goes off.
-    #[must_use]
-    pub fn pushed_evenly(&self, course: &Course, from_s: f64, until_s: f64) -> Option<Vec<Motion>> {
-        if self.law.mode.is_some() || self.law.off_s.is_finite() {
-            return None;
-        }
-        let mut state = Motion::default();
-        let mut out = vec![state; course.len()];
-        for (at, out) in out.iter_mut().enumerate().skip(1) {
-            let (before, now) = (course.time_s[at - 1], course.time_s[at]);
-            let b = self.damping[at];
-            let mut go = |h: f64, push: f64| {
-                let (r, stays) = if h == now - before {
-                    self.reaches[at][0]
-                } else {
-                    reach(b, h)
-                };
-                let [angle, speed] = state;
-                state = [
-                    angle + (r * speed + push * swept(b, h, r)),
-                    stays * speed + push * r,
-                ];
-            };
-            let begins = from_s.max(before).min(now);
-            let ends = until_s.max(begins).min(now);
-            go(begins - before, 0.0);
-            go(ends - begins, 1.0);
-            go(now - ends, 0.0);
-            *out = state;
-        }
-        Some(out)
-    }
-
     /// How a free course is damped over the interval that ends at an edge, 1/s: an unknown drive keeps it up.
     pub(super) fn fades(&self, at: usize) -> f64 {
         if self.law.undriven {
