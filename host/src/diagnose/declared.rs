@@ -30,25 +30,26 @@ pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
     };
     let mut all = Vec::new();
     let mut add = |site, carrier, sizes| all.push((Effect::new(site, carrier), sizes));
+    let torque = |turning: f64, torque: Option<f64>, fraction: Option<f64>, phase: f64| {
+        wave(swing.torque(turning, torque, fraction), phase)
+    };
     for one in twin.ripple.iter().chain(&twin.gear_mesh) {
         let turning = one.order * swing.nominal;
-        let torque = swing.torque(turning, one.torque_n_m, one.speed_fraction);
-        let sizes = wave(torque, one.phase_rad);
+        let sizes = torque(turning, one.torque_n_m, one.speed_fraction, one.phase_rad);
         add(Site::Torque, Carrier::Order(one.order), sizes);
     }
     for one in &twin.bearing {
         let turning = one.order * swing.nominal;
-        let torque = || swing.torque(turning, one.torque_n_m, one.speed_fraction);
-        let (site, amplitude) = match one.runout_rad {
-            Some(runout) => (Site::Disc(On::ALL), runout),
-            None => (Site::Torque, torque()),
+        let pushed = || torque(turning, one.torque_n_m, one.speed_fraction, one.phase_rad);
+        let (site, sizes) = match one.runout_rad {
+            Some(runout) => (Site::Disc(On::ALL), wave(runout, one.phase_rad)),
+            None => (Site::Torque, pushed()),
         };
-        let sizes = wave(amplitude, one.phase_rad);
         add(site, Carrier::Order(one.order), sizes);
     }
     for one in &twin.torque_tone {
-        let torque = swing.torque(TAU * one.f_hz, one.torque_n_m, one.speed_fraction);
-        let sizes = wave(torque, one.phase_rad);
+        let turning = TAU * one.f_hz;
+        let sizes = torque(turning, one.torque_n_m, one.speed_fraction, one.phase_rad);
         add(Site::Torque, Carrier::Tone(one.f_hz), sizes);
     }
     for one in &twin.load_step {
@@ -203,19 +204,6 @@ impl Asked {
     }
 }
 
-/// Instants at which a twin's drive jumps, s.
-#[must_use]
-pub fn knots(twin: &Twin) -> Vec<f64> {
-    match &twin.drive {
-        Drive::Ramp { over_s, .. } => vec![*over_s],
-        Drive::Steps(steps) => steps.iter().skip(1).map(|step| step.t_s).collect(),
-        Drive::RunDown { off_s, .. } => vec![*off_s],
-        Drive::Profile(profile) => profile.points().iter().map(|point| point.t_s).collect(),
-        Drive::Torque(torque) => torque.points().iter().map(|point| point.t_s).collect(),
-        _ => Vec::new(),
-    }
-}
-
 impl Declared {
     /// Whether anything that the twin says moves the shaft.
     #[must_use]
@@ -289,10 +277,9 @@ fn mean_late_s(twin: &Twin) -> f64 {
     latency.and_then(|latency| latency.mean_s).unwrap_or(0.0)
 }
 
-/// Part of a torque that is open over an interval in which the course is not known.
+/// Part of the speed by which it changes over an interval from which on its course within is in doubt, and part of a torque that is open
+/// there.
 const OPEN: f64 = 0.3;
-/// Part of the speed by which it changes over an interval from which on its course within is in doubt.
-const SUDDEN: f64 = 0.3;
 
 /// Changes of angle and speed that the torques' size leaves open where the course within an interval is not known: at a reversal, and
 /// wherever the speed changes much from edge to edge.
@@ -320,7 +307,7 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)
             jolts.push((at, [0.5 * jolt * h, jolt]));
             continue;
         }
-        if (v1 - v0).abs() < SUDDEN * v0.abs().max(v1.abs()) {
+        if (v1 - v0).abs() < OPEN * v0.abs().max(v1.abs()) {
             continue;
         }
         // How far a cubic and a straight way differ.
@@ -348,57 +335,56 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)
 
 /// What drive and friction do to angle and speed.
 fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
-    let law = &scene.plant.law;
-    let mut breaks = knots(twin);
-    breaks.extend(&scene.course.reversals_s);
-    breaks.sort_by(f64::total_cmp);
-    let moved = |push: &dyn Fn(Here) -> f64, breaks: &[f64]| {
-        let all = 0..scene.record.len();
-        let push = |here: Here| [push(here)];
-        let [motions] = scene
-            .plant
-            .responses(all, scene.course, false, push, |_| 0.0, breaks);
-        motions
-    };
-    let friction = |here: Here| scene.plant.friction(scene.course, here);
-    if let Some(looped) = twin.speed_loop() {
-        let samples = speed_loop::along(&looped, scene.record, twin, 0.0);
-        let rate_hz = looped.rate_hz;
-        let until = scene.course.time_s.last().copied().unwrap_or(0.0);
-        let samples_s = (0..).map(|k| f64::from(k) / rate_hz);
-        breaks.extend(samples_s.take_while(|t| *t <= until));
-        breaks.sort_by(f64::total_cmp);
-        let push = |here: Here| {
-            let at = (here.inside_s * rate_hz).floor().max(0.0) as usize;
-            let push = samples.push.get(at).or(samples.push.last());
-            push.copied().unwrap_or(0.0) + friction(here)
-        };
-        return moved(&push, &breaks);
-    }
     if twin.drive == Drive::Unknown {
         return vec![Motion::default(); scene.record.len()];
     }
-    if let Drive::Torque(torque) = &twin.drive {
-        let points = torque.points().iter();
-        let points = points.map(|point| (point.t_s, point.torque_n_m / law.inertia));
-        let given = Asked {
-            points: points.collect(),
+    let law = &scene.plant.law;
+    let torque = match &twin.drive {
+        Drive::Torque(torque) => Some(Asked {
+            points: torque
+                .points()
+                .iter()
+                .map(|point| (point.t_s, point.torque_n_m / law.inertia))
+                .collect(),
             drift: Vec::new(),
             follows: false,
-        };
-        let push = |here: Here| given.at(here.time_s, here.inside_s).0 + friction(here);
-        return moved(&push, &breaks);
-    }
-    let push = |here: Here| {
-        let mut push = friction(here);
-        if here.inside_s < law.off_s {
-            let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
-            let towards = sign(if asked == 0.0 { rate } else { asked });
-            // It balances friction at the speed asked for.
-            let against = law.friction(asked).0 * towards;
-            push += rate + (law.viscous + law.stiffness) * asked + against;
-        }
-        push
+        }),
+        _ => None,
     };
-    moved(&push, &breaks)
+    let points = &torque.as_ref().unwrap_or(scene.asked).points;
+    let mut breaks: Vec<f64> = points.iter().map(|(time_s, _)| *time_s).collect();
+    breaks.push(law.off_s);
+    breaks.retain(|time_s| *time_s > 0.0 && time_s.is_finite());
+    breaks.extend(&scene.course.reversals_s);
+    let looped = twin.speed_loop().map(|looped| {
+        let until = scene.course.time_s.last().copied().unwrap_or(0.0);
+        let samples_s = (0..).map(|k| f64::from(k) / looped.rate_hz);
+        breaks.extend(samples_s.take_while(|t| *t <= until));
+        let along = speed_loop::along(&looped, scene.record, twin, 0.0);
+        (along.push, looped.rate_hz)
+    });
+    breaks.sort_by(f64::total_cmp);
+    let push = |here: Here| {
+        let friction = scene.plant.friction(scene.course, here);
+        if let Some((samples, rate_hz)) = &looped {
+            let at = (here.inside_s * rate_hz).floor().max(0.0) as usize;
+            return [samples.get(at).or(samples.last()).unwrap_or(&0.0) + friction];
+        }
+        if let Some(torque) = &torque {
+            return [torque.at(here.time_s, here.inside_s).0 + friction];
+        }
+        if here.inside_s >= law.off_s {
+            return [friction];
+        }
+        let (asked, rate) = scene.asked.at(here.time_s, here.inside_s);
+        let towards = sign(if asked == 0.0 { rate } else { asked });
+        // It balances friction at the speed asked for.
+        let against = law.friction(asked).0 * towards;
+        [friction + (rate + (law.viscous + law.stiffness) * asked + against)]
+    };
+    let all = 0..scene.record.len();
+    let [motions] = scene
+        .plant
+        .responses(all, scene.course, false, push, |_| 0.0, &breaks);
+    motions
 }
