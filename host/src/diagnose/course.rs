@@ -127,18 +127,21 @@ impl Course {
 
     /// When it stands still within the interval that ends at an edge, s.
     fn still_s(&self, at: usize) -> f64 {
-        // Where the speed goes through zero: by halves, as it has another sign at either end.
-        const HALVES: usize = 40;
-        let (mut from, mut until) = (0.0, 1.0);
-        for _ in 0..HALVES {
-            let middle = 0.5 * (from + until);
-            if self.within(at, middle).1 * self.speed[at] < 0.0 {
-                from = middle;
-            } else {
-                until = middle;
-            }
-        }
-        self.time_s[at - 1] + until * (self.time_s[at] - self.time_s[at - 1])
+        let h = self.time_s[at] - self.time_s[at - 1];
+        let way = self.angle[at] - self.angle[at - 1];
+        // The speed of the cubic, c + b s + a s^2, has another sign at either end: one root lies between. No digits cancel so.
+        let (v0, v1) = (h * self.speed[at - 1], h * self.speed[at]);
+        let (a, b, c) = (
+            3.0 * (v0 + v1) - 6.0 * way,
+            6.0 * way - 4.0 * v0 - 2.0 * v1,
+            v0,
+        );
+        let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+        let sum = -0.5 * (b + root.copysign(b));
+        let within = [c / sum, sum / a]
+            .into_iter()
+            .find(|share| (0.0..=1.0).contains(share));
+        self.time_s[at - 1] + within.unwrap_or(0.0) * h
     }
 
     /// Whether there is none.

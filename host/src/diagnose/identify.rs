@@ -8,17 +8,15 @@
 use nalgebra::DMatrix;
 
 use super::correct::Slopes;
-use super::lsq::{Basis, dot};
+use super::lsq::{Basis, add, dot};
 use super::model::{Board, Fit};
 
 /// Deviations that a whole number has to show.
 const SHOWS: f64 = 3.0;
 /// Square of a singular value below which its direction is not determined: two columns of correlation 1 - 1e-4 have it.
 const FLAT: f64 = 1e-4;
-/// Share of a direction that a number has to have to be of its group.
+/// Part of the greatest share of a direction that a number has to have to be of its group, and by which shares differ that are not alike.
 const PART: f64 = 0.3;
-/// Least factor over the greatest one with which they count as the same.
-const LIKE: f64 = 0.8;
 
 /// What the twins declare and these recordings do not determine beside a fit, in words: one entry a number or a group of numbers. Of a
 /// group that only shows together a fit has one number at the most, as the others then have no column of their own.
@@ -59,16 +57,19 @@ pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Vec<String> {
             continue;
         }
         let most = direction.amax();
-        let mut group: Vec<(usize, f64)> = (0..count)
-            .map(|at| (shown[at], direction[at]))
-            .filter(|(_, share)| share.abs() > PART * most)
-            .collect();
-        group.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-        words.push(format!(
-            "{}: {}",
-            named(slopes, &group),
-            known_by(&group, &|at| size(at))
-        ));
+        let group = (0..count).filter(|at| direction[*at].abs() > PART * most);
+        let group: Vec<usize> = group.collect();
+        // The direction is of columns of unit length: in factors each share is over its column's length.
+        let factors = group.iter().map(|at| direction[*at] / size(shown[*at]));
+        let known = known_by(&factors.collect::<Vec<f64>>());
+        let names = group.iter().map(|at| slopes[shown[*at]].knob.path());
+        let names: Vec<String> = names.map(ToString::to_string).collect();
+        words.push(match &names[..] {
+            [others @ .., last] if !others.is_empty() => {
+                format!("{} and {last}: {known}", others.join(", "))
+            }
+            _ => format!("{}: {known}", names.concat()),
+        });
     }
     words
 }
@@ -77,31 +78,16 @@ pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Vec<String> {
 fn along(white: &[Vec<f64>], values: &[f64], basis: &Basis) -> Vec<f64> {
     let mut sum = vec![0.0; white.first().map_or(0, Vec::len)];
     for (column, value) in white.iter().zip(values) {
-        sum.iter_mut()
-            .zip(column)
-            .for_each(|(sum, of)| *sum += value * of);
+        add(&mut sum, *value, column);
     }
     basis.clear(&mut sum);
     sum
 }
 
-fn named(slopes: &[Slopes], group: &[(usize, f64)]) -> String {
-    let names: Vec<String> = group
-        .iter()
-        .map(|(at, _)| slopes[*at].knob.path().to_string())
-        .collect();
-    match names.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        _ => names.concat(),
-    }
-}
-
 /// What of a group shows: along its flat direction all change by the same factor, or one by the inverse of the other's.
-fn known_by(group: &[(usize, f64)], size: &dyn Fn(usize) -> f64) -> &'static str {
-    // The direction is of columns of unit length: in factors each share is over its column's length.
-    let factors: Vec<f64> = group.iter().map(|(at, by)| by / size(*at)).collect();
+fn known_by(factors: &[f64]) -> &'static str {
     let most = factors.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
-    let alike = factors.iter().all(|by| by.abs() > LIKE * most);
+    let alike = factors.iter().all(|by| by.abs() > (1.0 - PART) * most);
     let same_sign = factors.iter().all(|by| by * factors[0] > 0.0);
     match (alike, same_sign, factors.len()) {
         (true, true, 2) => "only their ratio shows",

@@ -7,9 +7,6 @@ use super::effect::{Carrier, Effect, Site};
 use super::lsq::{Basis, PLAIN, add, dot};
 use super::model::{Board, Fit};
 
-/// Steps that a knob may be moved by in all.
-const FAR: f64 = 4.0;
-
 /// What is left beside a model, as what one rad at each edge would add.
 #[derive(Clone, Debug)]
 pub struct Left<'a> {
@@ -70,8 +67,8 @@ impl<'a> Left<'a> {
         self.basis.gain(&self.board.columns(effect), self.white)
     }
 
-    /// Effects near one.
-    fn nearby(&self, effect: &Effect) -> Nearby<'_> {
+    /// Inverse of the squares of an effect's columns beside the model.
+    fn inverse(&self, effect: &Effect) -> DMatrix<f64> {
         let mut columns = self.board.columns(effect);
         let wholes: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
         let each = columns.iter_mut();
@@ -82,10 +79,19 @@ impl<'a> Left<'a> {
             dot(&columns[a], &columns[b]) + open
         });
         let inverse = squares.try_inverse();
-        Nearby {
-            left: self,
-            inverse: inverse.unwrap_or_else(|| DMatrix::zeros(count, count)),
+        inverse.unwrap_or_else(|| DMatrix::zeros(count, count))
+    }
+
+    /// By about how much the sum of squares falls with an effect that is near one whose inverse squares are given.
+    fn about(&self, effect: &Effect, inverse: &DMatrix<f64>) -> f64 {
+        let mut products = DVector::zeros(inverse.nrows());
+        let benches = self.board.benches.iter();
+        for (bench, scores) in benches.zip(self.scores(effect.site)) {
+            for (sum, column) in products.iter_mut().zip(bench.columns(effect).iter()) {
+                *sum += dot(column, scores);
+            }
         }
+        products.dot(&(inverse * &products))
     }
 
     /// The best knobs near those of an effect, each moved by a step that is halved until a share of it is left, and what it explains
@@ -96,25 +102,24 @@ impl<'a> Left<'a> {
         // Beside a pattern each run is dear.
         let exact = !line && self.of_disc.is_none();
         let mut best = *effect;
-        let mut nearby = self.nearby(&best);
+        let mut inverse = self.inverse(&best);
         let mut share = 1.0;
         while share >= finest {
             let before = best;
-            let gain = |nearby: &Nearby<'_>, effect: &Effect| match exact {
+            let gain = |effect: &Effect| match exact {
                 true => self.gain(effect),
-                false => nearby.gain(effect),
+                false => self.about(effect, &inverse),
             };
-            let mut most = gain(&nearby, &best);
+            let mut most = gain(&best);
             for (knob, step) in steps.iter().enumerate() {
                 for side in [-1.0, 1.0] {
                     let mut knobs = best.knobs();
                     knobs[knob] += side * share * step;
                     let moved = best.with_knobs(&knobs);
-                    let far = (knobs[knob] - effect.knobs()[knob]).abs() > FAR * step;
-                    if far || !knobs[knob].is_finite() || !moved.is_possible() {
+                    if !knobs[knob].is_finite() || !moved.is_possible() {
                         continue;
                     }
-                    let here = gain(&nearby, &moved);
+                    let here = gain(&moved);
                     if here > most {
                         (best, most) = (moved, here);
                     }
@@ -122,29 +127,10 @@ impl<'a> Left<'a> {
             }
             // A line's squares are the same beside it.
             if best != before && !line && !exact {
-                nearby = self.nearby(&best);
+                inverse = self.inverse(&best);
             }
             share *= 0.5;
         }
         (best, self.gain(&best))
-    }
-}
-
-struct Nearby<'a> {
-    left: &'a Left<'a>,
-    inverse: DMatrix<f64>,
-}
-
-impl Nearby<'_> {
-    /// By about how much the sum of squares falls with an effect that is near.
-    fn gain(&self, effect: &Effect) -> f64 {
-        let mut products = DVector::zeros(self.inverse.nrows());
-        let benches = self.left.board.benches.iter();
-        for (bench, scores) in benches.zip(self.left.scores(effect.site)) {
-            for (sum, column) in products.iter_mut().zip(bench.columns(effect).iter()) {
-                *sum += dot(column, scores);
-            }
-        }
-        products.dot(&(&self.inverse * &products))
     }
 }

@@ -2,6 +2,7 @@
 
 use quadcal::edge::Direction;
 
+use super::noise::FAR;
 use super::record::Record;
 use crate::twin::{SeenSpeed, SpeedLoop, Twin};
 
@@ -27,9 +28,6 @@ pub struct Tie {
     pub lasting: f64,
 }
 
-/// Deviations of a stamp within which a sample may have missed an edge.
-const NEAR: f64 = 4.0;
-
 /// A loop along the edges that it saw, whose stamps have an RMS error.
 #[must_use]
 pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin, stamp_s: f64) -> Along {
@@ -37,7 +35,8 @@ pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin, stamp_s: f64) -> Alo
     let mut seen = SeenSpeed::new(clock_hz, record.step_rad(), own.timeout_s, Some(0));
     let until = record.time_s.last().copied().unwrap_or(0.0);
     let count = (until * own.rate_hz).floor() as usize + 1;
-    let late_s = NEAR * twin.timer.jitter_s.max(stamp_s);
+    // A sample may have missed an edge as long as its stamp is not far out.
+    let late_s = FAR * twin.timer.jitter_s.max(stamp_s);
     let mut integral = own.start;
     let mut edge = 0;
     let mut last: Option<i64> = None;

@@ -22,8 +22,6 @@ pub struct Slopes {
 
 /// Innovations, in deviations, that a step for a slope should make in all: small enough to be a slope, large enough for the numbers' digits.
 const STEP: f64 = 0.5;
-/// Least and greatest of them that are taken as they come.
-const STEPS: [f64; 2] = [0.05, 3.0];
 /// The first step and the greatest one, as parts of the number.
 const PARTS: [f64; 2] = [1e-4, 0.1];
 
@@ -77,9 +75,6 @@ pub fn slopes(bench: &Bench, declares: bool, knob: &Knob, now: &[f64]) -> Option
     let slope = |at: usize| {
         let either = |step: f64| by(at, step).or_else(|| by(at, -step));
         let (slope, shown) = either(first)?;
-        if (STEPS[0]..STEPS[1]).contains(&shown) {
-            return Some(slope);
-        }
         let next = (first * STEP / shown.max(f64::MIN_POSITIVE)).min(greatest);
         Some(either(next).map_or(slope, |(slope, _)| slope))
     };
