@@ -3,23 +3,14 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-use toml::Value;
+use serde_json::Value;
 
 use crate::mechanism::Mechanism;
 use crate::twin::{Drive, KEYS, Twin};
 
-/// Part of a path into a twin.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// A key of a section.
-    Key(String),
-    /// A place in a list.
-    At(usize),
-}
-
-/// Where a number of a twin is.
+/// Where a number of a twin is: a pointer into its tree (RFC 6901).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Path(Vec<Step>);
+pub struct Path(String);
 
 /// Sections of which some keys are numbers of one mechanism each: those that its card has.
 const SHARED: [&str; 2] = ["errors", "shaft"];
@@ -58,11 +49,11 @@ const PHASE: &str = "phase_rad";
 
 impl fmt::Display for Path {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (at, step) in self.0.iter().enumerate() {
-            match step {
-                Step::Key(key) if at == 0 => write!(f, "{key}")?,
-                Step::Key(key) => write!(f, ".{key}")?,
-                Step::At(place) => write!(f, "[{place}]")?,
+        for (at, step) in self.0.split('/').skip(1).enumerate() {
+            match step.parse::<usize>() {
+                Ok(place) => write!(f, "[{place}]")?,
+                Err(_) if at == 0 => write!(f, "{step}")?,
+                Err(_) => write!(f, ".{step}")?,
             }
         }
         Ok(())
@@ -70,59 +61,34 @@ impl fmt::Display for Path {
 }
 
 impl Path {
-    fn with(&self, step: Step) -> Self {
-        let mut path = self.clone();
-        path.0.push(step);
-        path
-    }
-
-    fn key(&self, key: &str) -> Self {
-        self.with(Step::Key(key.to_owned()))
+    /// What is in it at a key or at a place in a list.
+    fn with(&self, step: impl fmt::Display) -> Self {
+        Self(format!("{}/{step}", self.0))
     }
 
     /// The path of keys, without places in lists.
     fn dotted(&self) -> String {
-        let each = self.0.iter().filter_map(|step| match step {
-            Step::Key(key) => Some(key.as_str()),
-            Step::At(_) => None,
-        });
-        each.collect::<Vec<_>>().join(".")
+        let steps = self.0.split('/').skip(1);
+        let keys = steps.filter(|step| step.parse::<usize>().is_err());
+        keys.collect::<Vec<_>>().join(".")
     }
 
-    /// The section that it is in.
-    fn section(&self) -> Self {
-        Self(self.0[..self.0.len().saturating_sub(1)].to_vec())
-    }
-
-    /// Its last key.
-    fn last(&self) -> &str {
-        match self.0.last() {
-            Some(Step::Key(key)) => key,
-            _ => "",
-        }
-    }
-
-    fn get<'a>(&self, tree: &'a Value) -> Option<&'a Value> {
-        self.0.iter().try_fold(tree, |value, step| match step {
-            Step::Key(key) => value.get(key),
-            Step::At(at) => value.get(at),
-        })
+    /// The section that it is in, and its key there.
+    fn split(&self) -> (Self, &str) {
+        let (section, key) = self.0.rsplit_once('/').unwrap_or_default();
+        (Self(section.to_owned()), key)
     }
 
     /// The number there.
     #[must_use]
     pub fn number(&self, tree: &Value) -> Option<f64> {
-        self.get(tree).and_then(Value::as_float)
+        tree.pointer(&self.0).and_then(Value::as_f64)
     }
 
     fn set(&self, tree: &mut Value, number: f64) {
-        let section = self.section();
-        let section = section.0.iter().try_fold(tree, |value, step| match step {
-            Step::Key(key) => value.get_mut(key),
-            Step::At(at) => value.get_mut(at),
-        });
-        if let Some(Value::Table(table)) = section {
-            table.insert(self.last().to_owned(), Value::Float(number));
+        let (section, key) = self.split();
+        if let Some(Value::Object(section)) = tree.pointer_mut(&section.0) {
+            section.insert(key.to_owned(), Value::from(number));
         }
     }
 
@@ -134,7 +100,8 @@ impl Path {
             let card = mechanism.card();
             let own = dotted.strip_prefix(&card.twin);
             own.is_some_and(|key| key.starts_with('.'))
-                && (!SHARED.contains(&card.twin.as_str()) || card.quantity(self.last()).is_some())
+                && (!SHARED.contains(&card.twin.as_str())
+                    || card.quantity(self.split().1).is_some())
         };
         let other = match dotted.starts_with("errors") {
             true => Mechanism::LineError,
@@ -147,8 +114,9 @@ impl Path {
     #[must_use]
     pub fn entry(&self) -> String {
         let mechanism = self.mechanism();
-        match self.0.get(1) {
-            Some(Step::At(at)) => format!("{mechanism}[{at}]"),
+        let place = self.0.split('/').nth(2);
+        match place.and_then(|place| place.parse::<usize>().ok()) {
+            Some(at) => format!("{mechanism}[{at}]"),
             _ if mechanism == Mechanism::Unknown => self.to_string(),
             _ => mechanism.to_string(),
         }
@@ -159,7 +127,7 @@ impl Path {
     pub fn name(&self) -> String {
         let dotted = self.dotted();
         let of_delay = dotted.strip_prefix("edge_delay.");
-        of_delay.unwrap_or_else(|| self.last()).to_owned()
+        of_delay.unwrap_or(self.split().1).to_owned()
     }
 
     /// Its unit, as the list of a twin's keys has it.
@@ -178,12 +146,12 @@ impl Path {
 /// A twin as a tree of keys and values.
 #[must_use]
 pub fn tree(twin: &Twin) -> Option<Value> {
-    Value::try_from(twin).ok()
+    serde_json::to_value(twin).ok()
 }
 
 /// A tree as a twin; files and name are those of another one.
 fn twin_of(tree: Value, like: &Twin) -> Option<Twin> {
-    let mut twin: Twin = tree.try_into().ok()?;
+    let mut twin: Twin = serde_json::from_value(tree).ok()?;
     twin.name.clone_from(&like.name);
     twin.folder.clone_from(&like.folder);
     // Points of a file are not in the tree.
@@ -305,28 +273,26 @@ fn collect(tree: &Value, value: &Value, path: &Path, all: &mut Vec<Knob>) {
         return;
     }
     match value {
-        Value::Table(table) => {
+        Value::Object(table) => {
             for (key, value) in table {
-                collect(tree, value, &path.key(key), all);
+                collect(tree, value, &path.with(key), all);
             }
         }
         Value::Array(list) => {
             for (at, value) in list.iter().enumerate() {
-                collect(tree, value, &path.with(Step::At(at)), all);
+                collect(tree, value, &path.with(at), all);
             }
         }
-        Value::Float(number) if number.is_finite() => {
-            let section = path.section();
-            let swings = section
-                .get(tree)
-                .is_some_and(|section| SWINGS.iter().any(|key| section.get(key).is_some()));
-            let is_size = |key: &&str| section.key(key).number(tree).is_some_and(|of| of != 0.0);
-            let size_here = || AMPLITUDES.iter().any(is_size);
-            if swings && AMPLITUDES.contains(&path.last()) {
-                if *number != 0.0 {
-                    all.push(Knob::Wave(path.clone(), section.key(PHASE)));
-                }
-            } else if *number != 0.0 && !(path.last() == PHASE && size_here()) {
+        Value::Number(number) if number.is_f64() && number.as_f64() != Some(0.0) => {
+            let (section, key) = path.split();
+            let number = |key: &str| section.with(key).number(tree);
+            if AMPLITUDES.contains(&key) && SWINGS.iter().any(|key| number(key).is_some()) {
+                all.push(Knob::Wave(path.clone(), section.with(PHASE)));
+            } else if key != PHASE
+                || AMPLITUDES
+                    .iter()
+                    .all(|key| number(key).unwrap_or(0.0) == 0.0)
+            {
                 all.push(Knob::Number(path.clone()));
             }
         }
