@@ -5,6 +5,7 @@
 //! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
 //! Trans. Information Theory 11, 1965).
 
+use std::array::from_fn;
 use std::f64::consts::TAU;
 use std::fmt::Debug;
 
@@ -12,7 +13,7 @@ use nalgebra::DMatrix;
 
 use State::{Angle, Drift, Held, Speed, Swing, Swings};
 
-use super::square::{Square, back, through, times};
+use super::square::{Square, back, identity, through, times};
 
 /// Numbers of a state, in their order. A shaft that has none of the last ones has a shorter state.
 #[derive(Clone, Copy, Debug)]
@@ -82,11 +83,8 @@ impl<const N: usize> Leap<N> {
     /// The same of the first states alone.
     #[must_use]
     pub fn first<const M: usize>(&self) -> Leap<M> {
-        let part = |whole: &Square<N>| {
-            Square(std::array::from_fn(|row| {
-                std::array::from_fn(|column| whole.0[row][column])
-            }))
-        };
+        let part =
+            |whole: &Square<N>| Square(from_fn(|row| from_fn(|column| whole.0[row][column])));
         Leap {
             way: part(&self.way),
             torque: part(&self.torque),
@@ -241,20 +239,16 @@ impl<const N: usize> Filter<N> {
             let (way, drift_size) = leap.fading(noise);
             if at > 0 {
                 p = through(&way, &p);
-                for row in 0..N {
-                    for column in 0..N {
-                        p.0[row][column] += noise.torque * leap.torque.0[row][column]
-                            + drift_size * leap.drift.0[row][column];
-                        if let Some(load) = &leap.load {
-                            p.0[row][column] += load.0[row][column];
-                        }
-                    }
+                p.add(noise.torque, &leap.torque);
+                p.add(drift_size, &leap.drift);
+                if let Some(load) = &leap.load {
+                    p.add(1.0, load);
                 }
-                for (row, one) in leap.jolt.iter().enumerate() {
-                    for (column, other) in leap.jolt.iter().enumerate() {
-                        p.0[row][column] += one * other;
-                    }
-                }
+                let [angle, speed] = leap.jolt;
+                p[(Angle, Angle)] += angle * angle;
+                p[(Angle, Speed)] += angle * speed;
+                p[(Speed, Angle)] += angle * speed;
+                p[(Speed, Speed)] += speed * speed;
             }
             let own = leap.speed.powi(2) * (noise.stamp_s.powi(2) + leap.doubt_s.powi(2))
                 + noise.angle_rad.powi(2)
@@ -299,33 +293,27 @@ impl<const N: usize> Filter<N> {
     #[must_use]
     pub fn around(&self, edges: usize) -> Around<N> {
         let steps = self.gains[self.gains.len() - edges..].to_vec();
-        type Along<const N: usize> = dyn Fn(&mut [[f64; 1]; N], &mut [f64; 1], &Gain<N>);
-        let fades = |along: &Along<N>, back: bool| {
-            let ends = (0..N).map(|at| {
-                let mut state = [[0.0]; N];
-                state[at] = [1.0];
-                let mut go = |step: &Gain<N>| along(&mut state, &mut [0.0], step);
-                if back {
-                    steps.iter().rev().for_each(&mut go);
-                } else {
-                    steps.iter().for_each(&mut go);
-                }
-                state
-            });
-            let ends: Vec<[[f64; 1]; N]> = ends.collect();
+        // What a turn makes of each number of a state alone.
+        let (Square(mut ahead), Square(mut behind)) = (identity(), identity());
+        for step in &steps {
+            step.whiten(&mut ahead, &mut [0.0; N]);
+        }
+        for step in steps.iter().rev() {
+            step.transposed(&mut behind, &mut [0.0; N]);
+        }
+        let fades = |end: [[f64; N]; N]| {
             let own = DMatrix::<f64>::identity(N, N);
-            let open = own - DMatrix::from_fn(N, N, |row, column| ends[column][row][0]);
+            let open = own - DMatrix::from_fn(N, N, |row, column| end[row][column]);
             // A state that never fades begins as nothing.
-            let start = open.try_inverse();
-            start.map_or_else(Square::default, |start| {
-                Square(std::array::from_fn(|row| {
-                    std::array::from_fn(|column| start[(row, column)])
-                }))
+            open.try_inverse().map_or_else(Square::default, |start| {
+                Square(from_fn(|row| from_fn(|column| start[(row, column)])))
             })
         };
-        let start = fades(&|state, value, step| step.whiten(state, value), false);
-        let end = fades(&|state, value, step| step.transposed(state, value), true);
-        Around { steps, start, end }
+        Around {
+            start: fades(ahead),
+            end: fades(behind),
+            steps,
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::array::from_fn;
 use std::ops::{Index, IndexMut};
 
 use super::filter::State;
+use super::lsq::add;
 
 /// A square matrix, row by row.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +29,16 @@ impl<const N: usize> IndexMut<(State, State)> for Square<N> {
     #[inline]
     fn index_mut(&mut self, (row, column): (State, State)) -> &mut f64 {
         &mut self.0[row as usize][column as usize]
+    }
+}
+
+impl<const N: usize> Square<N> {
+    /// Adds so much of another one.
+    #[inline]
+    pub fn add(&mut self, by: f64, other: &Self) {
+        for (into, of) in self.0.iter_mut().zip(&other.0) {
+            add(into, by, of);
+        }
     }
 }
 
