@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Complex;
+
 use crate::diagnose::rig::Recorded;
 
 /// How far a recording goes.
@@ -36,40 +38,19 @@ impl Span {
     }
 }
 
-/// Sizes of cosine and sine; amplitude sin(x + phase) is cos sin(phase) and sin cos(phase) of them.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Phasor {
-    cos: f64,
-    sin: f64,
+/// Amplitude and phase of an effect's sizes, of cosine and sine, as a complex number: amplitude sin(x + phase) is cos sin(phase) and
+/// sin cos(phase) of them. Nothing where it does not swing.
+pub fn wave(sizes: &[f64]) -> Complex<f64> {
+    match *sizes {
+        [cos, sin] => Complex::new(sin, cos),
+        _ => Complex::default(),
+    }
 }
 
-impl Phasor {
-    /// Of an effect's sizes; nothing where it does not swing.
-    pub fn of(sizes: &[f64]) -> Self {
-        match *sizes {
-            [cos, sin] => Self { cos, sin },
-            _ => Self::default(),
-        }
-    }
-
-    /// The same where the phase counts backwards.
-    pub fn backwards(self) -> Self {
-        Self {
-            cos: -self.cos,
-            ..self
-        }
-    }
-
-    /// Adds it to an amplitude and a phase.
-    pub fn add_to(self, amplitude: &mut f64, phase_rad: &mut f64) {
-        let (sin, cos) = phase_rad.sin_cos();
-        let sum = Self {
-            cos: self.cos + *amplitude * sin,
-            sin: self.sin + *amplitude * cos,
-        };
-        *amplitude = sum.cos.hypot(sum.sin);
-        *phase_rad = sum.cos.atan2(sum.sin).rem_euclid(TAU);
-    }
+/// Adds a wave to an amplitude and a phase.
+pub fn add_to(wave: Complex<f64>, amplitude: &mut f64, phase_rad: &mut f64) {
+    let sum = wave + Complex::from_polar(*amplitude, *phase_rad);
+    (*amplitude, *phase_rad) = (sum.norm(), sum.arg().rem_euclid(TAU));
 }
 
 /// The section that is the same as a new one, or the new one in its place.

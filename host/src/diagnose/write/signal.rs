@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::rhythm::{Phasor, Span, same_or};
+use super::rhythm::{Span, add_to, same_or, wave};
 use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::effect::{Carrier, On};
 use crate::diagnose::record::Change;
@@ -18,7 +18,7 @@ const fn channels(twin: &Twin) -> usize {
 
 /// The disc's errors, its run-out, defects and play.
 pub fn put_disc(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
-    let (size, wave) = (cell.sizes[0], Phasor::of(&cell.sizes));
+    let (size, wave) = (cell.sizes[0], wave(&cell.sizes));
     let channels = channels(twin);
     let errors = &mut twin.errors;
     let listed = errors.csv.is_some() || !errors.list_rad.is_empty();
@@ -51,8 +51,9 @@ pub fn put_disc(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
                 &mut errors.tilt
             };
             let into = into.get_or_insert_default();
-            let wave = wave.backwards();
-            wave.add_to(&mut into.amplitude_rad, &mut into.phase_rad);
+            // Its phase counts backwards: amplitude sin(x - phase).
+            let wave = wave.conj();
+            add_to(wave, &mut into.amplitude_rad, &mut into.phase_rad);
         }
         Carrier::Order(order) if on == On::ALL && order.fract() != 0.0 => {
             let new = Bearing {
@@ -65,7 +66,7 @@ pub fn put_disc(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
             let there = same_or(&mut twin.bearing, same, new);
             there.order = order;
             let runout_rad = there.runout_rad.get_or_insert(0.0);
-            wave.add_to(runout_rad, &mut there.phase_rad);
+            add_to(wave, runout_rad, &mut there.phase_rad);
         }
         Carrier::Bump(angle, width_rad) => {
             let flank = |rises| if rises { Flank::Rise } else { Flank::Fall };
@@ -105,7 +106,8 @@ pub fn put_level(twin: &mut Twin, on: On, cell: &Sized, span: &Span) -> bool {
             };
             let there = same_or(&mut twin.threshold_ripple, same, new);
             there.f_hz = f_hz;
-            Phasor::of(&cell.sizes).add_to(&mut there.angle_rad, &mut there.phase_rad);
+            let wave = wave(&cell.sizes);
+            add_to(wave, &mut there.angle_rad, &mut there.phase_rad);
         }
         Carrier::Settling(from_s, tau_s) => twin.threshold_drift.push(ThresholdDrift {
             angle_rad: cell.sizes[0],

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::rhythm::{Phasor, Span, same_or};
+use nalgebra::Complex;
+
+use super::rhythm::{Span, add_to, same_or, wave};
 use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::effect::{Carrier, is_exact};
 use crate::diagnose::plant::Swing;
@@ -10,7 +12,7 @@ use crate::twin::{LoadStep, Ripple, SpeedDrift, TorqueTone, Twin};
 
 /// Torques and friction.
 pub fn put_torque(twin: &mut Twin, cell: &Sized, span: &Span) -> bool {
-    let (size, wave) = (cell.sizes[0], Phasor::of(&cell.sizes));
+    let (size, wave) = (cell.sizes[0], wave(&cell.sizes));
     let shaft = &mut twin.shaft;
     match cell.effect.carrier {
         Carrier::Order(order) => put_order(twin, order, wave, span),
@@ -35,13 +37,13 @@ pub fn put_torque(twin: &mut Twin, cell: &Sized, span: &Span) -> bool {
 macro_rules! add {
     ($wave:expr, $swing:expr, $turning:expr, $one:expr) => {
         let mut torque = $swing.torque($turning, $one.torque_n_m, $one.speed_fraction);
-        $wave.add_to(&mut torque, &mut $one.phase_rad);
+        add_to($wave, &mut torque, &mut $one.phase_rad);
         ($one.torque_n_m, $one.speed_fraction) = $swing.sized($turning, torque);
     };
 }
 
 /// Torque at an order: more of a section that has that order, else a motor's or an engine's where it is exact, or a gear's.
-fn put_order(twin: &mut Twin, order: f64, wave: Phasor, span: &Span) {
+fn put_order(twin: &mut Twin, order: f64, wave: Complex<f64>, span: &Span) {
     let swing = Swing::of(twin);
     let same = |there: f64| span.same_order(there, order);
     for one in &mut twin.bearing {
@@ -65,7 +67,7 @@ fn put_order(twin: &mut Twin, order: f64, wave: Phasor, span: &Span) {
     add!(wave, swing, one.order * swing.nominal, one);
 }
 
-fn put_tone(twin: &mut Twin, f_hz: f64, wave: Phasor, span: &Span) {
+fn put_tone(twin: &mut Twin, f_hz: f64, wave: Complex<f64>, span: &Span) {
     let swing = Swing::of(twin);
     let new = TorqueTone {
         f_hz,
