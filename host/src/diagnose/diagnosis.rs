@@ -253,20 +253,6 @@ pub struct RunnerUp {
 pub struct NextRecording {
     /// What to do, in a sentence.
     pub text: String,
-    /// Schwarz's criterion by which the mechanisms would differ, as simulated, whichever of them it is: the least; none where no
-    /// simulation can show it.
-    pub expected_delta_bic: Option<f64>,
-    /// By how much they would differ if it is this mechanism or that.
-    pub expected: Vec<Expected>,
-}
-
-/// What a recording would show.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Expected {
-    /// The mechanism that is simulated.
-    pub mechanism: Mechanism,
-    /// Schwarz's criterion of the best of the others less its own.
-    pub delta_bic: f64,
 }
 
 /// An answer; its JSON is that of a diagnosis with the map and the cells beside it.

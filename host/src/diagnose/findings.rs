@@ -17,6 +17,7 @@ use super::noise::Tails;
 use super::rig::Recorded;
 use super::scan::SURE;
 use super::{correct, disc, events, name, search, stamps, task};
+use crate::effect::words::words;
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
@@ -47,6 +48,12 @@ impl Said {
             cells: Vec::new(),
             loss: None,
         }
+    }
+
+    /// Whether it is another value of what the twin declares.
+    fn corrects(&self) -> bool {
+        let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
+        self.named && self.cells.iter().any(declared)
     }
 
     /// How strongly it shows.
@@ -98,9 +105,8 @@ pub fn answer(
             let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
             one.cells.retain(|cell| !declared(cell));
             one.finding = Finding {
-                text: one.finding.text.clone(),
                 evidence: one.finding.evidence.clone(),
-                ..unknown()
+                ..unknown(one.finding.text.clone(), 0.0)
             };
         }
     }
@@ -108,46 +114,32 @@ pub fn answer(
     let verdict = verdict(&all);
     let total: f64 = all.iter().filter_map(|one| one.loss).sum();
     let share = |one: &Said| one.loss.map(|loss| loss / total.max(f64::MIN_POSITIVE));
-    let shares = all.iter().map(share).collect();
-    let named: Vec<bool> = all.iter().map(|one| one.named).collect();
-    let (said, cells): (Vec<Finding>, Vec<Vec<Sized>>) =
-        all.into_iter().map(|one| (one.finding, one.cells)).unzip();
-    let next = said
-        .iter()
-        .find_map(|finding| finding.next_recording.clone());
-    let declared: Vec<_> = cells
-        .iter()
-        .map(|cells| correct::declared(board, cells))
-        .collect();
-    let corrects: Vec<bool> = declared
-        .iter()
-        .zip(&named)
-        .map(|(some, named)| *named && !some.is_empty())
-        .collect();
-    let mut summary = summary(verdict, &said, &corrects);
+    let mut summary = summary(verdict, &all);
     if verdict == Verdict::Complete && !board.disc_given {
         summary = "Beside the disc, which it does not give, the twin explains the recordings; what is left is noise."
             .to_owned();
     }
+    let findings: Vec<Finding> = all.iter().map(|one| one.finding.clone()).collect();
+    let facts = rig.iter().zip(&board.benches);
+    let facts = facts.map(|(one, bench)| agreement::facts(one, bench, board));
     let pattern = disc::learned(board, &fit.model);
     Answer {
         diagnosis: Diagnosis {
             version: 2,
             verdict,
             summary,
-            recordings: rig
-                .iter()
-                .zip(&board.benches)
-                .map(|(one, bench)| agreement::facts(one, bench, board))
-                .collect(),
+            recordings: facts.collect(),
             fit: fitted,
-            findings: said,
-            next_recording: next,
+            next_recording: findings.iter().find_map(|one| one.next_recording.clone()),
+            findings,
         },
         map: Map::default(),
-        declared,
-        cells,
-        shares,
+        declared: all
+            .iter()
+            .map(|one| correct::declared(board, &one.cells))
+            .collect(),
+        shares: all.iter().map(share).collect(),
+        cells: all.into_iter().map(|one| one.cells).collect(),
         learned_disc_rms_rad: pattern
             .as_ref()
             .filter(|_| !board.disc_given)
@@ -201,9 +193,8 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         for number in &mut numbers {
             number.error = number.error.map(|error| error * spread);
         }
-        let values = numbers.iter();
-        let values = values.map(|number| (number.name.as_str(), number.value));
-        if corrected.is_empty() && mechanism.card().implausible(values).is_some() {
+        let plausible = |one: &Number| mechanism.card().allows(&one.name, one.value);
+        if corrected.is_empty() && !numbers.iter().all(plausible) {
             mechanism = Mechanism::Unknown;
         }
         let card = mechanism.card();
@@ -223,21 +214,19 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             .sum();
         let next = (!look_alikes.is_empty()).then(|| NextRecording {
             text: card.separated_by.clone(),
-            expected_delta_bic: None,
-            expected: Vec::new(),
         });
         let mut place = name::place(board, &effects);
         place.orders_alike = name::place(board, images).orders;
         if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
             place.speed_exponent = Some(f64::from(exponent));
         }
+        let cell = effects.first().map_or_else(String::new, words);
         let text = match sideband {
             Some(whole) => format!(
-                "{}: beside order {whole}, of a size or phase that changes along the recording",
-                name::text(&effects)
+                "{cell}: beside order {whole}, of a size or phase that changes along the recording"
             ),
             None if !corrected.is_empty() => correct::text(&corrected, spread),
-            None => name::text(&effects),
+            None => cell,
         };
         let plain = Finding::of(mechanism, text, worth);
         let parameters = match (corrected.is_empty(), mechanism) {
@@ -304,10 +293,7 @@ fn other_noise(board: &Board, fit: &Fit, stamps: Option<&Finding>, worth: f64) -
     let of_a_kind = (tells_noise(board) && worth > SURE && !late).then(|| kind_of_noise(board));
     let of_a_kind = of_a_kind.flatten().map(|text| (text, worth));
     let (text, worth) = of_a_kind.or_else(|| agreement::more_noise(board, fit))?;
-    let mut unknown = unknown();
-    unknown.text = text;
-    unknown.evidence.delta_bic = worth;
-    Some(unknown)
+    Some(unknown(text, worth))
 }
 
 /// Whether the twins say how noisy the shaft is: of one that doesn't no noise is another one.
@@ -338,9 +324,8 @@ fn left_over(board: &Board, fit: &Fit, said: &[Said], fitted: &diagnosis::Fit) -
     let share = square(&rounded) / square(&rests);
     let spurs = share * share * agreement::correlation(board, &rounded).0;
     let left = agreement::correlation(board, &rests).0;
-    let mut unknown = unknown();
-    unknown.evidence.delta_bic = left;
-    (left > ROUNDED * spurs).then_some(unknown)
+    let text = "more than noise is left, and no cell of the map explains it".to_owned();
+    (left > ROUNDED * spurs).then(|| unknown(text, left))
 }
 
 /// How the noise is not as twins declare it, in words: white, normal and the same throughout.
@@ -363,12 +348,16 @@ fn kind_of_noise(board: &Board) -> Option<String> {
 }
 
 /// Something that is none of the cells.
-fn unknown() -> Finding {
-    let text = "more than noise is left, and no cell of the map explains it".to_owned();
-    let mut finding = Finding::of(Mechanism::Unknown, text, 0.0);
-    finding.confidence = 0.9;
-    finding.evidence.p_value = NOT_WHITE;
-    finding
+fn unknown(text: String, worth: f64) -> Finding {
+    let plain = Finding::of(Mechanism::Unknown, text, worth);
+    Finding {
+        confidence: 0.9,
+        evidence: Evidence {
+            p_value: NOT_WHITE,
+            ..plain.evidence
+        },
+        ..plain
+    }
 }
 
 /// All that has no name as one finding after the named ones, which come the strongest first.
@@ -434,14 +423,12 @@ fn digits(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// The verdict in words; `corrects` says which findings are other values of what the twin declares.
-fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String {
+/// The verdict in words.
+fn summary(verdict: Verdict, all: &[Said]) -> String {
     let list = |start: &str, corrected: bool| {
         let mut names: Vec<(&str, Vec<String>)> = Vec::new();
-        for (finding, corrects) in findings.iter().zip(corrects) {
-            if *corrects != corrected {
-                continue;
-            }
+        for one in all.iter().filter(|one| one.corrects() == corrected) {
+            let finding = &one.finding;
             let name = match (corrected, finding.mechanism) {
                 (true, Mechanism::Unknown) => finding.text.as_str(),
                 _ => finding.mechanism.title(),
@@ -469,14 +456,12 @@ fn summary(verdict: Verdict, findings: &[Finding], corrects: &[bool]) -> String 
         Verdict::Explained => said,
         Verdict::Partly => format!("{said} More than noise is left."),
         Verdict::Ambiguous => {
-            let first = findings.iter().find(|finding| open(finding));
-            let others = first.map_or_else(Vec::new, |first| {
-                first.look_alikes.iter().map(|one| one.title()).collect()
-            });
-            format!(
-                "{said} These recordings allow as well: {}.",
-                others.join("; ")
-            )
+            let mut findings = all.iter().map(|one| &one.finding);
+            let first = findings.find(|finding| open(finding)).into_iter();
+            let others = first.flat_map(|first| &first.look_alikes);
+            let others: Vec<&str> = others.map(|one| one.title()).collect();
+            let others = others.join("; ");
+            format!("{said} These recordings allow as well: {others}.")
         }
         Verdict::Unknown => "Something is there that is none of the known mechanisms.".to_owned(),
     }

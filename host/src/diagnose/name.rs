@@ -6,6 +6,7 @@ use super::diagnosis::{Parameter, Place};
 use super::effect::{Carrier, Effect, Growth, On, Site, is_exact};
 use super::model::{Board, Fit, Term};
 use super::numbers;
+use crate::effect::words::letter;
 use crate::mechanism::Mechanism;
 
 /// Deviations of a 95 % interval.
@@ -194,11 +195,6 @@ impl Fit {
     }
 }
 
-/// The letter of a channel.
-fn letter(channel: u8) -> &'static str {
-    ["A", "B", "C"][usize::from(channel.min(2))]
-}
-
 /// The unit of a mechanism's number; where the twin declares no inertia only torque over inertia is known.
 #[must_use]
 pub fn unit(mechanism: Mechanism, name: &str, known_inertia: bool) -> String {
@@ -251,61 +247,4 @@ pub fn place(board: &Board, effects: &[Effect]) -> Place {
         }
     }
     place
-}
-
-/// A group of effects in a sentence.
-#[must_use]
-pub fn text(effects: &[Effect]) -> String {
-    let Some(first) = effects.first() else {
-        return String::new();
-    };
-    let on = |on: On| {
-        let channel = match on.channel {
-            None => "all channels".to_owned(),
-            Some(channel) => format!("channel {}", letter(channel)),
-        };
-        match on.rises {
-            None => channel,
-            Some(true) => format!("rises of {channel}"),
-            Some(false) => format!("falls of {channel}"),
-        }
-    };
-    let site = match first.site {
-        Site::Torque => "a torque".to_owned(),
-        Site::Drive => "a change of the speed that the drive asks for".to_owned(),
-        Site::Disc(which) => format!("an angle of the edges, {}", on(which)),
-        Site::Level(which) => format!("a shift of the comparator's level, {}", on(which)),
-        Site::Stamp(which) => format!("a delay of the stamps, {}", on(which)),
-        Site::Declared(_) => "another value of what the twin declares".to_owned(),
-    };
-    let carrier = match first.carrier {
-        Carrier::Steady => "throughout".to_owned(),
-        Carrier::Order(order) => format!("at order {order:.4}"),
-        Carrier::Tone(f_hz) => format!("at {f_hz:.4} Hz"),
-        Carrier::Chirp(f_hz, rate) => format!("at {f_hz:.4} Hz and {rate:.4} Hz more each second"),
-        Carrier::Bump(angle, width) => format!(
-            "at {:.2} degrees of the disc, {:.2} wide",
-            angle.rem_euclid(TAU).to_degrees(),
-            width.to_degrees()
-        ),
-        Carrier::Window(from, until) if until.is_finite() && from.is_finite() => {
-            format!("from {from:.4} to {until:.4} s")
-        }
-        Carrier::Window(from, _) if from.is_finite() => format!("from {from:.4} s on"),
-        Carrier::Window(_, until) => format!("until {until:.4} s"),
-        Carrier::Settling(from, tau) => format!(
-            "that settles from {:.3} s on with {tau:.3} s",
-            from.max(0.0)
-        ),
-        Carrier::Time => "that grows evenly with time".to_owned(),
-        Carrier::Direction => "that turns with the direction".to_owned(),
-        Carrier::Power(power) => {
-            format!("against the motion, as the speed to the power {power:.2}")
-        }
-        Carrier::Stribeck(speed) => format!("against the motion, that falls over {speed:.2} rad/s"),
-    };
-    let only = first.only.map_or_else(String::new, |only| {
-        format!(", in recording {} alone", u16::from(only) + 1)
-    });
-    format!("{site}, {carrier}{only}")
 }

@@ -2,6 +2,7 @@
 //! [`Effect::value`].
 
 pub mod number;
+pub mod words;
 
 use std::f64::consts::TAU;
 

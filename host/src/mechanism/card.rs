@@ -100,15 +100,10 @@ impl Card {
         self.quantity(name).map_or("1", |one| &one.unit)
     }
 
-    /// The first of some numbers that no rig has, if there is one.
-    pub fn implausible<'a>(
-        &self,
-        numbers: impl IntoIterator<Item = (&'a str, f64)>,
-    ) -> Option<(&Quantity, f64)> {
-        numbers
-            .into_iter()
-            .filter_map(|(name, value)| Some((self.quantity(name)?, value)))
-            .find(|(quantity, value)| !quantity.allows(*value))
+    /// Whether a rig may have a number of its.
+    #[must_use]
+    pub fn allows(&self, name: &str, value: f64) -> bool {
+        self.quantity(name).is_none_or(|one| one.allows(value))
     }
 }
 

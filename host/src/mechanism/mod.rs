@@ -91,18 +91,6 @@ impl Mechanism {
     pub fn title(self) -> &'static str {
         &self.card().title
     }
-
-    /// The recording to make next: what to change and what then shows. One or two sentences.
-    #[must_use]
-    pub fn separated_by(self) -> &'static str {
-        &self.card().separated_by
-    }
-
-    /// Mechanisms that the same recording may show alike; if one is another's look-alike, so is the other the one's.
-    #[must_use]
-    pub fn look_alikes(self) -> &'static [Self] {
-        &self.card().look_alikes
-    }
 }
 
 impl fmt::Display for Mechanism {

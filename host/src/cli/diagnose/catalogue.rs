@@ -145,7 +145,7 @@ mod tests {
             for part in &mechanism.card().parameters {
                 assert!(card.contains(&part.name), "{card}");
             }
-            for other in mechanism.look_alikes() {
+            for other in &mechanism.card().look_alikes {
                 assert!(card.contains(other.id()), "{card}");
             }
             let prose = card.split("\nParameters").next().unwrap();

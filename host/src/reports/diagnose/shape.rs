@@ -10,7 +10,8 @@ use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Colour, Plot};
 use crate::reports::diagnose::words::sentence;
 
-use super::cells::{amplitude, site};
+use super::cells::amplitude;
+use crate::effect::words::site;
 
 /// Points of a curve.
 const POINTS: usize = 400;

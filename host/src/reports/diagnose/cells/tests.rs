@@ -1,6 +1,9 @@
 use std::collections::BTreeMap;
 
+use std::f64::consts::TAU;
+
 use super::*;
+use crate::effect::On;
 
 const HALF_TURN: f64 = 0.5 * TAU;
 
