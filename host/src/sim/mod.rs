@@ -45,7 +45,7 @@ use crate::recording::Header;
 use crate::twin::{Drive, Duration, Twin, TwinError};
 
 pub use event::{Class, Event, Truth};
-pub use plant::NOISE_STEPS;
+pub use plant::Plant;
 
 use capture::Capture;
 use crossing::Crossing;
@@ -53,7 +53,6 @@ use disc::Disc;
 use drive::{Knot, Noise, SpeedLoop};
 use extended::Extended;
 use load::Loads;
-use plant::Plant;
 use shaft::{LongSum, Shaft};
 use shift::Shifts;
 use signal::Signals;

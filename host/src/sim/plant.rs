@@ -9,19 +9,19 @@ use super::tone::Tone;
 use crate::twin::{self, Drive, Twin};
 
 /// Steps of the noise grid in one correlation time, at least.
-pub const NOISE_STEPS: f64 = 50.0;
+const NOISE_STEPS: f64 = 50.0;
 
 /// Constants of the equation of motion, all divided by the inertia.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plant {
+pub struct Plant {
     /// Viscous friction, 1/s.
-    pub(super) viscous: f64,
+    pub viscous: f64,
     /// Viscous friction and drive stiffness, 1/s.
-    pub(super) damping: f64,
+    pub damping: f64,
     /// Coulomb friction, rad/s^2.
-    pub(super) coulomb: f64,
+    pub coulomb: f64,
     /// Nominal speed, rad/s.
-    pub(super) nominal: f64,
+    pub nominal: f64,
     /// Grid step, rad.
     pub(super) step_rad: f64,
     /// Time of one grid step at the nominal speed, s; infinite at standstill.
@@ -29,7 +29,9 @@ pub(super) struct Plant {
 }
 
 impl Plant {
-    pub(super) fn new(twin: &Twin) -> Self {
+    /// Of a twin.
+    #[must_use]
+    pub fn new(twin: &Twin) -> Self {
         let shaft = &twin.shaft;
         let inertia = shaft.inertia_or_one();
         let nominal = twin.drive.nominal_rad_s();
@@ -86,7 +88,8 @@ impl Plant {
     }
 
     /// Amplitude, rad/s^2, of a torque given as such or as the relative speed swing that it makes at `turning` rad/s.
-    fn size(
+    #[must_use]
+    pub fn size(
         &self,
         inertia: f64,
         turning: f64,
@@ -114,38 +117,35 @@ impl Plant {
         Some(Noise::new(random, (psd / hold).sqrt() / inertia, hold))
     }
 
+    /// How long a value of the torque noise is held, s, if there is any.
+    #[must_use]
+    pub fn hold_s(&self, twin: &Twin) -> Option<f64> {
+        Some(match twin.noise? {
+            twin::Noise::White { hold_s, .. } => hold_s.unwrap_or(self.nominal_interval_s),
+            twin::Noise::SpeedWander { hold_s, .. } => {
+                let coarsest = 1.0 / (NOISE_STEPS * self.damping);
+                hold_s.unwrap_or(self.nominal_interval_s.min(coarsest))
+            }
+        })
+    }
+
     /// The torque noise, if there is any.
     pub(super) fn noise(&self, twin: &Twin) -> Option<Noise> {
-        let (sigma, hold_s) = match twin.noise? {
-            twin::Noise::White {
-                psd_n2_m2_s,
-                hold_s,
-            } => {
-                let hold = hold_s.unwrap_or(self.nominal_interval_s);
-                (
-                    (psd_n2_m2_s / hold).sqrt() / twin.shaft.inertia_or_one(),
-                    hold,
-                )
+        let hold = self.hold_s(twin)?;
+        let sigma = match twin.noise? {
+            twin::Noise::White { psd_n2_m2_s, .. } => {
+                (psd_n2_m2_s / hold).sqrt() / twin.shaft.inertia_or_one()
             }
-            twin::Noise::SpeedWander {
-                rms_fraction,
-                hold_s,
-                ..
-            } => {
-                let coarsest = 1.0 / (NOISE_STEPS * self.damping);
-                let hold = hold_s.unwrap_or(self.nominal_interval_s.min(coarsest));
+            twin::Noise::SpeedWander { rms_fraction, .. } => {
                 // Held noise makes the speed an AR(1) series on the grid, with this factor from step to step. Its variance is
                 // (sigma / damping)^2 (1 - factor) / (1 + factor).
                 let factor = libm::exp(-self.damping * hold);
                 let ratio = ((1.0 + factor) / (1.0 - factor)).sqrt();
-                (
-                    rms_fraction * self.nominal.abs() * self.damping * ratio,
-                    hold,
-                )
+                rms_fraction * self.nominal.abs() * self.damping * ratio
             }
         };
         let random = Stream::new(twin.seed, Purpose::Torque);
-        Some(Noise::new(random, sigma, hold_s))
+        Some(Noise::new(random, sigma, hold))
     }
 
     /// Speed at time 0, rad/s: the profile's, with ripple and wander as if it had run so for long. A shaft at rest starts at rest.

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::effect::Carrier;
-use crate::twin::{Drive, Noise, Twin};
+use crate::sim;
+use crate::twin::{Drive, Twin};
 
 /// A share of the inertia behind a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,32 +84,18 @@ impl Law {
     pub fn of(twin: &Twin) -> Self {
         let shaft = &twin.shaft;
         let inertia = shaft.inertia_or_one();
-        let viscous = shaft.viscous_n_m_s / inertia;
-        let nominal = twin.drive.nominal_rad_s().abs();
-        let held = match twin.noise {
-            Some(Noise::SpeedWander {
-                correlation_rad: Some(correlation),
-                ..
-            }) => nominal / correlation,
-            _ => viscous + shaft.stiffness_n_m_s / inertia,
-        };
+        let plant = sim::Plant::new(twin);
+        let viscous = plant.viscous;
         if twin.drive == Drive::Unknown {
             return Self::undriven(inertia, viscous);
         }
         let looped = twin.speed_loop().is_some();
-        let interval_s = TAU / (f64::from(twin.encoder.grid_edges()) * nominal);
-        let hold_s = match twin.noise {
-            Some(Noise::White { hold_s, .. }) => hold_s.unwrap_or(interval_s),
-            Some(Noise::SpeedWander { hold_s, .. }) => {
-                hold_s.unwrap_or(interval_s.min(1.0 / (crate::sim::NOISE_STEPS * held.max(1e-30))))
-            }
-            None => 0.0,
-        };
+        let hold_s = plant.hold_s(twin).filter(|hold_s| hold_s.is_finite());
         Self {
             inertia,
             viscous,
-            stiffness: if looped { 0.0 } else { held - viscous },
-            coulomb: shaft.coulomb_n_m / inertia,
+            stiffness: if looped { 0.0 } else { plant.damping - viscous },
+            coulomb: plant.coulomb,
             drag: shaft.drag_n_m_s2 / inertia,
             stribeck: shaft.stribeck_n_m / inertia,
             stribeck_rad_s: shaft.stribeck_rad_s,
@@ -125,7 +112,7 @@ impl Law {
                     load: mode.load_psd_n2_m2_s.unwrap_or(0.0) / (inertia * inertia),
                 }
             }),
-            hold_s: if hold_s.is_finite() { hold_s } else { 0.0 },
+            hold_s: hold_s.unwrap_or(0.0),
             undriven: false,
         }
     }
@@ -212,8 +199,8 @@ pub fn sign(value: f64) -> f64 {
 pub struct Swing {
     /// The drive's nominal speed, rad/s.
     pub nominal: f64,
+    plant: sim::Plant,
     inertia: f64,
-    damping: f64,
     torques: bool,
 }
 
@@ -221,11 +208,11 @@ impl Swing {
     /// Of a twin.
     #[must_use]
     pub fn of(twin: &Twin) -> Self {
-        let law = Law::of(twin);
+        let plant = sim::Plant::new(twin);
         Self {
-            nominal: twin.drive.nominal_rad_s().abs(),
-            inertia: law.inertia,
-            damping: law.viscous + law.stiffness,
+            nominal: plant.nominal.abs(),
+            plant,
+            inertia: twin.shaft.inertia_or_one(),
             torques: twin.shaft.inertia_kg_m2 != 0.0,
         }
     }
@@ -233,9 +220,8 @@ impl Swing {
     /// A torque, N m, that is given as such or as a relative swing; `turning` is its rate, rad/s.
     #[must_use]
     pub fn torque(&self, turning: f64, torque: Option<f64>, fraction: Option<f64>) -> f64 {
-        let of_swing =
-            |fraction: f64| fraction * self.nominal * turning.hypot(self.damping) * self.inertia;
-        torque.unwrap_or_else(|| of_swing(fraction.unwrap_or(0.0)))
+        let of_swing = || self.inertia * self.plant.size(self.inertia, turning, None, fraction);
+        torque.unwrap_or_else(of_swing)
     }
 
     /// The same the other way: the torque as the twin gives it.
