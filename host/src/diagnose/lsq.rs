@@ -16,10 +16,9 @@ pub struct Solution {
     pub left: Vec<f64>,
 }
 
-/// Share of a column that has to be its own, beside the others, as a square, as numbers allow.
-const OWN: f64 = 1e-11;
-/// The same for what it explains to say anything.
-pub const PLAIN: f64 = 1e-7;
+/// Share of a column that has to be its own, beside the others, as a square, for what it explains to say anything: half of the digits of a
+/// number.
+pub const OWN: f64 = 1e-7;
 
 /// Rounds of re-linearisation at the most, which bound the time.
 pub const ROUNDS: usize = 8;
@@ -175,7 +174,7 @@ impl Basis {
             let whole = dot(&column, &column);
             self.clear(&mut column);
             beside.clear(&mut column);
-            let own = beside.take(column, PLAIN * whole);
+            let own = beside.take(column, OWN * whole);
             gain += own.map_or(0.0, |own| dot(own, target).powi(2));
         }
         gain

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::effect::{Carrier, Effect, Site};
-use super::lsq::{Basis, PLAIN, add, dot};
+use super::lsq::{Basis, OWN, add, dot};
 use super::model::{Board, Fit};
 
 /// What is left beside a model, as what one rad at each edge would add.
@@ -75,7 +75,7 @@ impl<'a> Left<'a> {
         each.for_each(|column| self.basis.clear(column));
         let count = columns.len();
         let squares = DMatrix::from_fn(count, count, |a, b| {
-            let open = if a == b { PLAIN * wholes[a] } else { 0.0 };
+            let open = if a == b { OWN * wholes[a] } else { 0.0 };
             dot(&columns[a], &columns[b]) + open
         });
         let inverse = squares.try_inverse();
