@@ -173,7 +173,16 @@ impl Asked {
     /// Speed at a time, rad/s, and its rate, rad/s^2; `inside_s` says on which side of a jump.
     #[must_use]
     pub fn at(&self, time_s: f64, inside_s: f64) -> (f64, f64) {
-        let (speed, rate) = self.plain(time_s, inside_s);
+        let next = self.points.partition_point(|(t, _)| *t <= inside_s);
+        let before = next.checked_sub(1).map(|at| self.points[at]);
+        let (speed, rate) = match (before, self.points.get(next).copied()) {
+            (None, Some((_, speed))) | (Some((_, speed)), None) => (speed, 0.0),
+            (Some((from, one)), Some((until, other))) => {
+                let rate = (other - one) / (until - from);
+                (one + rate * (time_s - from), rate)
+            }
+            (None, None) => (0.0, 0.0),
+        };
         let here = along_time(Here {
             time_s,
             inside_s,
@@ -187,20 +196,6 @@ impl Asked {
         });
         let (by, slope) = drift.fold((0.0, 0.0), |all, one| (all.0 + one.0, all.1 + one.1));
         (speed * (1.0 + by), rate * (1.0 + by) + speed * slope)
-    }
-
-    /// The same without its drift.
-    fn plain(&self, time_s: f64, inside_s: f64) -> (f64, f64) {
-        let next = self.points.partition_point(|(t, _)| *t <= inside_s);
-        let before = next.checked_sub(1).map(|at| self.points[at]);
-        match (before, self.points.get(next).copied()) {
-            (None, Some((_, speed))) | (Some((_, speed)), None) => (speed, 0.0),
-            (Some((from, one)), Some((until, other))) => {
-                let rate = (other - one) / (until - from);
-                (one + rate * (time_s - from), rate)
-            }
-            (None, None) => (0.0, 0.0),
-        }
     }
 }
 

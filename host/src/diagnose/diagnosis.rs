@@ -113,7 +113,7 @@ pub struct HeldOut {
 pub struct Finding {
     /// The mechanism: an id of the catalogue, or `unknown`.
     pub mechanism: Mechanism,
-    /// Where it shows, in a sentence: "channel B, falling edges, 211.3 degrees +- 0.1, once a turn".
+    /// Where it shows, in words: "torque at order 5, constant".
     pub text: String,
     /// Probability that it is this mechanism, among those that were weighed, 0 to 1.
     pub confidence: f64,

@@ -36,7 +36,13 @@ impl Effect {
             Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
-                    let by = self.by_edge(scene, at);
+                    // Angle that one unit at its site is at an edge, rad.
+                    let by = match self.site {
+                        Site::Stamp(on) if on.has(scene.record.captured(at)) => {
+                            -scene.course.speed[at]
+                        }
+                        _ => self.ahead(scene.record.change(at)),
+                    };
                     if by != 0.0 {
                         let value = self.value(scene.here(at, self));
                         for (column, value) in columns.iter_mut().zip(value) {
@@ -46,16 +52,6 @@ impl Effect {
                 }
                 columns
             }
-        }
-    }
-
-    /// Angle that one unit at its site is at an edge, rad.
-    fn by_edge(&self, scene: &Scene<'_>, at: usize) -> f64 {
-        let change = scene.record.change(at);
-        match self.site {
-            Site::Stamp(on) if on.has(scene.record.captured(at)) => -scene.course.speed[at],
-            Site::Stamp(_) | Site::Declared(_) => 0.0,
-            _ => self.ahead(change),
         }
     }
 

@@ -1,7 +1,5 @@
 //! From a fit to what is said: findings with their words, confidence and verdict.
 
-use std::collections::BTreeMap;
-
 use super::agreement::{self, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
@@ -205,7 +203,8 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
                 look_alikes.push(*other);
             }
         }
-        if corrected.is_empty() && mechanism == Mechanism::Unknown {
+        let named = mechanism != Mechanism::Unknown || !corrected.is_empty();
+        if !named {
             look_alikes.clear();
         }
         let against: f64 = others
@@ -229,20 +228,15 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             None => cell,
         };
         let plain = Finding::of(mechanism, text, worth);
-        let parameters = match (corrected.is_empty(), mechanism) {
-            (true, Mechanism::Unknown) => BTreeMap::new(),
-            _ => {
-                let units = corrected.iter().map(|one| one.unit.to_owned());
-                let of_name = |number: &Number| name::unit(mechanism, &number.name, known_inertia);
-                let units = units.chain(numbers.iter().map(of_name));
-                let each = numbers.iter().zip(units);
-                each.map(|(number, unit)| (number.name.clone(), number.parameter(&unit)))
-                    .collect()
-            }
-        };
+        let units = corrected.iter().map(|one| one.unit.to_owned());
+        let of_name = |number: &Number| name::unit(mechanism, &number.name, known_inertia);
+        let units = units.chain(numbers.iter().map(of_name));
+        let parameters = numbers.iter().zip(units).filter(|_| named);
+        let parameters =
+            parameters.map(|(number, unit)| (number.name.clone(), number.parameter(&unit)));
         let finding = Finding {
             confidence: plain.confidence / (1.0 + against),
-            parameters,
+            parameters: parameters.collect(),
             place,
             evidence: Evidence {
                 held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),
@@ -262,7 +256,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             sizes: term.sizes.clone(),
         });
         Said {
-            named: mechanism != Mechanism::Unknown || !corrected.is_empty(),
+            named,
             finding,
             cells: sized.collect(),
             loss: Some(loss),

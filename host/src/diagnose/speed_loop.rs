@@ -68,7 +68,11 @@ pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin, stamp_s: f64) -> Alo
             let change = if missed {
                 speed - before
             } else {
-                next_speed(record, edge) - speed
+                // To the speed that the next edge shows.
+                let from = edge.saturating_sub(1);
+                let h = record.time_s[edge] - record.time_s[from];
+                let way = (record.place[edge] - record.place[from]) as f64 * record.step_rad();
+                if h > 0.0 { way / h - speed } else { -speed }
             };
             // Seen, its speed was taken off; not seen, it was not.
             let sign = if missed { 1.0 } else { -1.0 };
@@ -88,12 +92,4 @@ pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin, stamp_s: f64) -> Alo
         out.push.push(given);
     }
     out
-}
-
-/// Speed that an edge shows, rad/s.
-fn next_speed(record: &Record, at: usize) -> f64 {
-    let before = at.saturating_sub(1);
-    let h = record.time_s[at] - record.time_s[before];
-    let way = (record.place[at] - record.place[before]) as f64 * record.step_rad();
-    if h > 0.0 { way / h } else { 0.0 }
 }
