@@ -3,38 +3,31 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+use realfft::num_complex::Complex;
+use statrs::distribution::{ContinuousCDF, Normal};
+
 use super::bench::Bench;
 use super::disc;
+use super::edges::median;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::model::{Board, Fit};
+use super::name::NINETY_FIVE;
+use super::noise::FAR;
 use super::record::Record;
 use super::scan::SURE;
 use crate::diagnose::diagnosis::{Finding, Parameter, Place};
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
-/// Deviations by which an edge is late, and how many late edges make a rate.
-const LATE: f64 = 4.0;
+/// Late edges that make a rate; so many are looked at at once, and so many such runs.
 const LEAST: usize = 10;
-/// Deviation of normal noise over the median of its size.
-const MEDIAN: f64 = 1.482_6;
-/// Late edges that are looked at at once, and how many such runs.
-const RUN: usize = 32;
-const RUNS: usize = 12;
-/// Turns about their mean phase that late edges are taken from, for a closer one: others shift it.
-const NARROWER: [f64; 3] = [0.1, 1e-2, 1e-3];
-/// Turns over a recording to which a rate is found.
-const EXACT: f64 = 1e-6;
-/// Points of a periodogram for each 1 / span of it.
+/// Points of a periodogram for each 1 / span of it, and at the most.
 const FINE: f64 = 4.0;
-/// Coherence of late edges that a task makes, and the part of the highest that the lowest rate needs: its multiples have as much.
-const COHERENT: f64 = 0.6;
-const LOWEST: f64 = 0.9;
+const POINTS: usize = 200_000;
 /// How many times as long as any other one the time without edges has to be.
 const EMPTY: f64 = 3.0;
-/// Mean distances of edges' phases within which the start of the busy time is, 95 %.
-const START: f64 = 3.0;
 
 /// Puts the task that holds each recording's edges up into its twin, where there is one that the twin does not declare so; whether any
 /// was found.
@@ -83,11 +76,9 @@ pub fn shows(bench: &Bench) -> bool {
 
 /// Twice the logarithm of a likelihood ratio that stamps within a task's busy times are against it.
 fn against(bench: &Bench, task: &Task, near_s: f64) -> f64 {
-    /// Of one of them: a chance of one in a thousand.
-    const ONE: f64 = 13.8;
     let mut record = bench.record.clone();
     held_up::restore(&mut record);
-    ONE * task.denied(&record.time_s, near_s) as f64
+    SURE * task.denied(&record.time_s, near_s) as f64
 }
 
 /// A task as far as a recording shows it.
@@ -123,21 +114,22 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
         -apart / bench.course.speed[at]
     });
     let beside_s: Vec<f64> = beside_s.collect();
-    let mut sizes: Vec<f64> = beside_s.iter().map(|late_s| late_s.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let usual_s = sizes.get(sizes.len() / 2)? * MEDIAN;
+    let middle_s = median(beside_s.iter().map(|late_s| late_s.abs()).collect())?;
+    let usual_s = middle_s / Normal::standard().inverse_cdf(0.75);
     let late = beside_s.iter().zip(&record.time_s[1..]);
-    let late = late.filter(|(late_s, _)| **late_s > LATE * usual_s);
+    let late = late.filter(|(late_s, _)| **late_s > FAR * usual_s);
     let late: Vec<f64> = late.map(|(_, time_s)| *time_s).collect();
-    let (mut rate_hz, coherent) = rate(&late)?;
+    let mut rate_hz = rate(&late)?;
     let near_s = stamp_s.max(bench.twin.timer.jitter_s).hypot(record.tick_s);
     // The end of the busy time after the recording's start, by all late edges that come at it.
-    let mut turns = phase(&late, rate_hz);
+    let mut turns = vector(&late, rate_hz).arg() / TAU;
     let apart = |time_s: f64, rate_hz: f64, turns: f64| {
         let apart = time_s * rate_hz - turns;
         apart - apart.round()
     };
-    for within in NARROWER {
+    // Others shift it: from those that are ever closer, down to what stamps are off.
+    let mut within = 0.25;
+    while within > FAR * near_s * rate_hz {
         let aparts = late.iter().map(|time_s| apart(*time_s, rate_hz, turns));
         let near = late.iter().copied().zip(aparts);
         let (times, aparts): (Vec<f64>, Vec<f64>) =
@@ -145,11 +137,12 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
         let solved = lsq::solve(&[&vec![1.0; times.len()], &times], &aparts);
         turns += solved.sizes[0];
         rate_hz -= solved.sizes[1];
+        within *= 0.5;
     }
     let at_end = |time_s: &f64| apart(*time_s, rate_hz, turns) / rate_hz;
-    let is_near = |apart_s: &f64| apart_s.abs() <= LATE * near_s;
+    let is_near = |apart_s: &f64| apart_s.abs() <= FAR * near_s;
     let near: Vec<f64> = late.iter().map(at_end).filter(is_near).collect();
-    if coherent < COHERENT || near.len() < LEAST || 2 * near.len() < late.len() {
+    if near.len() < LEAST || 2 * near.len() < late.len() {
         return None;
     }
     // How long before an end all others are.
@@ -161,7 +154,7 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
     before.sort_by(f64::total_cmp);
     let empty_s = *before.first()?;
     let widest_s = (before.windows(2).map(|pair| pair[1] - pair[0])).fold(0.0, f64::max);
-    if empty_s < EMPTY * widest_s || empty_s < 2.0 * LATE * near_s {
+    if empty_s < EMPTY * widest_s || empty_s < 2.0 * FAR * near_s {
         return None;
     }
     let apart_s = (1.0 / rate_hz - empty_s) / before.len() as f64;
@@ -182,25 +175,23 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
 
 /// How far so many held edges over a time show a task, if their stamps are off by so much.
 fn shown(record: &Record, task: Task, deviation_s: f64, held: usize, span_s: f64) -> Shown {
-    let end_s = 1.96 * deviation_s / (held.max(1) as f64).sqrt();
+    let end_s = NINETY_FIVE * deviation_s / (held.max(1) as f64).sqrt();
     let others = record.len().saturating_sub(held).max(1) as f64;
     Shown {
         task,
         // A slope through points that are spread evenly.
         rate_hz: 12_f64.sqrt() * end_s * task.rate_hz / span_s,
         end_s: 2.0 * end_s,
-        start_s: 2.0 * end_s + START * (1.0 / task.rate_hz - task.busy_s) / others,
+        // Distances of the others' phases are spread exponentially: 19 of 20 within this.
+        start_s: 2.0 * end_s + 20_f64.ln() * (1.0 / task.rate_hz - task.busy_s) / others,
     }
 }
 
-/// The lowest rate at which instants have one phase, Hz, and how coherent they are.
-fn rate(late: &[f64]) -> Option<(f64, f64)> {
-    if late.len() < LEAST {
-        return None;
-    }
-    let runs: Vec<&[f64]> = late.chunks(RUN).filter(|run| run.len() >= LEAST).collect();
-    let each = runs.len().div_ceil(RUNS).max(1);
-    let runs: Vec<&[f64]> = runs.into_iter().step_by(each).collect();
+/// The lowest rate at which instants have one phase, Hz.
+fn rate(late: &[f64]) -> Option<f64> {
+    let runs = late.chunks_exact(LEAST);
+    let each = runs.len().div_ceil(LEAST).max(1);
+    let runs: Vec<&[f64]> = runs.step_by(each).collect();
     let span = |run: &[f64]| run[run.len() - 1] - run[0];
     let longest_s = runs.iter().map(|run| span(run)).fold(0.0, f64::max);
     let step = 1.0 / (FINE * longest_s);
@@ -210,17 +201,16 @@ fn rate(late: &[f64]) -> Option<(f64, f64)> {
         return None;
     }
     let power = |rate_hz: f64| {
-        let each = runs.iter().map(|run| coherence(run, rate_hz).powi(2));
-        each.sum::<f64>() / runs.len() as f64
+        let each = runs.iter().map(|run| vector(run, rate_hz).norm_sqr());
+        each.sum::<f64>()
     };
-    use rayon::prelude::*;
     let all: Vec<f64> = (0..points)
         .into_par_iter()
         .map(|point| power(lowest_hz + step * point as f64))
         .collect();
     let most = all.iter().copied().fold(0.0, f64::max);
-    // A grid misses the top of a peak.
-    let first = all.iter().position(|power| *power >= 0.7 * LOWEST * most)?;
+    // Its multiples have as much.
+    let first = all.iter().position(|power| *power >= 0.5 * most)?;
     let peak = (first..(first + 2 * FINE as usize).min(points))
         .max_by(|a, b| all[*a].total_cmp(&all[*b]))?;
     let mut rate_hz = lowest_hz + step * peak as f64;
@@ -232,41 +222,23 @@ fn rate(late: &[f64]) -> Option<(f64, f64)> {
         last = late
             .partition_point(|time_s| time_s - late[0] <= span_s)
             .max(last);
-        let here = &late[..last];
+        let coherence = |rate_hz: f64| vector(&late[..last], rate_hz).norm_sqr();
         let points = 4 * FINE as i32;
         let best = (-points..=points)
             .map(|point| rate_hz + within * f64::from(point) / f64::from(points))
-            .max_by(|a, b| coherence(here, *a).total_cmp(&coherence(here, *b)));
+            .max_by(|a, b| coherence(*a).total_cmp(&coherence(*b)));
         rate_hz = best?;
-        if last == late.len() && within * span(late) < EXACT {
-            break;
+        if within * span(late) < 1.0 {
+            return Some(rate_hz);
         }
         within *= 0.5;
     }
-    Some((rate_hz, coherence(late, rate_hz)))
 }
-
-/// Points of a periodogram at the most.
-const POINTS: usize = 200_000;
 
 /// Sum of unit vectors at the phases of instants.
-fn vector(times_s: &[f64], rate_hz: f64) -> [f64; 2] {
-    times_s.iter().fold([0.0; 2], |[cos, sin], time_s| {
-        let (s, c) = (TAU * (time_s * rate_hz).fract()).sin_cos();
-        [cos + c, sin + s]
-    })
-}
-
-/// How far instants have one phase of a rate: 0 to 1.
-fn coherence(times_s: &[f64], rate_hz: f64) -> f64 {
-    let [cos, sin] = vector(times_s, rate_hz);
-    cos.hypot(sin) / times_s.len() as f64
-}
-
-/// Their mean phase, turns.
-fn phase(times_s: &[f64], rate_hz: f64) -> f64 {
-    let [cos, sin] = vector(times_s, rate_hz);
-    sin.atan2(cos) / TAU
+fn vector(times_s: &[f64], rate_hz: f64) -> Complex<f64> {
+    let phases = times_s.iter().map(|time_s| (time_s * rate_hz).fract());
+    phases.map(|turns| Complex::cis(TAU * turns)).sum()
 }
 
 /// The finding of a task that the twin of a recording, as it was given, does not declare so.
