@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use quadcal::edge::Levels;
 
 use super::edges::{CountEvent, CountKind};
+use super::noise::FAR;
 use super::rig::Recorded;
 use crate::diagnose::diagnosis::{Finding, Parameter, Place};
 use crate::mechanism::Mechanism;
@@ -12,8 +13,6 @@ use crate::twin::IndexSlip;
 
 /// Rows of a glitch: its start and its end.
 pub const ROWS_A_GLITCH: i32 = 2;
-/// Standard deviations of a number of events that chance seldom reaches.
-const SURE: f64 = 4.0;
 
 /// Findings of the events that the twins do not declare, one a kind; an index slip each.
 #[must_use]
@@ -90,7 +89,7 @@ fn undeclared(one: &Recorded) -> Vec<CountEvent> {
         let of = events.iter().filter(|event| event.kind == kind);
         let count: i32 = of.map(|event| event.edges).sum();
         let expected = probability * one.edges.len() as f64;
-        let most = expected + SURE * expected.sqrt() + listed as f64;
+        let most = expected + FAR * expected.sqrt() + listed as f64;
         if expected + listed as f64 > 0.0 && f64::from(count) <= most * f64::from(rows) {
             events.retain(|event| event.kind != kind);
         }

@@ -6,10 +6,8 @@ use std::sync::Arc;
 use super::edges::Edges;
 use super::held_up::{Held, Task};
 pub use crate::effect::Change;
+use crate::mechanism::RUN_OUT_RAD;
 use crate::twin::Twin;
-
-/// Part of a turn by which the first edge may be behind the angle that its twin starts at.
-const LEAD_TURNS: f64 = 0.02;
 
 /// A recording.
 #[derive(Clone, Debug)]
@@ -48,7 +46,8 @@ impl Record {
         let first = edges.place.first().map_or(0, |place| *place);
         let start_turns = twin.shaft.initial_angle_rad / TAU;
         let shift = if edges.anchored {
-            let lead = first as f64 / grid as f64 - start_turns + LEAD_TURNS;
+            // A disc that runs out may have it behind that angle.
+            let lead = first as f64 / grid as f64 - start_turns + RUN_OUT_RAD / TAU;
             -(lead.floor() as i64) * grid
         } else {
             // The shaft starts between the first edge and the one before it; the edge's class says which of those nearby it is.
