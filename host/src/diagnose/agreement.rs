@@ -20,6 +20,9 @@ const LAGS: usize = 24;
 const POINTS: usize = 300;
 /// How many times as dense as declared torque noise is more, and no step of a grid.
 const MORE: f64 = 1.5;
+/// Share of the variance of innovations that those before foretell, from which on something is left that is not noise of which a twin does
+/// not say how it is, or how it pushes between edges.
+pub const LEFT: f64 = 0.03;
 /// Probability of whiteness below which something is left.
 pub const NOT_WHITE: f64 = 1e-6;
 

@@ -1,6 +1,6 @@
 //! From a fit to what is said: findings with their words, confidence and verdict.
 
-use super::agreement::{self, NOT_WHITE};
+use super::agreement::{self, LEFT, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
 use super::diagnosis::{
@@ -21,10 +21,6 @@ use crate::report::si;
 
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
-
-/// Share of what is left that has to be foretold by the edges before to be more than noise of which the twins do not say how it is, or for
-/// how long it is held beside a drive that nobody declared.
-const LEFT: f64 = 0.03;
 
 /// A finding with what the result keeps beside it.
 #[derive(Clone, Debug)]

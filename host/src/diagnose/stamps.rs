@@ -1,20 +1,17 @@
 //! Stamps noisier than the twin declares: white jitter, or a one-sided latency, which is skewed. Or less noisy than it declares.
 
+use super::agreement::{self, LEFT};
+use super::bench;
 use super::course::Course;
 use super::filter::Noise;
 use super::model::{Board, Fit};
+use super::name::NINETY_FIVE;
 use super::noise::{self, Free};
-use super::{agreement, bench};
+use super::scan::{self, SURE};
 use crate::diagnose::diagnosis::{Finding, Parameter, Place, RunnerUp};
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
-/// Twice the logarithm of a likelihood ratio from which on stamps are worse than declared.
-const SURE: f64 = 25.0;
-/// Share of the variance that edges before foretell, up to which stamps are judged, and that their errors have to be beside an unknown drive;
-/// and how many times as much as is foretold they have to differ by.
-const LEFT: f64 = 0.03;
-const MORE: f64 = 4.0;
 /// Edges at which it is worked out what one stamp's error does to the others.
 const SAMPLES: usize = 32;
 
@@ -80,13 +77,14 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     let (_, given) = fitted(tick2.sqrt(), start, true, false);
     let (best, free) = fitted(tick2.sqrt(), board.noise, true, true);
     let gain = given - free;
-    if gain < SURE {
+    let worth = scan::evidence(board, gain, 1);
+    if worth < SURE {
         return None;
     }
     let added2 = best.stamp_s * best.stamp_s - declared2;
     // What is left may be as much of it. Of an unknown drive a small part of the innovations may be how its noise pushes between edges.
     let hidden = board.undriven && shown(board) * added2.abs() < LEFT;
-    if added2.abs() < MORE * left * declared2 || hidden {
+    if added2.abs() < left * declared2 || hidden {
         return None;
     }
     // Curvature of the likelihood over the stamp's logarithm.
@@ -100,7 +98,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     };
     let finding = |mechanism, text, name: &str, value, ends| {
         let mut finding = Finding::of(mechanism, text, gain);
-        finding.evidence.delta_bic -= (board.edges() as f64).ln();
+        finding.evidence.delta_bic = worth;
         finding.place = Place::of_stamps();
         let parameter = Parameter::between(value, "s", ends);
         finding.parameters.insert(name.to_owned(), parameter);
@@ -116,7 +114,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
             (jitter, "timer", "jitter_s", jitter2.sqrt(), late * late)
         };
         let value2 = (best.stamp_s.powi(2) - tick2 - other2).max(0.0);
-        let by2 = 2.0 * 1.96 * relative * best.stamp_s.powi(2);
+        let by2 = 2.0 * NINETY_FIVE * relative * best.stamp_s.powi(2);
         let ends = [value2 - by2, value2 + by2].map(|end| end.max(0.0).sqrt());
         let [declared, value_s, from, to] =
             [declared, value2.sqrt(), ends[0], ends[1]].map(|time_s| si(time_s, "s"));
@@ -141,7 +139,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
         (jitter, latency, "jitter_s", value, text)
     };
     let error = relative * best.stamp_s * best.stamp_s / value;
-    let ends = [value - 1.96 * error, value + 1.96 * error];
+    let ends = [value - NINETY_FIVE * error, value + NINETY_FIVE * error];
     let mut found = finding(of, text, name, value, ends);
     found.confidence = 1.0 / (1.0 + (-0.5 * apart).exp());
     found.evidence.runner_up = Some(RunnerUp {
