@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::edges::Edges;
 use super::held_up::{Held, Task};
 pub use crate::effect::Change;
-use crate::mechanism::RUN_OUT_RAD;
+use crate::mechanism::Mechanism;
 use crate::twin::Twin;
 
 /// A recording.
@@ -47,7 +47,8 @@ impl Record {
         let start_turns = twin.shaft.initial_angle_rad / TAU;
         let shift = if edges.anchored {
             // A disc that runs out may have it behind that angle.
-            let lead = first as f64 / grid as f64 - start_turns + RUN_OUT_RAD / TAU;
+            let [_, run_out] = Mechanism::Bearing.card().range("runout_rad");
+            let lead = first as f64 / grid as f64 - start_turns + run_out / TAU;
             -(lead.floor() as i64) * grid
         } else {
             // The shaft starts between the first edge and the one before it; the edge's class says which of those nearby it is.

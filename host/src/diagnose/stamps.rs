@@ -12,6 +12,8 @@ use crate::diagnose::diagnosis::{Finding, Parameter, Place, RunnerUp};
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
+/// How many times as much as edges before foretell stamps have to differ by.
+const MORE: f64 = 4.0;
 /// Edges at which it is worked out what one stamp's error does to the others.
 const SAMPLES: usize = 32;
 
@@ -84,7 +86,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     let added2 = best.stamp_s * best.stamp_s - declared2;
     // What is left may be as much of it. Of an unknown drive a small part of the innovations may be how its noise pushes between edges.
     let hidden = board.undriven && shown(board) * added2.abs() < LEFT;
-    if added2.abs() < left * declared2 || hidden {
+    if added2.abs() < MORE * left * declared2 || hidden {
         return None;
     }
     // Curvature of the likelihood over the stamp's logarithm.

@@ -4,11 +4,8 @@
 //! the shift at which log intervals come again but for slow changes of speed. Then turns here and there in the recording vote for the
 //! whole numbers of pitches that make their speed smoothest, and the wheels that got most votes are tried on all of it.
 
-use std::cmp::Reverse;
-use std::collections::HashMap;
-
 use super::wheel::both;
-use super::{Edges, Sensor, median, place};
+use super::{Sensor, median, place};
 use crate::recording::Row;
 
 /// Most pulses a turn that are tried: wheels have fewer teeth, and time goes with the square.
@@ -19,21 +16,17 @@ const REPEATS: f64 = 0.6;
 const SHORTER: f64 = 0.25;
 /// Most pitches of one step: longer gaps are rare, and each more has others look like it.
 const MOST_PITCHES: usize = 6;
-/// Turns that vote, and share of votes that a wheel needs to be tried.
-const VOTES: usize = 61;
+/// Share of votes that a wheel needs to be tried.
 const TRIED: f64 = 0.15;
-/// Prior of a wheel: log speeds a usual step apart differ by about this; price of a step that is not the usual one, and of its length.
+/// Log speeds a usual step apart differ by about this, and the price of a step that is not the usual one.
 const SWING: f64 = 0.15;
 const UNLIKE: f64 = 6.0;
-const PITCH: f64 = 0.1;
 
 /// A wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelFound {
     /// For each tooth place whether a tooth is there; tooth 0 is the first behind the longest gap.
     pub present: Vec<bool>,
-    /// Whether teeth are low.
-    pub inverted: bool,
     /// How sure it is, 0 to 1: the share of turns that look like it.
     pub confidence: f64,
     /// Other wheels that turns look like, with their shares, best first.
@@ -49,34 +42,34 @@ pub fn find_wheel(rows: &[Row], both_edges: bool) -> Option<WheelFound> {
     } else {
         vec![rows.iter().map(|row| row.ticks).collect()]
     };
-    let ballots = kinds.iter().filter_map(|ticks| vote(&log_intervals(ticks)));
-    let votes = ballots.reduce(Ballot::better)?.votes;
-    let all: usize = votes.iter().map(|(_, votes)| votes).sum();
-    let enough = |(_, votes): &&(Vec<usize>, usize)| *votes as f64 >= TRIED * all as f64;
-    let mut tried: Vec<(WheelFound, f64)> = Vec::new();
-    for (steps, votes) in votes.iter().filter(enough) {
-        let present = teeth(steps);
+    let votes = kinds.iter().flat_map(|ticks| votes(&log_intervals(ticks)));
+    let mut votes: Vec<_> = votes.filter(|(_, share)| *share >= TRIED).collect();
+    // The field beside a gap bends edges of one kind so far that one gap looks like two.
+    let size = |steps: &[usize]| (steps.len(), steps.iter().sum::<usize>());
+    let gaps = |steps: &[usize]| steps.iter().filter(|step| **step > 1).count();
+    votes.sort_by(|(a, share), (b, other)| {
+        let simpler = (size(a), gaps(a)).cmp(&(size(b), gaps(b)));
+        simpler.then(other.total_cmp(share))
+    });
+    votes.dedup_by_key(|(steps, _)| size(steps));
+    let each = votes.into_iter().filter_map(|(steps, share)| {
+        let present = teeth(&steps);
         let sensor = Sensor::Wheel {
             present: present.clone(),
             both_edges,
         };
-        if let Ok(Edges { inverted, fit, .. }) = place(&sensor, 1, rows) {
-            let wheel = WheelFound {
-                present,
-                inverted,
-                confidence: *votes as f64 / all as f64,
-                alternatives: Vec::new(),
-            };
-            tried.push((wheel, fit));
-        }
-    }
-    tried.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let mut tried = tried.into_iter().map(|(wheel, _)| wheel);
-    let mut best = tried.next()?;
-    best.alternatives = tried
-        .map(|wheel| (wheel.present, wheel.confidence))
-        .collect();
-    Some(best)
+        let edges = place(&sensor, 1, rows).ok()?;
+        Some((edges.fit, (present, share)))
+    });
+    let mut tried: Vec<_> = each.collect();
+    tried.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let mut tried = tried.into_iter().map(|(_, wheel)| wheel);
+    let (present, confidence) = tried.next()?;
+    Some(WheelFound {
+        present,
+        confidence,
+        alternatives: tried.collect(),
+    })
 }
 
 /// Log intervals from the middle of a recording.
@@ -89,48 +82,21 @@ fn log_intervals(ticks: &[u64]) -> Vec<f64> {
         .collect()
 }
 
-/// What turns look like.
-struct Ballot {
-    /// Steps of a turn, in pitches, and how many turns look like it, most first.
-    votes: Vec<(Vec<usize>, usize)>,
-    /// Median cost of a turn.
-    cost: f64,
-}
-
-impl Ballot {
-    fn better(self, other: Self) -> Self {
-        let shape = |ballot: &Self| {
-            let (steps, _) = ballot.votes.first()?;
-            let gaps = steps.iter().filter(|&&step| step > 1).count();
-            Some((steps.len(), steps.iter().sum::<usize>(), gaps))
-        };
-        let worse = match (shape(&self), shape(&other)) {
-            // The field beside a gap bends edges of one kind so far that one gap looks like two.
-            (Some((n, pitches, gaps)), Some((same, all, fewer)))
-                if n == same && pitches == all && gaps != fewer =>
-            {
-                fewer < gaps
-            }
-            _ => other.cost < self.cost,
-        };
-        if worse { other } else { self }
-    }
-}
-
-fn vote(logs: &[f64]) -> Option<Ballot> {
-    let pulses = period(logs)?;
-    let apart = (logs.len() - pulses).div_ceil(VOTES).max(1);
-    let mut costs = Vec::new();
-    let mut votes: HashMap<Vec<usize>, usize> = HashMap::new();
-    for turn in logs.windows(pulses).step_by(apart) {
-        let (steps, cost) = steps(turn);
-        costs.push(cost);
-        *votes.entry(canonical(&steps)).or_default() += 1;
-    }
-    let mut votes: Vec<_> = votes.into_iter().collect();
-    votes.sort_by_key(|(steps, votes)| (Reverse(*votes), steps.clone()));
-    let cost = median(costs)?;
-    Some(Ballot { votes, cost })
+/// What turns look like: steps of a turn, in pitches, and the share of turns that look like it.
+fn votes(logs: &[f64]) -> Vec<(Vec<usize>, f64)> {
+    let Some(pulses) = period(logs) else {
+        return Vec::new();
+    };
+    let turns = logs
+        .chunks_exact(pulses)
+        .map(|turn| canonical(&steps(turn)));
+    let mut turns: Vec<Vec<usize>> = turns.collect();
+    turns.sort_unstable();
+    let alike = turns.chunk_by(PartialEq::eq);
+    let share = |alike: &[_]| alike.len() as f64 / turns.len() as f64;
+    alike
+        .map(|alike| (alike[0].clone(), share(alike)))
+        .collect()
 }
 
 /// Pulses a turn: the least shift at which log intervals come again.
@@ -160,24 +126,25 @@ fn period(logs: &[f64]) -> Option<usize> {
     costs.iter().position(|cost| *cost < near).map(|at| at + 1)
 }
 
-/// The whole numbers of pitches that make a turn's speed smoothest, and what they cost.
-fn steps(turn: &[f64]) -> (Vec<usize>, f64) {
-    let one = steps_about(turn, 1);
+/// The whole numbers of pitches that make a turn's speed smoothest.
+fn steps(turn: &[f64]) -> Vec<usize> {
+    let (one, two) = (steps_about(turn, 1), steps_about(turn, 2));
     // Usual steps are seldom two pitches, as where a tooth is put between two others.
-    let mut two = steps_about(turn, 2);
-    two.1 += 2.0 * UNLIKE;
-    if two.1 < one.1 { two } else { one }
+    let (steps, _) = if two.1 + 2.0 * UNLIKE < one.1 {
+        two
+    } else {
+        one
+    };
+    steps
 }
 
-/// As [`steps`], where most are of `usual` pitches.
+/// As [`steps`], where most are of `usual` pitches, and what they cost.
 fn steps_about(turn: &[f64], usual: usize) -> (Vec<usize>, f64) {
     let change = |(from, before): (f64, usize), (to, after): (f64, usize)| {
         let speeds = [from - (before as f64).ln(), to - (after as f64).ln()];
         let unlike = if after == usual { 0.0 } else { UNLIKE };
         let apart = 0.5 * (before + after) as f64 / usual as f64;
-        (speeds[1] - speeds[0]).powi(2) / (2.0 * SWING * SWING * apart)
-            + unlike
-            + PITCH * after as f64 / usual as f64
+        (speeds[1] - speeds[0]).powi(2) / (2.0 * SWING * SWING * apart) + unlike
     };
     let mut best = (Vec::new(), f64::INFINITY);
     for first in 1..=MOST_PITCHES {

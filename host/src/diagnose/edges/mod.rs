@@ -228,7 +228,7 @@ impl Edges {
 }
 
 /// The middle of some values; none of no values.
-fn median(mut values: Vec<f64>) -> Option<f64> {
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {
         return None;
