@@ -94,19 +94,26 @@ pub fn recurs(board: &Board, fit: &Fit, group: usize) -> bool {
 /// along the recording shows as an order beside it. Its sizes in each of some blocks have more evidence then.
 #[must_use]
 pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
-    let effects = fit.model.effects(group);
-    let wholes = effects.iter().map(|effect| match effect.carrier {
-        Carrier::Order(order) if !is_exact(order) && order.round() > 0.0 => Some(Effect {
-            carrier: Carrier::Order(order.round()),
-            ..*effect
-        }),
-        _ => None,
-    });
-    let wholes: Vec<Effect> = wholes.collect::<Option<_>>()?;
+    let beside = |group: usize| -> Option<Vec<Effect>> {
+        let effects = fit.model.effects(group).into_iter();
+        let wholes = effects.map(|effect| match effect.carrier {
+            Carrier::Order(order) if !is_exact(order) && order.round() > 0.0 => Some(Effect {
+                carrier: Carrier::Order(order.round()),
+                ..effect
+            }),
+            _ => None,
+        });
+        wholes.collect()
+    };
+    let wholes = beside(group)?;
     let Carrier::Order(whole) = wholes.first()?.carrier else {
         return None;
     };
-    let own = fit.own(group);
+    // It may have several sidebands.
+    let mut near = fit.model.groups();
+    near.retain(|other| beside(*other).as_ref() == Some(&wholes));
+    let is_near = |term: usize| near.contains(&fit.model.terms[term].group);
+    let own = fit.own_of(&is_near);
     // In as many parts an order that slips by less than one turn in a block is not told from the whole one.
     let shown = parts(board, &alike(2 * BLOCKS), &|at| own[at] * own[at]);
     let sizes = wholes.iter().flat_map(|effect| {
@@ -119,7 +126,7 @@ pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
         sizes.collect::<Vec<_>>()
     });
     let sizes: Vec<Vec<f64>> = sizes.collect();
-    let rest = fit.without(group);
+    let rest = fit.without_some(&is_near);
     let basis = rest.basis();
     let each = shown.iter().flat_map(|part| {
         let (basis, sizes) = (&basis, sizes.iter());
@@ -136,8 +143,15 @@ pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
     let each: Vec<Vec<f64>> = each.collect();
     let each: Vec<&[f64]> = each.iter().map(Vec::as_slice).collect();
     let gain = rest.rss - lsq::solve(&each, &rest.left).rss;
-    let own = evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
-    (evidence(board, gain, each.len()) > own).then_some(whole)
+    let numbers = near.iter().map(|group| fit.model.numbers(*group)).sum();
+    let own = evidence(board, rest.rss - fit.rss, numbers);
+    // What slips by less than a turn is the whole order wherever that explains most of it.
+    let slips = board.reach(&wholes[0])[0];
+    let slow = fit.model.effects(group).iter().all(|effect| {
+        matches!(effect.carrier, Carrier::Order(order) if (order - order.round()).abs() < slips)
+    });
+    let most = slow && gain > MOST * (rest.rss - fit.rss);
+    (most || evidence(board, gain, each.len()) > own).then_some(whole)
 }
 
 impl Parts {

@@ -61,7 +61,8 @@ impl Fit {
     }
 
     /// The same without some terms, by their places.
-    fn without_some(&self, gone: &dyn Fn(usize) -> bool) -> Self {
+    #[must_use]
+    pub fn without_some(&self, gone: &dyn Fn(usize) -> bool) -> Self {
         let terms = { self.model.terms.iter().enumerate() }.filter(|(at, _)| !gone(*at));
         let terms = terms.map(|(_, term)| term.clone()).collect();
         let before = |term: usize| (0..term).filter(|&at| gone(at)).count();
@@ -85,7 +86,8 @@ impl Fit {
     }
 
     /// What some terms make of each innovation.
-    fn own_of(&self, asked: &dyn Fn(usize) -> bool) -> Vec<f64> {
+    #[must_use]
+    pub fn own_of(&self, asked: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let mut own = vec![0.0; self.left.len()];
         for (column, (at, number)) in self.columns.iter().zip(&self.of) {
             // Knobs have no sizes.
