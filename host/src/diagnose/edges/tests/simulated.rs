@@ -152,6 +152,12 @@ fn wheels_of_any_gaps_are_found() {
             found.present.len() == places && (0..places).any(same),
             "seed {seed}: {present:?} but {found:?}"
         );
+        let sensor = Sensor::Wheel {
+            present: found.present,
+            both_edges: true,
+        };
+        let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
+        assert!(!edges.inverted, "seed {seed}");
     }
 }
 

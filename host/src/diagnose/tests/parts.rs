@@ -1,0 +1,242 @@
+//! Filter, shaft, disc and board by themselves.
+
+use super::{PAIR_FAST, WHEEL, board, edges, twin};
+use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
+use crate::diagnose::filter::{Filter, Noise, State, Whitens};
+use crate::diagnose::model::Model;
+use crate::diagnose::pattern::Pattern;
+use crate::diagnose::plant::{Law, Plant};
+use crate::diagnose::record::Record;
+use crate::diagnose::{cells, course::Course, declared, judge, lsq, lsq::dot};
+
+#[test]
+fn the_transposed_filter_is_the_filters_adjoint() {
+    let twin = twin(PAIR_FAST);
+    let record = Record::of(&edges(&twin), &twin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let plant = Plant::new(Law::of(&twin), &course);
+    let leaps = plant.leaps::<{ State::Held.and_before() }>(&course);
+    let noise = Noise {
+        torque: 1e-4,
+        stamp_s: 1e-8,
+        drift: 0.0,
+        fade: 0.0,
+        angle_rad: 0.0,
+    };
+    let filter = Filter::new(&leaps, &noise);
+    let wave =
+        |by: f64| -> Vec<f64> { (0..record.len()).map(|at| (by * at as f64).sin()).collect() };
+    let (one, other) = (wave(0.37), wave(0.011));
+    let mut there = one.clone();
+    filter.whiten(&mut there);
+    let mut back = other.clone();
+    filter.transposed(&mut back);
+    let (a, b) = (dot(&there, &other), dot(&one, &back));
+    assert!((a - b).abs() < 1e-9 * a.abs().max(b.abs()), "{a} {b}");
+}
+
+#[test]
+fn rows_side_by_side_are_filtered_as_each_alone() {
+    let board = board(PAIR_FAST);
+    let gains = &board.benches[0].gains;
+    let row = |by: f64| -> Vec<f64> {
+        let each = 0..board.edges();
+        each.map(|at| (by * (at * at) as f64).sin()).collect()
+    };
+    let rows: Vec<Vec<f64>> = [0.3, 0.7, 1.1, 1.9, 2.3].map(row).to_vec();
+    let (mut white, mut back) = (rows.clone(), rows.clone());
+    gains.whiten_rows(&mut white);
+    gains.transposed_rows(&mut back);
+    for (at, row) in rows.iter().enumerate() {
+        let (mut one, mut other) = (row.clone(), row.clone());
+        gains.whiten(&mut one);
+        gains.transposed(&mut other);
+        assert_eq!((&white[at], &back[at]), (&one, &other), "{at}");
+    }
+}
+
+#[test]
+fn errors_of_a_disc_with_few_edges_solve_its_normal_equations() {
+    let board = board(WHEEL);
+    let mut pattern = Pattern::known(&board.benches, 1e-8).unwrap();
+    let white = board.target();
+    let off = |pattern: &Pattern| {
+        let errors = pattern.errors(&board.benches, &white);
+        let fold = pattern.fold(&board.benches, &white);
+        let shown = pattern.fold(&board.benches, &pattern.unfold(&board.benches, &errors));
+        let each = fold.iter().zip(&shown).zip(&errors);
+        let rest = each.map(|((fold, shown), error)| fold - shown - error / 1e-8);
+        rest.map(|rest| rest * rest).sum::<f64>() / dot(&fold, &fold)
+    };
+    assert!(off(&pattern) < 1e-16, "{}", off(&pattern));
+    pattern.weigh(&board.benches);
+    assert!(off(&pattern) < 1e-16, "{}", off(&pattern));
+}
+
+#[test]
+fn no_kind_of_friction_drives_the_shaft_beside_another_one() {
+    let board = board(PAIR_FAST);
+    let friction = |carrier| Effect::new(Site::Torque, carrier);
+    let mut model = Model::default();
+    model.add(
+        &[
+            friction(Carrier::Power(0.0)),
+            friction(Carrier::Stribeck(60.0)),
+        ],
+        0,
+    );
+    let mut sized = |coulomb: f64, stribeck: f64| {
+        model.terms[0].sizes = vec![coulomb];
+        model.terms[1].sizes = vec![stribeck];
+        board.can_be(&model)
+    };
+    assert!(sized(1e-2, 1e-2));
+    assert!(sized(1e-2, 0.0));
+    assert!(!sized(1e-2, -1e-2));
+    assert!(!sized(-1e-2, 3e-2));
+}
+
+#[test]
+fn an_order_beside_a_whole_one_of_changing_size_is_its_sideband_and_a_gear_is_not() {
+    let order = |order, growth| Effect {
+        growth,
+        ..Effect::new(Site::Torque, Carrier::Order(order))
+    };
+    // The order that is fitted to what a torque makes, and whose sideband it is.
+    let fitted = |cos: Effect, sin: Effect, start: f64| {
+        let mut board = board(PAIR_FAST);
+        let (cos, sin) = (
+            board.benches[0].columns(&cos),
+            board.benches[0].columns(&sin),
+        );
+        let each = cos[0].iter().zip(&sin[1]);
+        board.benches[0].residual = each.map(|(cos, sin)| 6e-4 * (cos + sin)).collect();
+        let mut model = Model::default();
+        model.add(&[order(start, Growth::Constant)], 0);
+        let fit = board.fit(&model);
+        let Carrier::Order(order) = fit.model.terms[0].effect.carrier else {
+            unreachable!()
+        };
+        (order, judge::sideband_of(&board, &fit, 0))
+    };
+    // It turns its phase along the recording.
+    let part = |phase| order(4.0, Growth::Modulated(0.4, 1.0, phase));
+    let (beside, whole) = fitted(part(1.6), part(-1.6), 4.0 + 1e-3);
+    assert!((beside - 4.0).abs() > 0.01, "{beside}");
+    assert_eq!(whole, Some(4.0));
+    // A gear is none, though it slips by little more than a turn against the whole order.
+    for truth in [4.3, 4.09] {
+        let gear = order(truth, Growth::Constant);
+        let (gear, whole) = fitted(gear, gear, truth);
+        assert!((gear - truth).abs() < 1e-6, "{gear}");
+        assert_eq!(whole, None);
+    }
+}
+
+#[test]
+fn a_torque_swings_the_shaft_as_its_transfer_function_says() {
+    let mut twin = twin(PAIR_FAST);
+    twin.errors = Default::default();
+    let record = Record::of(&edges(&twin), &twin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let plant = Plant::new(Law::of(&twin), &course);
+    let w: f64 = 2.0 * std::f64::consts::PI * 30.0;
+    let angles = plant.response_over(
+        0..course.len(),
+        &course,
+        |here| (w * here.time_s).sin(),
+        |_| w,
+        &[],
+    );
+    let b = plant.damping[1];
+    let expected = 1.0 / (w * w.hypot(b));
+    // Over whole periods late in the recording, beside a straight way.
+    let half = record.len() / 2;
+    let time: Vec<f64> = record.time_s[half..].to_vec();
+    let sin: Vec<f64> = time.iter().map(|t| (w * t).sin()).collect();
+    let cos: Vec<f64> = time.iter().map(|t| (w * t).cos()).collect();
+    let one = vec![1.0; time.len()];
+    let solved = lsq::solve(&[&one, &time, &sin, &cos], &angles[half..]);
+    let swing = solved.sizes[2].hypot(solved.sizes[3]);
+    assert!((swing / expected - 1.0).abs() < 1e-3, "{swing} {expected}");
+}
+
+#[test]
+fn effects_of_a_twin_are_as_many_as_its_sections_say() {
+    let twin = twin(include_str!("../../../twins/mechanisms.toml"));
+    // One gear, two bearings, a tone, a load, a level's ripple and drift, two plays, a drift of the speed.
+    assert_eq!(declared::effects(&twin).len(), 10);
+}
+
+#[test]
+fn friction_is_tried_where_the_speed_changes_alone() {
+    let rig = |drive: &str| {
+        format!(
+            "seed = 3\nduration = {{ turns = 20 }}\n\n[encoder.quadrature]\nlines = 60\n\n[errors]\nwidth_a_rad = 1e-6\n\n{drive}\n[shaft]\n\
+             inertia_kg_m2 = 3e-3\nviscous_n_m_s = 6.2e-3\nstiffness_n_m_s = 1.1e-2\n\n[noise.white]\npsd_n2_m2_s = 3e-9\n\n[timer]\n\
+             clock_hz = 168_000_000\njitter_s = 8e-8\n"
+        )
+    };
+    let tried = |drive: &str| {
+        let groups = cells::steady(&board(&rig(drive)));
+        groups.iter().flatten().any(Effect::is_friction)
+    };
+    // Noise that is not white damps in its own way there.
+    assert!(!tried("[drive.constant]\nr_min = 150\n"));
+    assert!(tried(
+        "[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 6\n"
+    ));
+}
+
+#[test]
+fn an_edge_that_the_shaft_rocks_about_has_no_speed() {
+    let thin = twin(
+        "[encoder.quadrature]\nlines = 100\n\n[shaft]\ninertia_kg_m2 = 1e-4\n\n[timer]\nclock_hz = 1_000_000\n",
+    );
+    let mut edges = edges(&twin(
+        "seed = 1\nduration = { turns = 4 }\n\n[encoder.quadrature]\nlines = 100\n\n[errors]\nwidth_a_rad = 1e-6\n\n[drive.constant]\n\
+         r_min = 60\n\n[timer]\nclock_hz = 1_000_000\n",
+    ));
+    let count = edges.place.len();
+    for at in count - 6..count {
+        edges.place[at] = edges.place[count - 7];
+        edges.forward[at] = at % 2 == 0;
+        edges.time_s[at] = edges.time_s[at - 1] + 0.5;
+    }
+    let record = Record::of(&edges, &thin);
+    // Something that pushes all the while it stands.
+    let pushed = vec![[0.0, 30.0]; record.len()];
+    let course = Course::bent(&record, &vec![0.0; record.len()], &pushed);
+    let last = &course.speed[record.len() - 5..];
+    assert!(last.iter().all(|speed| *speed == 0.0), "{last:?}");
+}
+
+#[test]
+fn effects_that_no_recording_tells_apart_are_the_same() {
+    let board = board(PAIR_FAST);
+    let torque = |order: f64| Effect::new(Site::Torque, Carrier::Order(order));
+    // 13 turns tell orders apart by a thirteenth.
+    assert!(board.is_same(&torque(5.3), &torque(5.31)));
+    assert!(!board.is_same(&torque(5.3), &torque(5.5)));
+    let tone = Effect::new(Site::Torque, Carrier::Tone(5.3));
+    assert!(!board.is_same(&torque(5.3), &tone));
+    assert!(!board.is_same(&torque(5.3), &Effect::new(Site::Drive, Carrier::Order(5.3))));
+}
+
+#[test]
+fn what_a_fit_has_without_a_finding_is_what_the_others_have_alone() {
+    let board = board(PAIR_FAST);
+    let mut model = Model::default();
+    // Orders that so few turns hardly tell apart take from each other.
+    for (group, order) in [5.0, 5.06].into_iter().enumerate() {
+        model.add(&[Effect::new(Site::Torque, Carrier::Order(order))], group);
+    }
+    let fit = board.fit(&model);
+    let (without, alone) = (fit.without(1), board.fit(&model.without(1)));
+    let sizes = |of: &[f64]| of.iter().fold(0.0_f64, |sum, size| sum.hypot(*size));
+    let (here, there) = (&without.model.terms[0].sizes, &alone.model.terms[0].sizes);
+    assert!(sizes(&fit.model.terms[0].sizes) > 1.1 * sizes(there));
+    let off: Vec<f64> = here.iter().zip(there).map(|(a, b)| a - b).collect();
+    assert!(sizes(&off) < 1e-6 * sizes(there), "{here:?} {there:?}");
+    assert!((without.rss / alone.rss - 1.0).abs() < 1e-9);
+}
