@@ -163,27 +163,54 @@ pub fn whiteness(board: &Board, rests: &[Vec<f64>]) -> f64 {
 
 /// Share of the variance of the innovations that those before foretell, less what noise would have of it.
 pub fn correlated(board: &Board, rests: &[Vec<f64>]) -> f64 {
-    let (sum, lags) = correlation(board, rests);
-    ((sum - lags) / board.edges() as f64).clamp(0.0, 1.0)
+    let each = board.benches.iter().zip(rests).map(|(bench, rest)| {
+        let (count, lags) = autocorrelation(bench, rest);
+        count * foretold(&lags) - lags.len() as f64
+    });
+    (each.sum::<f64>() / board.edges() as f64).clamp(0.0, 1.0)
 }
 
-/// Sum of squares that the innovations before an edge foretell of its own, and over how many lags.
-pub fn correlation(board: &Board, rests: &[Vec<f64>]) -> (f64, f64) {
-    let (mut sum, mut lags) = (0.0, 0.0);
-    for (bench, rest) in board.benches.iter().zip(rests) {
-        let mut white = bench.white(rest);
-        white
-            .iter_mut()
-            .for_each(|white| *white = white.clamp(-4.0, 4.0));
-        let count = white.len() as f64;
-        let square: f64 = white.iter().map(|white| white * white).sum();
-        for lag in 1..=LAGS.min(white.len() / 4) {
-            let product: f64 = white.iter().zip(&white[lag..]).map(|(a, b)| a * b).sum();
-            sum += count * (count + 2.0) * (product / square).powi(2) / (count - lag as f64);
-            lags += 1.0;
-        }
+/// Share of the variance of a row that its last values foretell, by its autocorrelation from lag 1 on: each partial correlation takes its
+/// part of what is left (N. Levinson, Journal of Mathematics and Physics 25, 1946).
+fn foretold(lags: &[f64]) -> f64 {
+    let (mut weights, mut left) = (Vec::<f64>::new(), 1.0);
+    for (at, lag) in lags.iter().enumerate() {
+        let known = weights.iter().zip(lags[..at].iter().rev());
+        let known: f64 = known.map(|(weight, lag)| weight * lag).sum();
+        let partial = (lag - known) / left;
+        let mirrored: Vec<f64> = weights.iter().rev().copied().collect();
+        let each = weights.iter_mut().zip(mirrored);
+        each.for_each(|(weight, mirrored)| *weight -= partial * mirrored);
+        weights.push(partial);
+        left *= 1.0 - partial * partial;
     }
-    (sum, lags)
+    1.0 - left
+}
+
+/// Sum of squares of the innovations' autocorrelations, each over its variance in noise, and over how many lags.
+pub fn correlation(board: &Board, rests: &[Vec<f64>]) -> (f64, f64) {
+    let (mut sum, mut of) = (0.0, 0.0);
+    for (bench, rest) in board.benches.iter().zip(rests) {
+        let (count, lags) = autocorrelation(bench, rest);
+        for (lag, value) in (1..).zip(&lags) {
+            sum += count * (count + 2.0) * value.powi(2) / (count - f64::from(lag));
+        }
+        of += lags.len() as f64;
+    }
+    (sum, of)
+}
+
+/// Innovations and their autocorrelation at each lag from 1 on; those that are far out count less.
+fn autocorrelation(bench: &Bench, rest: &[f64]) -> (f64, Vec<f64>) {
+    let mut white = bench.white(rest);
+    let each = white.iter_mut();
+    each.for_each(|white| *white = white.clamp(-4.0, 4.0));
+    let square: f64 = white.iter().map(|white| white * white).sum();
+    let lags = (1..=LAGS.min(white.len() / 4)).map(|lag| {
+        let products = white.iter().zip(&white[lag..]).map(|(a, b)| a * b);
+        products.sum::<f64>() / square
+    });
+    (white.len() as f64, lags.collect())
 }
 
 /// What was read of a recording.
@@ -253,4 +280,27 @@ pub fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_before_foretell_as_much_as_their_process_says() {
+        // First order: the last value foretells its square. Second order: x = a x1 + b x2 + e.
+        for last in [0.05_f64, 0.9, -0.6] {
+            let lags: Vec<f64> = (1..=LAGS as i32).map(|lag| last.powi(lag)).collect();
+            assert!((foretold(&lags) - last * last).abs() < 1e-12);
+        }
+        let (a, b) = (1.2, -0.8);
+        let mut lags = vec![a / (1.0 - b)];
+        lags.push(a * lags[0] + b);
+        while lags.len() < LAGS {
+            let at = lags.len();
+            lags.push(a * lags[at - 1] + b * lags[at - 2]);
+        }
+        let share = a * lags[0] + b * lags[1];
+        assert!((foretold(&lags) - share).abs() < 1e-12, "{share}");
+    }
 }
