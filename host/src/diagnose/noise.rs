@@ -62,11 +62,48 @@ impl Tails {
 
     /// Weight of an innovation in least squares, whose square makes them stationary where the density is.
     #[must_use]
-    pub fn weight(self, white: f64) -> f64 {
+    fn weight(self, white: f64) -> f64 {
         match self {
             Self::Normal => 1.0,
             Self::Student => ((DEGREES + 1.0) / (DEGREES + white * white)).sqrt(),
         }
+    }
+
+    /// Weights of innovations. Those of late captures are skewed: about zero their weights would pull a fit off their mean, which torques
+    /// or a drive's numbers would then make up for. So they go about the value at which the mean stays.
+    #[must_use]
+    pub fn weights(self, white: &[f64]) -> Vec<f64> {
+        let about = |center: f64| white.iter().map(move |white| self.weight(white - center));
+        if self == Self::Normal {
+            return about(0.0).collect();
+        }
+        let count = white.len().max(1) as f64;
+        let mean = white.iter().sum::<f64>() / count;
+        let off = |center: f64| {
+            let each = about(center).zip(white);
+            let (sum, weights) = each.fold((0.0, 0.0), |(sum, weights), (weight, white)| {
+                (
+                    sum + weight * weight * (white - mean),
+                    weights + weight * weight,
+                )
+            });
+            sum / weights
+        };
+        let error = (square(white) / count).sqrt();
+        let skewed = off(0.0);
+        if skewed.abs() < FAR * error {
+            return about(0.0).collect();
+        }
+        let (mut near, mut far) = (0.0, -FAR.copysign(skewed));
+        while (far - near).abs() > error {
+            let middle = 0.5 * (near + far);
+            if off(middle) * skewed > 0.0 {
+                near = middle;
+            } else {
+                far = middle;
+            }
+        }
+        about(0.5 * (near + far)).collect()
     }
 
     /// What counts in a fit of the noise: what is far out of normal noise is an event.
@@ -276,4 +313,40 @@ pub fn levels(white: &[f64], edges_of_a_turn: usize) -> Vec<f64> {
 /// Mean square.
 fn square(white: &[f64]) -> f64 {
     white.iter().map(|white| white * white).sum::<f64>() / white.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_leave_the_mean_of_skewed_noise_where_it_is() {
+        // Quantiles of an exponential and of a normal-like distribution about their means.
+        let shares = (0..4000).map(|at| (f64::from(at) + 0.5) / 4000.0);
+        let skewed: Vec<f64> = shares
+            .clone()
+            .map(|share| -(1.0 - share).ln() - 1.0)
+            .collect();
+        let even: Vec<f64> = shares
+            .map(|share| (share / (1.0 - share)).ln() / 1.8)
+            .collect();
+        let mean = |white: &[f64], weights: &[f64]| {
+            let each = white.iter().zip(weights);
+            let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+            each.map(|(white, weight)| white * weight * weight)
+                .sum::<f64>()
+                / squares
+        };
+        let plainly: Vec<f64> = skewed
+            .iter()
+            .map(|white| Tails::Student.weight(*white))
+            .collect();
+        assert!(mean(&skewed, &plainly) < -0.1);
+        assert!(mean(&skewed, &Tails::Student.weights(&skewed)).abs() < 0.01);
+        let plainly: Vec<f64> = even
+            .iter()
+            .map(|white| Tails::Student.weight(*white))
+            .collect();
+        assert_eq!(Tails::Student.weights(&even), plainly);
+    }
 }

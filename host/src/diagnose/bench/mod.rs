@@ -228,10 +228,9 @@ impl Bench {
     pub fn weigh(&mut self, rest: &[f64], tails: Tails) {
         let mut white = rest.to_vec();
         self.gains.whiten(&mut white);
-        let each = white.iter().zip(&self.weights);
-        self.tails = each
-            .map(|(white, weight)| tails.weight(white * weight))
-            .collect();
+        let each = white.iter_mut().zip(&self.weights);
+        each.for_each(|(white, weight)| *white *= weight);
+        self.tails = tails.weights(&white);
     }
 
     /// Takes off residual angles what an unknown start makes of them: angle, speed and how that fades.

@@ -93,9 +93,6 @@ fn between_stops(mut edges: Edges) -> Edges {
     let (after, last_s) = (edges.len() - end, edges.time_s[edges.len() - 1]);
     edges.drain(end..edges.len());
     edges.drain(0..first);
-    edges
-        .events
-        .retain(|event| (starts_s..=ends_s).contains(&event.time_s));
     let ends = [(first, edges.begins_s, starts_s), (after, ends_s, last_s)];
     for (rows, from_s, until_s) in ends.into_iter().filter(|(rows, ..)| *rows > 0) {
         edges.unused.push(Stretch {
@@ -138,6 +135,14 @@ impl Edges {
 
     /// Leaves edges out.
     fn drain(&mut self, range: Range<usize>) {
+        // Where it may have turned to and fro, a long time between edges says nothing of edges between them.
+        let from_s = range
+            .start
+            .checked_sub(1)
+            .map_or(f64::NEG_INFINITY, |at| self.time_s[at]);
+        let until_s = self.time_s.get(range.end).copied().unwrap_or(f64::INFINITY);
+        self.events
+            .retain(|event| event.time_s <= from_s || event.time_s >= until_s);
         self.time_s.drain(range.clone());
         self.place.drain(range.clone());
         self.class.drain(range.clone());

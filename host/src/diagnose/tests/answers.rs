@@ -99,6 +99,21 @@ fn late_captures_of_a_noisy_shaft_are_told_from_jitter() {
 }
 
 /// A rig with more edges than a search begins with.
+#[test]
+fn late_captures_of_a_shaft_that_slows_down_are_no_other_ramp() {
+    let rig = "duration = { turns = 10 }\n[encoder.quadrature]\nlines = 512\n\
+        [errors]\nseed = 5\nposition = { uniform = { amplitude_rad = 1e-5 } }\n[shaft]\ninertia_kg_m2 = 2e-3\nviscous_n_m_s = 1.4e-3\nstiffness_n_m_s = 5e-3\n\
+        [drive.ramp]\nfrom_r_min = 1477\nto_r_min = 598\nover_s = 0.55\n[noise.white]\npsd_n2_m2_s = 5e-8\n\
+        [timer]\nclock_hz = 168e6\njitter_s = 4e-8\n";
+    for seed in 1..4 {
+        let real = format!("seed = {seed}\n{rig}[capture_latency]\nmean_s = 7.6e-8\n");
+        let answer = against(&real, rig);
+        let names = answer.diagnosis.findings.iter().map(|one| one.mechanism);
+        let names: Vec<_> = names.collect();
+        assert_eq!(names, [Mechanism::CaptureLatency], "{:?}", said(&answer));
+    }
+}
+
 const MANY: &str = "duration = { turns = 8 }\n[encoder.quadrature]\nlines = 1000\nindex = true\n\
     [errors]\nwidth_a_rad = 1e-4\n[shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-3\n\
     [drive.constant]\nr_min = 300\n[noise.white]\npsd_n2_m2_s = 1e-10\n\
