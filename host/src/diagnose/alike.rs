@@ -98,5 +98,6 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         });
     }
     *fit = board.fit_in_noise(&fit.model);
+    search::prune(board, fit);
     all
 }

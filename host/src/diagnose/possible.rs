@@ -43,7 +43,11 @@ impl Board {
             return Vec::new();
         };
         let edges = self.benches.first().map_or(0, |bench| bench.record.edges) as f64;
-        let each = [(edges - order).abs(), edges + order].into_iter();
+        if edges <= 0.0 {
+            return Vec::new();
+        }
+        let turns = (0..=((HIGHEST + order) / edges) as u32).map(|all| f64::from(all) * edges);
+        let each = turns.flat_map(|all| [(all - order).abs(), all + order]);
         each.filter(|image| *image > 0.0 && *image != order && *image < HIGHEST)
             .map(|image| Effect {
                 carrier: Carrier::Order(image),

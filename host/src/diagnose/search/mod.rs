@@ -244,7 +244,7 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
 }
 
 /// Takes off a fit what is no longer worth its numbers: groups, and orders of a family.
-fn prune(board: &Board, fit: &mut Fit) {
+pub fn prune(board: &Board, fit: &mut Fit) {
     while let Some(model) = dropped(board, fit) {
         *fit = board.fit(&model);
     }
