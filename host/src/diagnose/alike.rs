@@ -69,11 +69,18 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             [one] => board.images(one),
             _ => Vec::new(),
         };
-        let images = images.into_iter().filter(|image| {
-            let (_, gain) = board.beside(&rest, &basis, &[*image]);
-            worth - evidence(board, gain, 2) < ALIKE + AS_EXACT * worth
+        // Each at its exact place: the course may tell them apart by a speed's swing alone.
+        let images = images.into_iter().map(|image| {
+            let gain = basis.gain(&board.columns(&image), &rest.left);
+            (evidence(board, gain, 2), image)
         });
-        let mut images: Vec<Effect> = images.collect();
+        let images: Vec<(f64, Effect)> = images.collect();
+        let open = ALIKE + AS_EXACT * worth;
+        let best = images.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let best = best.filter(|(fitted, _)| *fitted > worth + open);
+        rivals.extend(best.map(|(fitted, image)| (mechanism, *fitted, vec![*image])));
+        let as_good = images.iter().filter(|(fitted, _)| *fitted > worth - open);
+        let mut images: Vec<Effect> = as_good.map(|(_, image)| *image).collect();
         rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
         let (mut worth, mut named) = (worth, mechanism);
         if rivals.first().is_some_and(|one| one.1 > worth + better) {

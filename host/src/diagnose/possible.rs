@@ -39,6 +39,16 @@ impl Board {
     /// ones than a motor's are none.
     #[must_use]
     pub fn images(&self, effect: &Effect) -> Vec<Effect> {
+        self.mirrored(effect, u32::MAX)
+    }
+
+    /// Those of them that one turn's edges mirror: a search that goes from one to the next reaches all.
+    #[must_use]
+    pub fn nearest_images(&self, effect: &Effect) -> Vec<Effect> {
+        self.mirrored(effect, 1)
+    }
+
+    fn mirrored(&self, effect: &Effect, most: u32) -> Vec<Effect> {
         let (Site::Torque, Carrier::Order(order)) = (effect.site, effect.carrier) else {
             return Vec::new();
         };
@@ -46,7 +56,8 @@ impl Board {
         if edges <= 0.0 {
             return Vec::new();
         }
-        let turns = (0..=((HIGHEST + order) / edges) as u32).map(|all| f64::from(all) * edges);
+        let most = most.min(((HIGHEST + order) / edges) as u32);
+        let turns = (1..=most).map(|all| f64::from(all) * edges);
         let each = turns.flat_map(|all| [(all - order).abs(), all + order]);
         each.filter(|image| *image > 0.0 && *image != order && *image < HIGHEST)
             .map(|image| Effect {

@@ -141,7 +141,9 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let everywhere: Vec<Effect> = everywhere.collect();
     let found = model.terms.iter().map(|term| &term.effect);
     let images = everywhere.iter().chain(found);
-    let images: Vec<Effect> = images.flat_map(|effect| board.images(effect)).collect();
+    let images: Vec<Effect> = images
+        .flat_map(|effect| board.nearest_images(effect))
+        .collect();
     let all = everywhere.into_iter().chain(images);
     let everywhere: Vec<Effect> = all
         .filter(|effect| !board.is_alias(effect) && !taken(board, model, effect))

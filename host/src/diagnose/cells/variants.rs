@@ -36,7 +36,7 @@ pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> 
     if board.benches.iter().any(|bench| bench.record.classes > 1) {
         all.push((Site::Level(On::ALL), Carrier::Tone(tone)));
     }
-    let images = board.images(effect).into_iter();
+    let images = board.nearest_images(effect).into_iter();
     all.extend(images.map(|image| (image.site, image.carrier)));
     let of = |(site, carrier): (Site, Carrier)| Effect {
         site,
@@ -48,7 +48,7 @@ pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> 
         other.site == effect.site
             && other.growth == effect.growth
             && std::mem::discriminant(&other.carrier) == std::mem::discriminant(&effect.carrier)
-            && !board.images(effect).contains(other)
+            && !board.nearest_images(effect).contains(other)
     };
     let each = all.into_iter().map(of).flat_map(|other| {
         let mut each = if loud {
