@@ -1,5 +1,7 @@
 //! Where the shaft is between and at edges, as the edges themselves have it: the angle that torques are evaluated at.
 
+use std::f64::consts::TAU;
+
 use super::plant::Motion;
 use super::record::Record;
 
@@ -12,6 +14,8 @@ pub struct Course {
     pub angle: Vec<f64>,
     /// Speed there, rad/s, negative in reverse.
     pub speed: Vec<f64>,
+    /// Way to either side over which that is, rad.
+    pub span: f64,
     /// When it turns round, s.
     pub reversals_s: Vec<f64>,
     /// How late each stamp is, as far as that is known, s.
@@ -48,6 +52,7 @@ impl Course {
             time_s: record.time_s.clone(),
             angle,
             speed,
+            span: reach(record) as f64 * TAU / record.edges as f64,
             reversals_s: Vec::new(),
             late_s: vec![0.0; record.len()],
             doubt_s: record.doubt_s.clone(),
@@ -171,9 +176,14 @@ impl Course {
     }
 }
 
+/// Half the edges of a line.
+fn reach(record: &Record) -> usize {
+    (record.classes as usize / 2).max(1)
+}
+
 /// Speeds from the angles of edges one line apart: half of it to either side, within one direction; none where that is no way.
 fn speeds(record: &Record, angle: &[f64]) -> Vec<Option<f64>> {
-    let reach = ((record.classes as usize) / 2).max(1);
+    let reach = reach(record);
     let last = record.len().saturating_sub(1);
     (0..record.len())
         .map(|at| {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::course::Course;
 use super::effect::{Carrier, Effect, On, Scene, Site, along_time};
 use super::lsq::add;
-use super::plant::{Here, Motion, Plant, Swing, sign};
+use super::plant::{Here, Law, Motion, Plant, Swing, sign};
 use super::record::Record;
 use super::speed_loop;
 use crate::twin::{Channel, Drive, Twin};
@@ -224,13 +224,7 @@ impl Declared {
         for (effect, sizes) in effects(twin) {
             match effect.site {
                 Site::Drive => {}
-                Site::Torque => {
-                    for (motions, size) in effect.motions(&scene).iter().zip(&sizes) {
-                        for (into, by) in response.iter_mut().zip(motions) {
-                            add(into, *size, by);
-                        }
-                    }
-                }
+                Site::Torque => push(&mut response, &scene, &effect, &sizes),
                 _ => {
                     for (column, size) in effect.columns(&scene).iter().zip(&sizes) {
                         add(&mut off, *size, column);
@@ -247,6 +241,15 @@ impl Declared {
     #[must_use]
     pub fn angles(&self) -> Vec<f64> {
         self.response.iter().map(|[angle, _]| *angle).collect()
+    }
+}
+
+/// Adds what a torque makes of angle and speed at each edge.
+pub fn push(into: &mut [Motion], scene: &Scene<'_>, effect: &Effect, sizes: &[f64]) {
+    for (motions, size) in effect.motions(scene).iter().zip(sizes) {
+        for (into, by) in into.iter_mut().zip(motions) {
+            add(into, *size, by);
+        }
     }
 }
 
@@ -272,37 +275,66 @@ fn mean_late_s(twin: &Twin) -> f64 {
     latency.and_then(|latency| latency.mean_s).unwrap_or(0.0)
 }
 
+/// Way from a standstill within which ripples that nobody has found yet may hold a shaft that an unknown drive turns, rad, and part of the
+/// speed that they leave open there, and their order: some times what takes a motor through a standstill.
+const NEAR: f64 = TAU;
+const UNSEEN: f64 = 0.1;
+const MOTOR: f64 = 6.0;
+
 /// Part of the speed by which it changes over an interval from which on its course within is in doubt, and part of a torque that is open
 /// there.
 const OPEN: f64 = 0.3;
 
-/// Changes of angle and speed that the torques' size leaves open where the course within an interval is not known: at a reversal, and
+/// Orders of the torques that a twin declares, with their sizes as accelerations, rad/s^2.
+#[must_use]
+pub fn waves(twin: &Twin, law: &Law) -> Vec<(f64, f64)> {
+    let each = effects(twin).into_iter();
+    each.filter_map(|(effect, sizes)| wave(&effect, &sizes, law))
+        .collect()
+}
+
+/// Order and acceleration of a torque that goes with the angle.
+#[must_use]
+pub fn wave(effect: &Effect, sizes: &[f64], law: &Law) -> Option<(f64, f64)> {
+    match (effect.site, effect.carrier) {
+        (Site::Torque, Carrier::Order(order)) => {
+            Some((order, sizes[0].hypot(sizes[1]) / law.inertia))
+        }
+        _ => None,
+    }
+}
+
+/// Changes of angle and speed that the size of waves leaves open where the course within an interval is not known: at a reversal, and
 /// wherever the speed changes much from edge to edge.
 #[must_use]
-pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)> {
+pub fn jolts(waves: &[(f64, f64)], course: &Course, plant: &Plant) -> Vec<(usize, Motion)> {
     let law = &plant.law;
-    let waves: Vec<(f64, f64)> = effects(twin)
-        .into_iter()
-        .filter_map(|(effect, sizes)| match (effect.site, effect.carrier) {
-            (Site::Torque, Carrier::Order(order)) => {
-                Some((order, sizes[0].hypot(sizes[1]) / law.inertia))
-            }
-            _ => None,
-        })
-        .collect();
-    // What an unknown drive does where ripples may hold the shaft is not linear in the speed.
-    let deep: f64 = waves.iter().map(|(order, size)| 2.0 * size / order).sum();
-    let push: f64 = waves.iter().map(|(_, size)| size).sum();
+    let slow = law.undriven.then(|| near_standstills(course));
     let mut jolts = Vec::new();
     for at in 1..course.len() {
         let (v0, v1) = (course.speed[at - 1], course.speed[at]);
         let h = course.time_s[at] - course.time_s[at - 1];
-        if law.undriven && 0.5 * v0.abs().max(v1.abs()).powi(2) < deep {
-            let jolt = OPEN * push * h;
+        let top = v0.abs().max(v1.abs());
+        // What an unknown drive does where ripples may hold the shaft is not linear in the speed, as far as edges do not show it: what a
+        // speed between two edges misses of a wave.
+        let missed = |order: f64| ((order * course.span).powi(2) / 6.0).min(1.0);
+        let unknown = |each: fn(f64, f64) -> f64| -> f64 {
+            let each = waves
+                .iter()
+                .map(|(order, size)| each(*order, *size) * missed(*order));
+            each.sum()
+        };
+        let held = law.undriven && 0.5 * top.powi(2) < unknown(|order, size| 2.0 * size / order);
+        let slow = slow.as_ref().is_some_and(|slow| slow[at]);
+        if held || slow {
+            let part = |open: bool| f64::from(u8::from(open));
+            let known = part(held) * OPEN * unknown(|_, size| size) * h;
+            let unseen = part(slow) * UNSEEN * missed(MOTOR) * top;
+            let jolt = known.max(unseen);
             jolts.push((at, [0.5 * jolt * h, jolt]));
             continue;
         }
-        if (v1 - v0).abs() < OPEN * v0.abs().max(v1.abs()) {
+        if (v1 - v0).abs() < OPEN * top {
             continue;
         }
         // How far a cubic and a straight way differ.
@@ -326,6 +358,25 @@ pub fn jolts(twin: &Twin, course: &Course, plant: &Plant) -> Vec<(usize, Motion)
         }
     }
     jolts
+}
+
+/// Intervals near a standstill, where a ripple that nobody has found yet may hold the shaft.
+fn near_standstills(course: &Course) -> Vec<bool> {
+    let mut near = vec![false; course.len()];
+    let mut walk = |each: &mut dyn Iterator<Item = usize>| {
+        let mut way = f64::INFINITY;
+        for at in each {
+            way += (course.angle[at] - course.angle[at - 1]).abs();
+            let (v0, v1) = (course.speed[at - 1], course.speed[at]);
+            if v0 * v1 < 0.0 || v0.abs().min(v1.abs()) < OPEN * v0.abs().max(v1.abs()) {
+                way = 0.0;
+            }
+            near[at] |= way < NEAR;
+        }
+    };
+    walk(&mut (1..course.len()));
+    walk(&mut (1..course.len()).rev());
+    near
 }
 
 /// What drive and friction do to angle and speed.

@@ -12,10 +12,13 @@ use super::filter::Noise;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
-use super::plant::{Gains, Law, Leaps, Plant};
+use super::plant::{Gains, Law, Leaps, Motion, Plant};
 use super::record::Record;
 use crate::sim;
 use crate::twin::{Drive, Twin, TwinError};
+
+/// Torques with their sizes.
+pub type Torques = Vec<(Effect, Vec<f64>)>;
 
 /// What was found of a rig that bears on its course and its law.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +27,8 @@ pub struct Found {
     pub off: Vec<f64>,
     /// How much more stiffly the shaft is held than the twin says, over the inertia, 1/s.
     pub stiffness: f64,
+    /// Torques once or several times a turn, with their sizes.
+    pub torques: Torques,
 }
 
 /// One recording with its twin.
@@ -100,11 +105,12 @@ impl Bench {
         let off = declared.off.iter().enumerate();
         let off: Vec<f64> = off.map(|(at, off)| off + more(at)).collect();
         held_up::release(&mut record, &off);
-        course = Course::bent(&record, &off, &declared.response);
+        let known = bent(&record, twin, found, &declared.response, &course, &plant);
+        course = Course::bent(&record, &off, &known);
         course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, &disc, &course, &plant);
-        let leaps = leaps(twin, &course, &plant);
+        let leaps = leaps(twin, found, &course, &plant);
         let gains = leaps.filter(0..record.len(), noise);
         let own = unsaid(&record, &declared);
         Self {
@@ -147,7 +153,7 @@ impl Bench {
     /// Goes by a torque noise that is held for a time, s; its gains are set with the noise.
     pub fn hold_noise(&mut self, hold_s: f64) {
         self.plant.law.hold_s = hold_s;
-        self.leaps = leaps(&self.twin, &self.course, &self.plant);
+        self.leaps = leaps(&self.twin, &self.found, &self.course, &self.plant);
     }
 
     /// Goes by another noise.
@@ -206,6 +212,13 @@ impl Bench {
         record.held = task.map_or_else(Vec::new, |task| task.held(&record.time_s, near_s));
         let errors = sim::true_errors(&other.twin).ok()?;
         Some(other.anew(&other.twin, &errors, noise))
+    }
+
+    /// Sum of what the course within the intervals leaves open of the speed beside torques, rad/s.
+    #[must_use]
+    pub fn open(&self, torques: &Torques) -> f64 {
+        let jolts = jolts(&self.twin, torques, &self.course, &self.plant);
+        jolts.iter().map(|(_, [_, speed])| speed.abs()).sum()
     }
 
     /// Keeps what of the same recording does not change with its twin or its course.
@@ -284,7 +297,7 @@ impl Bench {
         let mut rest = unsaid(&self.record, &declared);
         lsq::add(&mut rest, -1.0, &self.tied);
         if let Some(plant) = &other {
-            let leaps = leaps(twin, &self.course, plant);
+            let leaps = leaps(twin, &self.found, &self.course, plant);
             let gains = leaps.filter(0..rest.len(), &self.noise);
             gains.whiten(&mut rest);
             let scales = gains.scales().into_iter().zip(&self.scales);
@@ -373,10 +386,45 @@ fn unsaid(record: &Record, declared: &Declared) -> Vec<f64> {
         .collect()
 }
 
+/// What torques make of the shaft, those that the twin declares and those that were found.
+fn bent(
+    record: &Record,
+    twin: &Twin,
+    found: &Found,
+    declared: &[Motion],
+    course: &Course,
+    plant: &Plant,
+) -> Vec<Motion> {
+    let asked = declared::Asked::of(twin);
+    let scene = Scene {
+        record,
+        course,
+        plant,
+        asked: &asked,
+    };
+    let mut motions = declared.to_vec();
+    for (effect, sizes) in &found.torques {
+        declared::push(&mut motions, &scene, effect, sizes);
+    }
+    motions
+}
+
+/// What torques leave open of the course within intervals: those that the twin declares and those that were found.
+fn jolts(twin: &Twin, found: &Torques, course: &Course, plant: &Plant) -> Vec<(usize, Motion)> {
+    let law = &plant.law;
+    let found = found.iter();
+    let found = found.filter_map(|(effect, sizes)| declared::wave(effect, sizes, law));
+    let waves: Vec<(f64, f64)> = declared::waves(twin, law)
+        .into_iter()
+        .chain(found)
+        .collect();
+    declared::jolts(&waves, course, plant)
+}
+
 /// The filter's steps, with what the course leaves open.
-fn leaps(twin: &Twin, course: &Course, plant: &Plant) -> Arc<Leaps> {
+fn leaps(twin: &Twin, found: &Found, course: &Course, plant: &Plant) -> Arc<Leaps> {
     let mut leaps = Leaps::of(plant, course);
-    leaps.jolt(&declared::jolts(twin, course, plant));
+    leaps.jolt(&jolts(twin, &found.torques, course, plant));
     Arc::new(leaps)
 }
 

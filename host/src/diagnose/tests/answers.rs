@@ -235,3 +235,24 @@ fn a_family_has_the_orders_that_show_and_no_other() {
     orders.sort_by(f64::total_cmp);
     assert_eq!(orders, [5.0, 10.0], "{:?}", said(&answer));
 }
+
+#[test]
+fn a_ripple_that_swings_a_turning_motor_to_and_fro_is_at_its_own_order() {
+    // 18 edges a turn show orders 33 and 15 alike but where the shaft turns round, which no course from edge to edge has right.
+    let thin = "[encoder.hall]\npole_pairs = 3\n\n[timer]\nclock_hz = 100_000_000\njitter_s = 54e-9\n\n[noise.white]\npsd_n2_m2_s = 4.6e-10\n\n[shaft]\ninertia_kg_m2 = 2.94e-3\n";
+    let drive = "viscous_n_m_s = 6.8e-3\nstiffness_n_m_s = 10.4e-3\n\n[duration]\nturns = 60\n\n[drive.ramp]\nfrom_r_min = 65.2\nto_r_min = -65.2\nover_s = 93.8\n\n";
+    let ripple = |order: u32, torque: f64| {
+        format!("[[ripple]]\norder = {order}\nphase_rad = {order}.7\ntorque_n_m = {torque}\n\n")
+    };
+    let ripples = format!(
+        "{}{}{}",
+        ripple(5, 7.5e-4),
+        ripple(10, 5.1e-4),
+        ripple(15, 2.0e-3)
+    );
+    let answer = against(&format!("{thin}{drive}{ripples}"), thin);
+    let places = { answer.diagnosis.findings.iter() }.flat_map(|one| one.place.orders.clone());
+    let mut orders: Vec<f64> = places.collect();
+    orders.sort_by(f64::total_cmp);
+    assert_eq!(orders, [5.0, 10.0, 15.0], "{:?}", said(&answer));
+}
