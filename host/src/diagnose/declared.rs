@@ -7,7 +7,7 @@ use super::effect::{Carrier, Effect, On, Scene, Site, along_time};
 use super::lsq::add;
 use super::plant::{Here, Law, Motion, Plant, Swing, sign};
 use super::record::Record;
-use super::speed_loop;
+use super::speed_loop::{self, Unsaid};
 use crate::twin::{Channel, Drive, Twin};
 
 /// What a twin says of a recording.
@@ -207,9 +207,16 @@ impl Declared {
         each.any(|[angle, _]| *angle != 0.0)
     }
 
-    /// What a twin says of a recording; `disc` is its errors.
+    /// What a twin says of a recording; `looped` is the speed loop of a drive that it does not declare, `disc` its errors.
     #[must_use]
-    pub fn new(record: &Record, twin: &Twin, disc: &[f64], course: &Course, plant: &Plant) -> Self {
+    pub fn new(
+        record: &Record,
+        twin: &Twin,
+        looped: Option<&Unsaid>,
+        disc: &[f64],
+        course: &Course,
+        plant: &Plant,
+    ) -> Self {
         let asked = Asked::of(twin);
         let scene = Scene {
             record,
@@ -220,7 +227,7 @@ impl Declared {
         let mut off: Vec<f64> = (0..record.len())
             .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
             .collect();
-        let mut response = drive(twin, &scene);
+        let mut response = drive(twin, looped, &scene);
         for (effect, sizes) in effects(twin) {
             match effect.site {
                 Site::Drive => {}
@@ -380,7 +387,14 @@ fn near_standstills(course: &Course) -> Vec<bool> {
 }
 
 /// What drive and friction do to angle and speed.
-fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
+fn drive(twin: &Twin, looped: Option<&Unsaid>, scene: &Scene<'_>) -> Vec<Motion> {
+    if let Some(looped) = twin.speed_loop() {
+        let samples = speed_loop::along(&looped, scene.record, twin, 0.0).push;
+        return sampled(looped.rate_hz, &samples, scene);
+    }
+    if let Some(looped) = looped {
+        return sampled(looped.own.rate_hz, &looped.push(looped.own.gains), scene);
+    }
     if twin.drive == Drive::Unknown {
         return vec![Motion::default(); scene.record.len()];
     }
@@ -402,20 +416,9 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
     breaks.push(law.off_s);
     breaks.retain(|time_s| *time_s > 0.0 && time_s.is_finite());
     breaks.extend(&scene.course.reversals_s);
-    let looped = twin.speed_loop().map(|looped| {
-        let until = scene.course.time_s.last().copied().unwrap_or(0.0);
-        let samples_s = (0..).map(|k| f64::from(k) / looped.rate_hz);
-        breaks.extend(samples_s.take_while(|t| *t <= until));
-        let along = speed_loop::along(&looped, scene.record, twin, 0.0);
-        (along.push, looped.rate_hz)
-    });
     breaks.sort_by(f64::total_cmp);
     let push = |here: Here| {
         let friction = scene.plant.friction(scene.course, here);
-        if let Some((samples, rate_hz)) = &looped {
-            let at = (here.inside_s * rate_hz).floor().max(0.0) as usize;
-            return [samples.get(at).or(samples.last()).unwrap_or(&0.0) + friction];
-        }
         if let Some(torque) = &torque {
             return [torque.at(here.time_s, here.inside_s).0 + friction];
         }
@@ -428,9 +431,30 @@ fn drive(twin: &Twin, scene: &Scene<'_>) -> Vec<Motion> {
         let against = law.friction(asked).0 * towards;
         [friction + (rate + (law.viscous + law.stiffness) * asked + against)]
     };
+    pushed(scene, push, &breaks)
+}
+
+/// What friction, and accelerations that are held from sample to sample, do to angle and speed.
+#[must_use]
+pub fn sampled(rate_hz: f64, samples: &[f64], scene: &Scene<'_>) -> Vec<Motion> {
+    let until = scene.course.time_s.last().copied().unwrap_or(0.0);
+    let samples_s = (1..).map(|k| f64::from(k) / rate_hz);
+    let mut breaks: Vec<f64> = samples_s.take_while(|t| *t <= until).collect();
+    breaks.extend(&scene.course.reversals_s);
+    breaks.sort_by(f64::total_cmp);
+    let push = |here: Here| {
+        let at = (here.inside_s * rate_hz).floor().max(0.0) as usize;
+        let given = samples.get(at).or(samples.last()).unwrap_or(&0.0);
+        [given + scene.plant.friction(scene.course, here)]
+    };
+    pushed(scene, push, &breaks)
+}
+
+/// What an acceleration makes of angle and speed.
+fn pushed(scene: &Scene<'_>, push: impl Fn(Here) -> [f64; 1], breaks: &[f64]) -> Vec<Motion> {
     let all = 0..scene.record.len();
     let [motions] = scene
         .plant
-        .responses(all, scene.course, false, push, |_| 0.0, &breaks);
+        .responses(all, scene.course, false, push, |_| 0.0, breaks);
     motions
 }

@@ -269,6 +269,8 @@ pub struct Answer {
     pub shares: Vec<Option<f64>>,
     /// RMS of the errors of the disc's edges, rad, where the twins do not give the disc and it was learned.
     pub learned_disc_rms_rad: Option<f64>,
+    /// The speed loop that drives the shaft, where the twins do not say how it is driven and the edges show one.
+    pub learned_speed_loop: Option<LearnedLoop>,
     /// Errors of the disc's edges, rad, where it was learned.
     #[serde(skip)]
     pub pattern: Option<Vec<f64>>,
@@ -282,6 +284,17 @@ pub struct Answer {
     /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,
+}
+
+/// A speed loop as the edges show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LearnedLoop {
+    /// Its sampling rate, Hz.
+    pub f_hz: f64,
+    /// Proportional gain, N m s; over the inertia, 1/s, where the twins do not give that.
+    pub kp_n_m_s: f64,
+    /// Integral gain, N m; over the inertia, 1/s^2, where the twins do not give that.
+    pub ki_n_m: f64,
 }
 
 /// An effect with its sizes.

@@ -134,6 +134,7 @@ pub fn answer(
             .collect(),
         shares: all.iter().map(share).collect(),
         cells: all.into_iter().map(|one| one.cells).collect(),
+        learned_speed_loop: board.learned_loop(),
         learned_disc_rms_rad: pattern
             .as_ref()
             .filter(|_| !board.disc_given)

@@ -10,7 +10,7 @@ use super::findings::answer;
 use super::model::Board;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
-use super::{align, map, search, task};
+use super::{align, map, search, speed_loop, task};
 use crate::sim;
 
 /// Edges that a recording needs.
@@ -41,6 +41,7 @@ pub fn diagnose(
             bench.turn(by)?;
         }
     }
+    speed_loop::find(&mut benches);
     let mut stages = stages(&benches).into_iter();
     let along = |few: Option<i64>| -> Vec<Record> {
         let each = benches.iter().map(|bench| &bench.record);

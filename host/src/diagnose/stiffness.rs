@@ -1,4 +1,4 @@
-//! How stiffly a drive that nobody declared holds the shaft: open like the noise, and fitted like it.
+//! How stiffly a drive that nobody declared holds the shaft, where no speed loop shows: open like the noise, and fitted like it.
 //!
 //! The course is free, so what such a drive does to the mean speed says nothing. A torque that is known, declared or found, moves the shaft
 //! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it.
@@ -10,7 +10,13 @@ use super::scan::{SURE, evidence};
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
     pub fn hold(&mut self, model: &Model) -> bool {
-        if !self.undriven || !self.is_pushed(model) {
+        if !self.undriven {
+            return false;
+        }
+        if self.is_looped() {
+            return self.regain(model);
+        }
+        if !self.is_pushed(model) {
             return false;
         }
         let before = self.fit(model);
@@ -31,7 +37,7 @@ impl Board {
     }
 
     /// Twice the negative logarithm of the likelihood, but for a constant: how stiffly a shaft is held bears on what noise makes as well.
-    fn held_cost(&self, fit: &Fit) -> f64 {
+    pub(super) fn held_cost(&self, fit: &Fit) -> f64 {
         fit.rss + self.spread()
     }
 

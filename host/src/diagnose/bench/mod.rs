@@ -14,6 +14,7 @@ use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
 use super::plant::{Gains, Law, Leaps, Motion, Plant};
 use super::record::Record;
+use super::speed_loop::Unsaid;
 use crate::sim;
 use crate::twin::{Drive, Twin, TwinError};
 
@@ -27,6 +28,8 @@ pub struct Found {
     pub off: Vec<f64>,
     /// How much more stiffly the shaft is held than the twin says, over the inertia, 1/s.
     pub stiffness: f64,
+    /// The speed loop that drives it, where the twin says nothing of a drive.
+    pub speed_loop: Option<Unsaid>,
     /// Torques once or several times a turn, with their sizes.
     pub torques: Torques,
 }
@@ -100,7 +103,8 @@ impl Bench {
         held_up::release(&mut record, &off);
         let mut course = Course::new(&record, &off);
         let mut plant = Plant::new(law.clone(), &course);
-        let mut declared = Declared::new(&record, twin, &disc, &course, &plant);
+        let looped = found.speed_loop.as_ref();
+        let mut declared = Declared::new(&record, twin, looped, &disc, &course, &plant);
         // Once more about the course without what shifts edges, as torques bend it.
         let off = declared.off.iter().enumerate();
         let off: Vec<f64> = off.map(|(at, off)| off + more(at)).collect();
@@ -109,7 +113,7 @@ impl Bench {
         course = Course::bent(&record, &off, &known);
         course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
-        declared = Declared::new(&record, twin, &disc, &course, &plant);
+        declared = Declared::new(&record, twin, looped, &disc, &course, &plant);
         let leaps = leaps(twin, found, &course, &plant);
         let gains = leaps.filter(0..record.len(), noise);
         let own = unsaid(&record, &declared);
@@ -221,6 +225,23 @@ impl Bench {
         jolts.iter().map(|(_, [_, speed])| speed.abs()).sum()
     }
 
+    /// Angles that torques which are held from sample to sample make of a shaft that nothing else pushes, rad.
+    #[must_use]
+    pub fn sampled(&self, rate_hz: f64, samples: &[f64]) -> Vec<f64> {
+        let asked = declared::Asked::of(&self.twin);
+        let motions = declared::sampled(rate_hz, samples, &self.scene(&asked));
+        motions.iter().map(|[angle, _]| *angle).collect()
+    }
+
+    fn scene<'a>(&'a self, asked: &'a declared::Asked) -> Scene<'a> {
+        Scene {
+            record: &self.record,
+            course: &self.course,
+            plant: &self.plant,
+            asked,
+        }
+    }
+
     /// Keeps what of the same recording does not change with its twin or its course.
     fn stays(&mut self, before: &Self) {
         self.place = before.place;
@@ -293,7 +314,8 @@ impl Bench {
         let law = Law::of(twin).held(self.found.stiffness);
         let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
         let plant = other.as_ref().unwrap_or(&self.plant);
-        let declared = Declared::new(&self.record, twin, &disc, &self.course, plant);
+        let looped = self.found.speed_loop.as_ref();
+        let declared = Declared::new(&self.record, twin, looped, &disc, &self.course, plant);
         let mut rest = unsaid(&self.record, &declared);
         lsq::add(&mut rest, -1.0, &self.tied);
         if let Some(plant) = &other {
@@ -369,12 +391,7 @@ impl Bench {
                 return vec![vec![0.0; self.record.len()]; effect.sizes()];
             }
             let asked = declared::Asked::of(&self.twin);
-            effect.columns(&Scene {
-                record: &self.record,
-                course: &self.course,
-                plant: &self.plant,
-                asked: &asked,
-            })
+            effect.columns(&self.scene(&asked))
         })
     }
 }

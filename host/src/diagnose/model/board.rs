@@ -130,7 +130,7 @@ impl Board {
             self.size_up(&none);
         }
         for _ in 0..BOTH {
-            if !self.hold(&none) {
+            if self.is_looped() || !self.hold(&none) {
                 break;
             }
             self.fit_noise(&none);

@@ -35,7 +35,22 @@ pub fn nuisances(board: &Board) -> Model {
     if board.undriven {
         model.add_open(&turns_back(board), usize::MAX);
     }
+    if board.is_looped() {
+        model.add_open(&targets(board), usize::MAX);
+    }
     model
+}
+
+/// A speed loop that the twins do not declare keeps a speed that nobody knows exactly, and its integral begins anywhere.
+fn targets(board: &Board) -> Vec<Effect> {
+    let several = board.benches.len() > 1;
+    let each = board.benches.iter().flat_map(|bench| {
+        [Carrier::Steady, Carrier::Time].map(|carrier| Effect {
+            only: several.then_some(bench.place),
+            ..Effect::new(Site::Drive, carrier)
+        })
+    });
+    each.collect()
 }
 
 /// A drive that the twins do not declare may turn back as suddenly as it likes, which looks like friction; where it does so often, only

@@ -256,3 +256,31 @@ fn a_ripple_that_swings_a_turning_motor_to_and_fro_is_at_its_own_order() {
     orders.sort_by(f64::total_cmp);
     assert_eq!(orders, [5.0, 10.0, 15.0], "{:?}", said(&answer));
 }
+
+#[test]
+fn a_speed_loop_that_the_twin_does_not_give_is_learned_and_is_no_torque() {
+    // It samples the speed of the last interval, and so pushes with the disc's errors: once orders of torque that beat with its samples.
+    let sensor = "duration = { turns = 40 }\n[encoder.quadrature]\nlines = 100\nindex = true\n\
+        [shaft]\ninertia_kg_m2 = 1e-4\n[timer]\nclock_hz = 84_000_000\n";
+    let rig = "[errors]\nposition = { normal = { rms_rad = 4e-4 } }\n[drive.speed_loop]\nr_min = 300\nf_hz = 977.3\nbandwidth_hz = 15\n\
+        [[gear_mesh]]\norder = 6.4\nphase_rad = 1.0\ntorque_n_m = 1e-3\n[noise.white]\npsd_n2_m2_s = 1e-12\n";
+    let answer = against(&format!("seed = 5\n{sensor}{rig}"), sensor);
+    let looped = answer.learned_speed_loop.unwrap();
+    assert!((looped.f_hz / 977.3 - 1.0).abs() < 1e-6, "{looped:?}");
+    let kp = 2.0 * std::f64::consts::PI * 15.0 * 1e-4;
+    assert!((looped.kp_n_m_s / kp - 1.0).abs() < 0.03, "{looped:?} {kp}");
+    let [finding] = &answer.diagnosis.findings[..] else {
+        panic!("{:?}", said(&answer))
+    };
+    assert_eq!(finding.mechanism, Mechanism::GearMesh);
+    let [least, most] = finding.parameters["torque_n_m"].ci95.unwrap();
+    assert!(least < 1e-3 && 1e-3 < most, "{least} {most}");
+}
+
+#[test]
+fn a_shaft_that_runs_freely_is_driven_by_no_speed_loop() {
+    let thin = "[encoder.quadrature]\nlines = 500\nindex = true\n\n[shaft]\ninertia_kg_m2 = 1e-4\n\n[timer]\nclock_hz = 84_000_000\n";
+    for text in [PAIR_FAST, LOAD] {
+        assert_eq!(against(text, thin).learned_speed_loop, None);
+    }
+}

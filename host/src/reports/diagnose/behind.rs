@@ -9,12 +9,24 @@ use crate::reports::diagnose::words::{in_order, list, probability};
 use super::sure::{confidence, determined};
 use super::told::{self, title};
 
-/// What is known beside the findings: a disc that was learned, and what could not be determined.
+/// What is known beside the findings: a disc and a drive that were learned, and what could not be determined.
 pub(super) fn beside(answer: &Answer) -> Vec<String> {
     let disc = answer.learned_disc_rms_rad.map(|rms| {
         format!(
             "The twin does not give the disc: its edges were learned here, {} RMS off their places (--write-twin keeps them).",
             si(rms, "rad")
+        )
+    });
+    let sized = |value: f64, unit: &str, digits: usize| {
+        let (number, unit) = si_digits(value, unit, digits);
+        format!("{number} {unit}")
+    };
+    let looped = answer.learned_speed_loop.map(|looped| {
+        format!(
+            "The twin does not give the drive: the edges show a speed loop that samples at {}, with gains of about {} and {}.",
+            sized(looped.f_hz, "Hz", 7),
+            sized(looped.kp_n_m_s, "N m s", 3),
+            sized(looped.ki_n_m, "N m", 2),
         )
     });
     let open = (!answer.not_identifiable.is_empty()).then(|| {
@@ -23,7 +35,7 @@ pub(super) fn beside(answer: &Answer) -> Vec<String> {
             answer.not_identifiable.join("; ")
         )
     });
-    disc.into_iter().chain(open).collect()
+    disc.into_iter().chain(looped).chain(open).collect()
 }
 
 /// Evidence and parameters of each finding.

@@ -299,6 +299,7 @@ pub(crate) fn full() -> Answer {
         corrected: Vec::new(),
         declared: vec![Default::default(); 6],
         not_identifiable: Vec::new(),
+        learned_speed_loop: None,
         learned_disc_rms_rad: None,
         shares: vec![
             Some(0.874),

@@ -1,10 +1,17 @@
-//! What a declared speed loop did, from the very edges that it saw.
+//! What a speed loop did, from the very edges that it saw.
+
+mod find;
+mod gains;
+
+pub use find::find;
+
+use std::sync::Arc;
 
 use quadcal::edge::Direction;
 
 use super::noise::FAR;
 use super::record::Record;
-use crate::twin::{SeenSpeed, SpeedLoop, Twin};
+use crate::twin::{Gains, SeenSpeed, SpeedLoop, Twin};
 
 /// What a loop did.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +20,58 @@ pub struct Along {
     pub push: Vec<f64>,
     /// Samples that may have come just before or just after an edge.
     pub ties: Vec<Tie>,
+}
+
+/// A loop that drives a shaft of which the twin says no drive.
+#[derive(Clone, Debug)]
+pub struct Unsaid {
+    /// It, as far as it is known.
+    pub own: SpeedLoop,
+    /// Speed asked for less speed seen at each sample, rad/s.
+    miss: Arc<[f64]>,
+}
+
+impl Unsaid {
+    /// Of what a loop saw of a recording.
+    #[must_use]
+    pub fn of(own: SpeedLoop, record: &Record, twin: &Twin) -> Self {
+        let plain = SpeedLoop {
+            gains: Gains { kp: 1.0, ki: 0.0 },
+            limit: f64::INFINITY,
+            start: 0.0,
+            ..own
+        };
+        let miss = along(&plain, record, twin, 0.0).push.into();
+        Self { own, miss }
+    }
+
+    /// Acceleration from each sample on with some gains, rad/s^2.
+    #[must_use]
+    pub fn push(&self, gains: Gains) -> Vec<f64> {
+        let mut integral = self.own.start;
+        let each = self.miss.iter().map(|miss| {
+            let push = gains.kp * miss + integral;
+            integral += gains.ki / self.own.rate_hz * miss;
+            push
+        });
+        each.collect()
+    }
+
+    /// The same where some samples were the other way.
+    #[must_use]
+    pub fn tied(&self, others: &[Tie]) -> Self {
+        let mut miss = self.miss.to_vec();
+        for tie in others {
+            let at = (tie.at_s * self.own.rate_hz).round() as usize;
+            if let Some(miss) = miss.get_mut(at) {
+                *miss += tie.push / self.own.gains.kp;
+            }
+        }
+        Self {
+            miss: miss.into(),
+            ..self.clone()
+        }
+    }
 }
 
 /// A sample that may have seen an edge or not.

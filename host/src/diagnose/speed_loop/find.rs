@@ -1,0 +1,270 @@
+//! A speed loop that nobody declared, found by what it saw: it pushes by the error of whichever interval came just before each of its
+//! samples, so that only samples at its own instants foretell what pushed the shaft.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::{Tie, Unsaid};
+use crate::diagnose::bench::Bench;
+use crate::diagnose::disc;
+use crate::diagnose::model::{Board, Fit};
+use crate::diagnose::scan::SURE;
+use crate::diagnose::search;
+use crate::twin::{Drive, Gains, SpeedLoop};
+
+/// Edges of each recording that are looked at first. Four times as many follow each time.
+const FIRST: usize = 1_000;
+const MORE: usize = 4;
+/// Part of an interval by which the instants of two rates that are tried differ at the end of a stretch.
+const APART: f64 = 0.5;
+/// Another rate that none of the edges shows, of the one that they show.
+const OTHER: f64 = 1.0037;
+/// Slowest and fastest rate that is looked for, of edges.
+const RATES: Range<f64> = 0.02..20.0;
+/// Rates that are looked at closer.
+const KEPT: usize = 64;
+/// A rate that samples the right instants among others shows as well: ratios to the right one are of numbers up to this.
+const RELATED: u32 = 16;
+/// Rounds in which the best one is looked for closer, and steps to either side in each.
+const ROUNDS: usize = 4;
+const STEPS: i32 = 32;
+/// Rounds in which gains and the samples that came close to an edge are found, as each bears on the other.
+const FITTED: usize = 3;
+/// Intervals of the mean speed without an edge after which a loop sees a standstill.
+const TIMEOUT: f64 = 20.0;
+
+/// Puts the speed loop that drives the shaft of undeclared drives into what was found of each recording, where the edges show one.
+pub fn find(benches: &mut [Bench]) {
+    let undriven = benches
+        .iter()
+        .all(|bench| bench.twin.drive == Drive::Unknown);
+    if !undriven {
+        return;
+    }
+    let (board, fit, before) = {
+        let board = Board::new(benches.to_vec());
+        board.at_its_noise(&search::nuisances(&board))
+    };
+    let found = rate(&seen(&board, &fit)).and_then(|rate_hz| {
+        let looped = board.looped(rate_hz)?;
+        // In noise without what the loop does its samples are told more exactly.
+        let mut quiet = board.clone();
+        quiet.set_noise(looped.noise);
+        let exact_hz = nearby(&seen(&quiet, &quiet.fit(&fit.model)), rate_hz);
+        // At other instants it is friction as much as a loop.
+        let other = board.looped(exact_hz * OTHER)?;
+        Some((looped.looped(exact_hz)?, other))
+    });
+    let Some((looped, other)) = found else {
+        return;
+    };
+    let lost = |board: &Board| board.at_its_noise(&search::nuisances(board)).2;
+    // As many rates were tried as differ by a part of an interval.
+    let tried = (RATES.end / RATES.start).ln() * board.edges() as f64 / APART;
+    if lost(&looped) < before.min(lost(&other)) - SURE - 2.0 * tried.ln() {
+        for (bench, with) in benches.iter_mut().zip(looped.benches) {
+            bench.found = with.found;
+        }
+    }
+}
+
+impl Board {
+    /// The board with a loop that samples at a rate, with the gains that fit best beside what the twins leave open.
+    fn looped(&self, rate_hz: f64) -> Option<Self> {
+        let mut board = self.clone();
+        let plain = |bench: &mut Bench| {
+            let gains = bench.found.speed_loop.as_ref();
+            let gains = gains.map_or(Gains { kp: 0.0, ki: 0.0 }, |before| before.own.gains);
+            let own = at(rate_hz, gains, bench);
+            bench.found.stiffness = 0.0;
+            bench.found.speed_loop = Some(Unsaid::of(own, &bench.record, &bench.twin));
+        };
+        for _ in 0..FITTED {
+            board.benches.iter_mut().for_each(plain);
+            board = board.found_anew()?;
+            let model = &search::nuisances(&board);
+            for _ in 0..FITTED {
+                if !board.regain(model) {
+                    break;
+                }
+                board = board.at_its_noise(model).0;
+            }
+            let rests = disc::rests(&board, &board.fit(model).model);
+            for (bench, rest) in board.benches.iter_mut().zip(&rests) {
+                let Some(own) = &bench.found.speed_loop else {
+                    continue;
+                };
+                let others = bench.other_ties(&own.own, rest).into_iter();
+                let others: Vec<Tie> = others.map(|(tie, ..)| tie).collect();
+                bench.found.speed_loop = Some(own.tied(&others));
+            }
+            board = board.found_anew()?.at_its_noise(model).0;
+        }
+        Some(board)
+    }
+}
+
+/// A loop that samples a recording at a rate.
+fn at(rate_hz: f64, gains: Gains, bench: &Bench) -> SpeedLoop {
+    let record = &bench.record;
+    let (from, until) = (record.time_s[0], record.time_s[record.len() - 1]);
+    let way = record.grid_rad(record.len() - 1) - record.grid_rad(0);
+    let mean = way / (until - from);
+    SpeedLoop {
+        target_rad_s: mean,
+        rate_hz,
+        gains,
+        limit: f64::INFINITY,
+        timeout_s: TIMEOUT * record.step_rad() / mean.abs(),
+        start: 0.0,
+    }
+}
+
+/// What a loop sees of a recording, and what its pushes would explain.
+struct Seen {
+    time_s: Vec<f64>,
+    /// Speed of the interval that ends at each edge, less the shaft's, rad/s.
+    off: Vec<f64>,
+    /// By how much a unit push up to each edge raises the likelihood.
+    pushed: Vec<f64>,
+}
+
+impl Seen {
+    fn of(bench: &Bench, left: &[f64]) -> Self {
+        let record = &bench.record;
+        let course = &bench.course;
+        let score = bench.score(left);
+        let each = bench.plant.sensitivity(course, &score);
+        let pushed = each.iter().scan(0.0, |sum, each| {
+            *sum += each;
+            Some(*sum)
+        });
+        let off = (0..record.len()).map(|at| {
+            let before = at.checked_sub(1)?;
+            let h = record.time_s[at] - record.time_s[before];
+            let way = record.grid_rad(at) - record.grid_rad(before);
+            let same = record.way[at] == record.way[before];
+            (same && h > 0.0).then(|| way / h - course.steady[at])
+        });
+        Self {
+            time_s: record.time_s.clone(),
+            off: off.map(Option::unwrap_or_default).collect(),
+            pushed: pushed.collect(),
+        }
+    }
+
+    fn edges_per_s(&self) -> f64 {
+        let last = self.time_s.len() - 1;
+        last as f64 / (self.time_s[last] - self.time_s[0])
+    }
+
+    /// Sum of what a loop that samples at a rate would explain by the first edges, and of its squares.
+    fn explained(&self, rate_hz: f64, edges: usize) -> (f64, f64) {
+        let edges = edges.min(self.time_s.len());
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let mut at = 0;
+        let mut last: Option<(f64, f64)> = None;
+        let first = (self.time_s[0] * rate_hz).ceil().max(0.0);
+        for sample in 0.. {
+            let now_s = (first + f64::from(sample)) / rate_hz;
+            while at + 1 < edges && self.time_s[at + 1] <= now_s {
+                at += 1;
+            }
+            if at + 1 >= edges {
+                break;
+            }
+            let share = (now_s - self.time_s[at]) / (self.time_s[at + 1] - self.time_s[at]);
+            let here = self.pushed[at] + share * (self.pushed[at + 1] - self.pushed[at]);
+            if let Some((before, push)) = last {
+                let own = push * (here - before);
+                sum += own;
+                squares += own * own;
+            }
+            last = Some((here, -self.off[at]));
+        }
+        (sum, squares)
+    }
+}
+
+/// By how many standard deviations a loop of a rate explains some edges of each recording.
+fn sigmas(seen: &[Seen], rate_hz: f64, edges: usize) -> f64 {
+    let (sum, squares) = sums(seen, rate_hz, edges);
+    sum / squares.sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// [`Seen::explained`] of all recordings.
+fn sums(seen: &[Seen], rate_hz: f64, edges: usize) -> (f64, f64) {
+    let each = seen.iter().map(|seen| seen.explained(rate_hz, edges));
+    each.fold((0.0, 0.0), |all, one| (all.0 + one.0, all.1 + one.1))
+}
+
+/// What a loop sees of each recording of a board, and what it would explain of what a fit leaves.
+fn seen(board: &Board, fit: &Fit) -> Vec<Seen> {
+    let mut left = &fit.left[..];
+    let each = board.benches.iter().map(|bench| {
+        let own = left.split_off(..bench.record.len()).unwrap_or_default();
+        Seen::of(bench, own)
+    });
+    each.collect()
+}
+
+/// The rate next to one that explains most.
+fn nearby(seen: &[Seen], mut rate: f64) -> f64 {
+    let most = most(seen);
+    let mut step = APART / most as f64;
+    let whole = |rate: &f64| sums(seen, *rate, most).0;
+    for _ in 0..ROUNDS {
+        let steps = -STEPS..=STEPS;
+        let near = steps.map(|by| rate * (1.0 + f64::from(by) * step / f64::from(STEPS)));
+        rate = near
+            .max_by(|a, b| whole(a).total_cmp(&whole(b)))
+            .unwrap_or(rate);
+        step *= 4.0 / f64::from(STEPS);
+    }
+    rate
+}
+
+/// Edges of the longest recording.
+fn most(seen: &[Seen]) -> usize {
+    let each = seen.iter().map(|seen| seen.time_s.len());
+    each.max().unwrap_or(0)
+}
+
+/// The rate that explains most.
+fn rate(seen: &[Seen]) -> Option<f64> {
+    let most = most(seen);
+    let per_s = seen.iter().map(Seen::edges_per_s);
+    let (slow, fast) = per_s.fold((f64::INFINITY, 0.0_f64), |all, one| {
+        (all.0.min(one), all.1.max(one))
+    });
+    let (least_hz, span) = (slow * RATES.start, fast * RATES.end / (slow * RATES.start));
+    let mut edges = FIRST.min(most);
+    let mut apart = APART / edges as f64;
+    let count = (span.ln() / apart) as usize;
+    let rates = (0..count).map(|at| least_hz * (at as f64 * apart).exp());
+    let mut rates: Vec<f64> = rates.collect();
+    let best = loop {
+        let each = rates.par_iter();
+        let each = each.map(|rate| (sigmas(seen, *rate, edges), *rate));
+        let mut each: Vec<(f64, f64)> = each.collect();
+        each.sort_by(|a, b| b.0.total_cmp(&a.0));
+        each.truncate(KEPT);
+        if edges == most {
+            break each.first()?.1;
+        }
+        apart /= MORE as f64;
+        edges = (edges * MORE).min(most);
+        let around = each.iter().flat_map(|(_, rate)| {
+            let steps = -(MORE as i64)..=MORE as i64;
+            steps.map(move |step| rate * (1.0 + step as f64 * apart))
+        });
+        rates = around.collect();
+    };
+    let best = nearby(seen, best);
+    let related = (1..=RELATED).flat_map(|up| (1..=RELATED).map(move |down| (up, down)));
+    let related = related.map(|(up, down)| best * f64::from(up) / f64::from(down));
+    let whole = |rate: &f64| sums(seen, *rate, most).0;
+    let rate = related.max_by(|a, b| whole(a).total_cmp(&whole(b)))?;
+    Some(nearby(seen, rate))
+}
