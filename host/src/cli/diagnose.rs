@@ -214,14 +214,11 @@ impl Diagnose {
     /// The files of the twins with the findings in them.
     fn new_twins(first: &Path, given: &GivenRig, answer: &Answer) -> Result<Vec<NewFile>, Failure> {
         let written = write::twins(&given.rig, answer)?;
-        let (twins, error_lists) = written
-            .into_iter()
-            .map(|one| (one.twin, one.errors_rad))
-            .unzip();
+        let (twins, discs) = written.into_iter().map(|one| (one.twin, one.disc)).unzip();
         let diagnosed = Diagnosed {
             diagnosis: answer.diagnosis.clone(),
             twins,
-            error_lists,
+            discs,
         };
         new_twins::files(first, &diagnosed, &given.declared)
     }

@@ -273,7 +273,7 @@ pub struct Answer {
     pub learned_speed_loop: Option<LearnedLoop>,
     /// Errors of the disc's edges, rad, where it was learned.
     #[serde(skip)]
-    pub pattern: Option<Vec<f64>>,
+    pub pattern: Option<LearnedDisc>,
     /// Of each finding, in the findings' order, the numbers of the twin that it corrects, as the twin declares them.
     pub declared: Vec<BTreeMap<String, f64>>,
     /// Numbers that the twins declare and that these recordings can't determine, in words: nothing is said of them.
@@ -284,6 +284,15 @@ pub struct Answer {
     /// Innovations along time, for plots.
     #[serde(skip)]
     pub curves: Vec<Curve>,
+}
+
+/// Errors of a disc as they were learned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedDisc {
+    /// Error of each edge as recorded edges count them, rad.
+    pub errors_rad: Vec<f64>,
+    /// Standard error of each, rad.
+    pub standard_error_rad: f64,
 }
 
 /// A speed loop as the edges show it.

@@ -1,7 +1,7 @@
 //! What was learned of a disc that the twins do not give, or of another one than they give.
 
 use super::diagnosis::{Finding, Parameter};
-use super::effect::{Here, Site};
+use super::effect::{Carrier, Here, Site};
 use super::lsq;
 use super::model::{Board, Fit, Model, Term};
 use super::name::NINETY_FIVE;
@@ -78,6 +78,40 @@ pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
     Some(errors)
 }
 
+/// How sure the disc's errors are that a fit leaves: variances of a wave of unit size of each order, rad^2.
+#[must_use]
+pub fn variances(board: &Board, fit: &Fit) -> Option<Vec<f64>> {
+    let pattern = board.pattern.as_ref()?;
+    let orders = 0..=pattern.edges / 2;
+    let mut variances: Vec<f64> = orders.map(|order| pattern.variance(order)).collect();
+    let columns = fit.of.iter().enumerate();
+    for (at, (term, _)) in columns.filter(|(_, (_, number))| *number == 0) {
+        let effect = &fit.model.terms[*term].effect;
+        if let (true, Carrier::Order(order)) = (effect.is_of_disc(), effect.carrier)
+            && let Some(variance) = variances.get_mut(order as usize)
+        {
+            // Wave and pattern share an order, which the recordings tell as one.
+            let both = fit.covariance[(at, at)] + fit.covariance[(at + 1, at + 1)];
+            let wave = 0.25 * pattern.edges as f64 * both;
+            *variance = (wave - pattern.size2).max(*variance);
+        }
+    }
+    Some(variances)
+}
+
+/// Standard error of an edge of the disc, rad.
+#[must_use]
+pub fn standard_error_rad(board: &Board, fit: &Fit) -> Option<f64> {
+    let variances = variances(board, fit)?;
+    let edges = board.pattern.as_ref()?.edges as f64;
+    // Each order but the last has two waves.
+    let mut sum = 2.0 * variances.iter().skip(1).sum::<f64>();
+    if edges % 2.0 == 0.0 {
+        sum -= variances.last().copied().unwrap_or(0.0);
+    }
+    Some((sum / edges).sqrt())
+}
+
 /// Root of the mean square about the mean.
 #[must_use]
 pub fn rms(errors: &[f64]) -> f64 {
@@ -105,6 +139,10 @@ pub fn other(board: &Board, fit: &Fit) -> Option<Other> {
         .clone();
     let mut without = board.clone();
     without.pattern = without.pattern_given();
+    let open2 = without.pattern.as_ref().map_or(0.0, |given| given.size2);
+    if own.size2 <= open2 {
+        return None;
+    }
     let plain = without.fit(&fit.model);
     let white = without.with_pattern(&without.rest(&plain.model));
     let mut worth = own.size_up(&board.benches, &white);

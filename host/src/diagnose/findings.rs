@@ -4,7 +4,8 @@ use super::agreement::{self, LEFT, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
 use super::diagnosis::{
-    self, Answer, Diagnosis, Evidence, Finding, Map, NextRecording, RunnerUp, Sized, Verdict,
+    self, Answer, Diagnosis, Evidence, Finding, LearnedDisc, Map, NextRecording, RunnerUp, Sized,
+    Verdict,
 };
 use super::effect::{Carrier, Effect, Site};
 use super::judge::{self, Parts};
@@ -116,7 +117,12 @@ pub fn answer(
     let findings: Vec<Finding> = all.iter().map(|one| one.finding.clone()).collect();
     let facts = rig.iter().zip(&board.benches);
     let facts = facts.map(|(one, bench)| agreement::facts(one, bench, board));
-    let pattern = disc::learned(board, &fit.model);
+    let errors = disc::learned(board, &fit.model);
+    let errors = errors.zip(disc::standard_error_rad(board, fit));
+    let pattern = errors.map(|(errors_rad, standard_error_rad)| LearnedDisc {
+        errors_rad,
+        standard_error_rad,
+    });
     Answer {
         diagnosis: Diagnosis {
             version: 2,
@@ -138,7 +144,7 @@ pub fn answer(
         learned_disc_rms_rad: pattern
             .as_ref()
             .filter(|_| !board.disc_given)
-            .map(|errors| disc::rms(errors)),
+            .map(|learned| disc::rms(&learned.errors_rad)),
         pattern,
         not_identifiable: Vec::new(),
         corrected: board.corrected(&fit.model),

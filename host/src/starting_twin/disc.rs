@@ -3,11 +3,11 @@
 use realfft::RealFftPlanner;
 
 use super::Estimate;
+use crate::diagnose::disc::{learned, standard_error_rad, variances};
 use crate::diagnose::effect::{Carrier, Effect, On, Site};
 use crate::diagnose::lsq::{Basis, dot};
-use crate::diagnose::model::{Board, Model};
-use crate::diagnose::pattern::Pattern;
-use crate::diagnose::search::SURE;
+use crate::diagnose::model::{Board, Fit};
+use crate::diagnose::search::{self, SURE};
 
 /// Orders that are looked at for a torque behind them.
 const STRONGEST: usize = 8;
@@ -28,75 +28,98 @@ pub struct DiscFound {
     pub alike: Vec<(usize, f64)>,
 }
 
-/// What repeats every turn beside a model; none where that is not worth saying.
+/// What a fit says of the disc, order by order.
+struct Spectrum {
+    /// Error of each edge, rad; their mean is 0.
+    errors_rad: Vec<f64>,
+    /// Squares of waves of unit size, and how sure they are.
+    powers: Vec<f64>,
+    variances: Vec<f64>,
+}
+
+impl Spectrum {
+    fn of(board: &Board, fit: &Fit) -> Option<Self> {
+        let mut errors_rad = learned(board, &fit.model)?;
+        let count = errors_rad.len() as f64;
+        let mean = errors_rad.iter().sum::<f64>() / count;
+        errors_rad.iter_mut().for_each(|error| *error -= mean);
+        let powers = powers(&errors_rad);
+        let variances = variances(board, fit)?;
+        Some(Self {
+            errors_rad,
+            powers,
+            variances,
+        })
+    }
+
+    /// Amplitude of the wave of an order, rad.
+    fn amplitude(&self, order: usize) -> f64 {
+        (2.0 * self.powers[order] / self.errors_rad.len() as f64).sqrt()
+    }
+
+    /// The orders below that of the lines whose powers are surely not noise, strongest first: from the lines on, no machine makes a torque.
+    fn seen(&self, board: &Board) -> Vec<usize> {
+        let classes = board
+            .benches
+            .first()
+            .map_or(1, |bench| bench.record.classes);
+        let lines = self.errors_rad.len() / classes.max(2) as usize;
+        let mut orders: Vec<usize> = (1..lines.min(self.powers.len()))
+            .filter(|&order| self.powers[order] > SEEN * SEEN * 2.0 * self.variances[order])
+            .collect();
+        orders.sort_by(|a, b| self.powers[*b].total_cmp(&self.powers[*a]));
+        orders.truncate(STRONGEST);
+        orders
+    }
+}
+
+/// What repeats every turn beside a fit; none where that is not worth saying.
 #[must_use]
-pub fn find(board: &Board, model: &Model) -> Option<DiscFound> {
-    let mut pattern = board.pattern.clone()?;
-    let benches = &board.benches;
-    let rest = board.rest(model);
-    let white = board.with_pattern(&rest);
-    let evidence = pattern.size_up(benches, &white);
-    if evidence < SURE || pattern.size2 <= 0.0 {
+pub fn find(board: &Board, fit: &Fit) -> Option<DiscFound> {
+    let mut board = board.clone();
+    let white = board.with_pattern(&board.rest(&fit.model));
+    let mut pattern = board.pattern.take()?;
+    let mut evidence = pattern.size_up(&board.benches, &white);
+    board.pattern = Some(pattern);
+    let of_disc = |term: usize| fit.model.terms[term].effect.is_of_disc();
+    let numbers = fit.of.iter().filter(|(term, _)| of_disc(*term)).count();
+    evidence += search::evidence(&board, fit.loss_of(&of_disc), numbers).max(0.0);
+    if evidence < SURE {
         return None;
     }
-    let mut errors_rad = pattern.errors(benches, &white);
-    let edges = errors_rad.len();
-    let mean = errors_rad.iter().sum::<f64>() / edges as f64;
-    errors_rad.iter_mut().for_each(|error| *error -= mean);
-    let powers = powers(&errors_rad);
+    let spectrum = Spectrum::of(&board, fit)?;
+    let edges = spectrum.errors_rad.len();
     // Sums over waves of unit size: each order but the last has two.
-    let (mut square, mut spread, mut variance) = (0.0, 0.0, 0.0);
-    for (order, power) in powers.iter().enumerate().skip(1) {
+    let (mut square, mut spread) = (0.0, 0.0);
+    for (order, power) in spectrum.powers.iter().enumerate().skip(1) {
         let numbers = if 2 * order == edges { 1.0 } else { 2.0 };
-        let own = pattern.variance(order);
+        let own = spectrum.variances[order];
         square += power + numbers * own;
-        variance += numbers * own;
         spread += 2.0 * numbers * own * own + 4.0 * own * power;
     }
     let count = edges as f64;
     let rms = (square / count).sqrt();
     let error = spread.sqrt() / count / (2.0 * rms);
-    let amplitude = |order: usize| (2.0 * powers[order] / count).sqrt();
-    let strongest = seen(board, &pattern, &powers);
-    let mut alike: Vec<(usize, f64)> = strongest
+    let mut alike: Vec<(usize, f64)> = spectrum
+        .seen(&board)
         .into_iter()
-        .map(|order| (order, amplitude(order)))
-        .filter(|(order, size)| *size < TOLD * error_beside_torque(board, *order))
+        .map(|order| (order, spectrum.amplitude(order)))
+        .filter(|(order, size)| *size < TOLD * error_beside_torque(&board, *order))
         .collect();
     alike.sort_by_key(|(order, _)| *order);
     Some(DiscFound {
-        errors_rad,
-        standard_error_rad: (variance / count).sqrt(),
+        errors_rad: spectrum.errors_rad,
+        standard_error_rad: standard_error_rad(&board, fit)?,
         rms_rad: Estimate::normal(rms, error),
         alike,
     })
 }
 
-/// The orders below that of the lines at which the disc seems to have most beside a model, strongest first.
+/// The orders below that of the lines at which the disc seems to have most beside a fit, strongest first.
 #[must_use]
-pub fn strongest(board: &Board, model: &Model) -> Vec<usize> {
-    let Some(pattern) = board.pattern.as_ref().filter(|one| one.size2 > 0.0) else {
-        return Vec::new();
-    };
-    let rest = board.rest(model);
-    let white = board.with_pattern(&rest);
-    let errors = pattern.errors(&board.benches, &white);
-    seen(board, pattern, &powers(&errors))
-}
-
-/// Orders below that of the lines whose powers are surely not noise, strongest first: from the lines on, no machine makes a torque.
-fn seen(board: &Board, pattern: &Pattern, powers: &[f64]) -> Vec<usize> {
-    let classes = board
-        .benches
-        .first()
-        .map_or(1, |bench| bench.record.classes);
-    let lines = pattern.edges / classes.max(2) as usize;
-    let mut orders: Vec<usize> = (1..lines.min(powers.len()))
-        .filter(|&order| powers[order] > SEEN * SEEN * 2.0 * pattern.variance(order))
-        .collect();
-    orders.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
-    orders.truncate(STRONGEST);
-    orders
+pub fn strongest(board: &Board, fit: &Fit) -> Vec<usize> {
+    let spectrum = Spectrum::of(board, fit);
+    spectrum.map_or_else(Vec::new, |spectrum| spectrum.seen(board))
 }
 
 /// Squares of a row's waves of unit size, order by order.

@@ -139,14 +139,20 @@ pub fn estimate(
         (Vec::new(), None)
     };
     progress(0.5, "Telling torque from the disc");
-    let fit = torques_of(&board);
+    let mut fit = board.fit(&search::nuisances(&board));
+    if changes(speed_r_min) {
+        fit = torques_of(&board, fit);
+    }
+    // How stiffly the drive holds the shaft bears on what a torque does.
+    let held = board.hold(&fit.model);
     progress(0.7, "Fitting the noise");
+    fit = board.fit(&fit.model);
     let NoiseFound {
         stamp_s, torque, ..
     } = renoise(&mut board, &records, &twin, &fit.model);
     let fit = board.fit(&fit.model);
     progress(0.9, "Fitting the disc");
-    let disc = disc::find(&board, &fit.model);
+    let disc = disc::find(&board, &fit);
     let tick2 = (1.0 / clock_hz as f64).powi(2) / 12.0;
     Ok(Starting {
         found: found.clone(),
@@ -161,7 +167,7 @@ pub fn estimate(
         torque,
         delays,
         delay_limit_s,
-        torques: sized(&fit),
+        torques: sized(&fit, held),
         disc,
     })
 }
@@ -192,6 +198,15 @@ fn beside(board: &mut Board, records: &[Record], twin: &Twin) {
     let before = std::mem::replace(&mut board.benches, benches(records, twin));
     for (bench, before) in board.benches.iter_mut().zip(before) {
         bench.weights = before.weights;
+        bench.found.stiffness = before.found.stiffness;
+    }
+    if board
+        .benches
+        .iter()
+        .any(|bench| bench.found.stiffness != 0.0)
+        && let Some(held) = board.found_anew()
+    {
+        *board = held;
     }
     board.set_noise(board.noise);
 }
@@ -330,19 +345,16 @@ fn renoise(board: &mut Board, records: &[Record], twin: &Twin, model: &Model) ->
 
 /// Fits the torques that are worth their numbers beside a disc of any pattern, at the orders at which the disc seems to have most: speed
 /// that changes tells them from it.
-fn torques_of(board: &Board) -> Fit {
-    let mut fit = board.fit(&Model::default());
+fn torques_of(board: &Board, mut fit: Fit) -> Fit {
     for group in 0..TORQUES {
-        let orders = disc::strongest(board, &fit.model);
+        let orders = disc::strongest(board, &fit);
         let tried = orders.into_iter().filter_map(|order| {
             let effect = Effect::new(Site::Torque, Carrier::Order(order as f64));
             let mut terms = fit.model.terms.iter();
             if terms.any(|term| term.effect == effect) {
                 return None;
             }
-            let mut model = fit.model.clone();
-            model.add(&[effect], group);
-            let next = board.fit(&model);
+            let next = board.fit(&fit.model.with(&[effect], group));
             let worth = search::evidence(board, fit.rss - next.rss, effect.sizes());
             (worth > SURE).then_some((worth, next))
         });
@@ -354,8 +366,9 @@ fn torques_of(board: &Board) -> Fit {
     fit
 }
 
-/// The torques of a fit with their intervals.
-fn sized(fit: &Fit) -> Vec<OrderTorque> {
+/// The torques of a fit. Where it does not show how stiffly a drive holds the shaft, that may damp them: hardly one damps waves of one a
+/// turn by more than the square root of a half.
+fn sized(fit: &Fit, held: bool) -> Vec<OrderTorque> {
     let place = |term: usize| {
         let mut of = fit.of.iter();
         of.position(|(own, number)| *own == term && *number == 0)
@@ -363,6 +376,7 @@ fn sized(fit: &Fit) -> Vec<OrderTorque> {
     let terms = fit.model.terms.iter().enumerate();
     let each = terms.filter_map(|(at, term)| {
         let Effect {
+            site: Site::Torque,
             carrier: Carrier::Order(order),
             ..
         } = term.effect
@@ -377,9 +391,13 @@ fn sized(fit: &Fit) -> Vec<OrderTorque> {
         let size = cos.hypot(sin);
         let [c, s] = [cos / size, sin / size];
         let along = c * c * variance(0, 0) + 2.0 * c * s * variance(0, 1) + s * s * variance(1, 1);
+        let mut estimate = Estimate::normal(size, along.max(0.0).sqrt());
+        if !held {
+            estimate.ci95[1] *= order.recip().hypot(1.0);
+        }
         Some(OrderTorque {
             order,
-            size: Estimate::normal(size, along.max(0.0).sqrt()),
+            size: estimate,
             // a sin(n angle + phase) is a sin(phase) cos(n angle) + a cos(phase) sin(n angle).
             phase_rad: cos.atan2(sin),
         })

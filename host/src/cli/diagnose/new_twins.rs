@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use crate::cli::failure::Failure;
-use crate::diagnose::diagnosis::Diagnosis;
+use crate::diagnose::diagnosis::{Diagnosis, LearnedDisc};
 use crate::twin::{ErrorListFault, Errors, Twin, TwinError, edited};
 
 /// A diagnosis with the twins that it makes.
@@ -18,8 +18,8 @@ pub(super) struct Diagnosed {
     pub(super) diagnosis: Diagnosis,
     /// The twins with the findings in them, one for each recording.
     pub(super) twins: Vec<Twin>,
-    /// For each recording, if the disc was learned edge by edge, the whole of e, rad for each edge of the grid.
-    pub(super) error_lists: Vec<Option<Vec<f64>>>,
+    /// For each recording the whole disc, if that was learned edge by edge.
+    pub(super) discs: Vec<Option<LearnedDisc>>,
 }
 
 /// A file to be written.
@@ -46,7 +46,7 @@ pub(super) fn files(
     diagnosed: &Diagnosed,
     declared: &[(String, Twin)],
 ) -> Result<Vec<NewFile>, Failure> {
-    let list = |index: usize| diagnosed.error_lists.get(index).and_then(Option::as_ref);
+    let list = |index: usize| diagnosed.discs.get(index).and_then(Option::as_ref);
     let twins = &diagnosed.twins;
     let alike = (1..twins.len()).all(|index| twins[index] == twins[0] && list(index) == list(0));
     let count = if alike { 1 } else { twins.len() };
@@ -58,9 +58,9 @@ pub(super) fn files(
         for csv in twin.csv_paths() {
             *csv = moved(csv, &folder, &path);
         }
-        if let Some(errors_rad) = list(index) {
+        if let Some(disc) = list(index) {
             let list = list_name(&path);
-            let text = list_csv(&list, errors_rad, &twin)?;
+            let text = list_csv(&list, disc, &twin)?;
             twin.errors = Errors {
                 csv: list.file_name().map(PathBuf::from),
                 ..Errors::default()
@@ -98,7 +98,8 @@ fn list_name(twin: &Path) -> PathBuf {
 }
 
 /// Errors of every edge of the grid as a twin reads them. Of a wheel recorded with one edge of each tooth the other goes along.
-fn list_csv(path: &Path, errors_rad: &[f64], twin: &Twin) -> Result<String, TwinError> {
+fn list_csv(path: &Path, disc: &LearnedDisc, twin: &Twin) -> Result<String, TwinError> {
+    let errors_rad = &disc.errors_rad;
     let edges = twin.encoder.grid_edges();
     let each = if 2 * errors_rad.len() == edges as usize {
         2
@@ -106,11 +107,12 @@ fn list_csv(path: &Path, errors_rad: &[f64], twin: &Twin) -> Result<String, Twin
         1
     };
     let values = errors_rad.iter().flat_map(|e| vec![*e; each]);
-    let mut text = "k,e_rad\n".to_owned();
+    let error = disc.standard_error_rad;
+    let mut text = "k,e_rad,standard_error_rad\n".to_owned();
     let mut given = 0;
     for (k, value) in (0_u32..).zip(values) {
         // Writing to a string never fails.
-        let _ = writeln!(text, "{k},{value:e}");
+        let _ = writeln!(text, "{k},{value:e},{error:.3e}");
         given = k + 1;
     }
     let fault = match given {

@@ -48,8 +48,8 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
     all
 }
 
-/// Whether the disc is another one than the twins give: all of its edges at once have more evidence than the best cells together. The
-/// board with such a pattern.
+/// Whether the disc is another one than the twins give: its edges are further off than they leave open, and all at once have more evidence
+/// than the best cells together. The board with such a pattern.
 pub fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Option<Board> {
     let known = board.pattern.as_ref();
     if known.is_some_and(|pattern| !pattern.known) {
@@ -60,6 +60,9 @@ pub fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Opti
     // A place of the disc is a finding of its own.
     pattern.sparse = false;
     let mut worth = pattern.size_up(&board.benches, &white);
+    if known.is_some_and(|known| pattern.size2 <= known.size2) {
+        return None;
+    }
     if let Some(mut known) = known.cloned() {
         worth -= known.size_up(&board.benches, &white);
     }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
+use realfft::RealFftPlanner;
 
 use super::{Tie, Unsaid};
 use crate::diagnose::bench::Bench;
@@ -34,6 +35,10 @@ const FITTED: usize = 3;
 /// Intervals of the mean speed without an edge after which a loop sees a standstill.
 const TIMEOUT: f64 = 20.0;
 
+/// Frequencies at which a few missing effects may do most, and how many steps of the spectrum each is wide to either side.
+const LINES: usize = 8;
+const WIDE: usize = 2;
+
 /// Puts the speed loop that drives the shaft of undeclared drives into what was found of each recording, where the edges show one.
 pub fn find(benches: &mut [Bench]) {
     let undriven = benches
@@ -62,11 +67,61 @@ pub fn find(benches: &mut [Bench]) {
     let lost = |board: &Board| board.at_its_noise(&search::nuisances(board)).2;
     // As many rates were tried as differ by a part of an interval.
     let tried = (RATES.end / RATES.start).ln() * board.edges() as f64 / APART;
-    if lost(&looped) < before.min(lost(&other)) - SURE - 2.0 * tried.ln() {
+    let sure = SURE + 2.0 * tried.ln();
+    let holds = looped.benches.iter().all(|bench| {
+        let own = bench.found.speed_loop.as_ref();
+        own.is_some_and(|own| own.own.gains.kp > 0.0)
+    });
+    if holds && lost(&looped) < before.min(lost(&other)) - sure && broad(&board, &looped) > sure {
         for (bench, with) in benches.iter_mut().zip(looped.benches) {
             bench.found = with.found;
         }
     }
+}
+
+/// By how much a loop makes a board likelier but for the frequencies at which it does most: samples at some rate turn errors of the disc
+/// into any tone, but only a loop's own instants do so for all of them.
+fn broad(without: &Board, with: &Board) -> f64 {
+    let mut without = without.clone();
+    without.set_noise(with.noise);
+    let powers = |board: &Board| {
+        let left = board.fit(&search::nuisances(board)).left;
+        let mut left = &left[..];
+        let each = board.benches.iter().map(|bench| {
+            let own = left.split_off(..bench.record.len()).unwrap_or_default();
+            powers(own)
+        });
+        each.collect::<Vec<_>>()
+    };
+    let (before, after) = (powers(&without), powers(with));
+    let each = before.iter().zip(&after).map(|(before, after)| {
+        let gains = before
+            .iter()
+            .zip(after)
+            .map(|(before, after)| before - after);
+        let mut gains: Vec<f64> = gains.collect();
+        for _ in 0..LINES {
+            let most = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
+            let most = most.unwrap_or(0);
+            let line = most.saturating_sub(WIDE)..(most + WIDE + 1).min(gains.len());
+            gains[line].fill(0.0);
+        }
+        gains.iter().sum::<f64>()
+    });
+    each.sum()
+}
+
+/// Powers of a row at its frequencies; their sum is that of its squares.
+fn powers(row: &[f64]) -> Vec<f64> {
+    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(row.len());
+    let mut spectrum = forward.make_output_vec();
+    let mut row = row.to_vec();
+    let count = row.len() as f64;
+    if forward.process(&mut row, &mut spectrum).is_err() {
+        return Vec::new();
+    }
+    let each = spectrum.iter();
+    each.map(|value| 2.0 * value.norm_sqr() / count).collect()
 }
 
 impl Board {

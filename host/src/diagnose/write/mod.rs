@@ -7,7 +7,7 @@ mod torque;
 
 use rhythm::Span;
 
-use super::diagnosis::{Answer, Finding, Sized};
+use super::diagnosis::{Answer, Finding, LearnedDisc, Sized};
 use super::edges::CountKind;
 use super::effect::{Carrier, Growth, Site};
 use super::events::ROWS_A_GLITCH;
@@ -22,8 +22,8 @@ use crate::twin::{CaptureLatency, DeclaredEffect, Errors, IndexSlip, Twin, TwinE
 pub struct Written {
     /// The twin.
     pub twin: Twin,
-    /// Errors of its disc as recorded edges count them, rad, where they were learned: for a list beside it.
-    pub errors_rad: Option<Vec<f64>>,
+    /// Its disc, where that was learned: for a list beside it.
+    pub disc: Option<LearnedDisc>,
 }
 
 impl Written {
@@ -31,7 +31,7 @@ impl Written {
     #[must_use]
     pub fn whole(&self) -> Twin {
         let mut twin = self.twin.clone();
-        if let Some(errors_rad) = &self.errors_rad {
+        if let Some(LearnedDisc { errors_rad, .. }) = &self.disc {
             let each = (twin.encoder.grid_edges() as usize / errors_rad.len().max(1)).max(1);
             let each = errors_rad.iter().flat_map(|error| vec![*error; each]);
             twin.errors = Errors {
@@ -93,12 +93,13 @@ fn written(
         }
     }
     let pattern = answer.pattern.as_ref();
-    let errors_rad = pattern.map(|pattern| learned(&twin, pattern)).transpose()?;
-    Ok(Written { twin, errors_rad })
+    let disc = pattern.map(|pattern| learned(&twin, pattern)).transpose()?;
+    Ok(Written { twin, disc })
 }
 
 /// The disc that a twin gives with what was learned beside it. What sections add to a list stays out of it.
-fn learned(twin: &Twin, pattern: &[f64]) -> Result<Vec<f64>, TwinError> {
+fn learned(twin: &Twin, pattern: &LearnedDisc) -> Result<LearnedDisc, TwinError> {
+    let more = &pattern.errors_rad;
     let plain = Twin {
         local_defect: Vec::new(),
         effect: Vec::new(),
@@ -106,9 +107,12 @@ fn learned(twin: &Twin, pattern: &[f64]) -> Result<Vec<f64>, TwinError> {
     };
     let known = sim::true_errors(&plain)?;
     // Of a wheel recorded with one edge of each tooth the other goes along.
-    let every = (known.len() / pattern.len().max(1)).max(1);
-    let each = known.iter().step_by(every).zip(pattern);
-    Ok(each.map(|(known, more)| known + more).collect())
+    let every = (known.len() / more.len().max(1)).max(1);
+    let each = known.iter().step_by(every).zip(more);
+    Ok(LearnedDisc {
+        errors_rad: each.map(|(known, more)| known + more).collect(),
+        ..*pattern
+    })
 }
 
 /// Changes the section of an effect; false where none can say it.

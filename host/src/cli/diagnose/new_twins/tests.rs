@@ -8,12 +8,19 @@ fn twin(name: &str) -> Twin {
     Twin::parse(RIG, name).unwrap()
 }
 
+fn disc(errors_rad: Vec<f64>) -> LearnedDisc {
+    LearnedDisc {
+        errors_rad,
+        standard_error_rad: 1.5e-6,
+    }
+}
+
 /// A diagnosis of two recordings of one rig.
 fn full() -> Diagnosed {
     Diagnosed {
         diagnosis: example::full().diagnosis,
         twins: vec![twin("slow.toml"), twin("fast.toml")],
-        error_lists: vec![None, None],
+        discs: vec![None, None],
     }
 }
 
@@ -46,7 +53,7 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     let edges = diagnosed.twins[0].encoder.grid_edges();
     let list: Vec<f64> = (0..edges).map(|k| 1e-9 * f64::from(k)).collect();
     diagnosed.twins.truncate(1);
-    diagnosed.error_lists = vec![Some(list.clone())];
+    diagnosed.discs = vec![Some(disc(list.clone()))];
     let first = folder.path().join("new.toml");
     for file in files(&first, &diagnosed, &[]).unwrap() {
         fs::write(file.path, file.text).unwrap();
@@ -54,6 +61,8 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     let read = Twin::load(&first).unwrap();
     assert_eq!(read.errors.csv, Some("new.errors.csv".into()));
     assert_eq!(Simulation::new(&read).unwrap().true_errors(), list);
+    let spread_rad = crate::sim::disc_spread_rad(&read).unwrap();
+    assert!((spread_rad - 1.5e-6).abs() < 1e-12, "{spread_rad}");
     let text = fs::read_to_string(&first).unwrap();
     let twin = &diagnosed.diagnosis.recordings[0].twin;
     let remark = format!("# {twin} with what 'quadcal diagnose' found missing on slow.csv.");
@@ -61,7 +70,7 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     let found = &diagnosed.diagnosis.findings[0];
     assert!(text.contains(&format!("# {}: {}", found.mechanism, found.text)));
     for wrong in [edges - 1, edges + 1] {
-        diagnosed.error_lists = vec![Some(vec![0.0; wrong as usize])];
+        diagnosed.discs = vec![Some(disc(vec![0.0; wrong as usize]))];
         assert!(files(&first, &diagnosed, &[]).is_err(), "{wrong}");
     }
 }
@@ -70,10 +79,10 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
 fn a_wheel_that_was_seen_by_one_edge_of_each_tooth_gets_both() {
     let text = include_str!("../../../../twins/wheel-60-2.toml");
     let wheel = Twin::parse(text, "wheel.toml").unwrap();
-    let list = vec![2.5e-3; 60];
+    let list = disc(vec![2.5e-3; 60]);
     let csv = list_csv(Path::new("w.csv"), &list, &wheel).unwrap();
     assert_eq!(csv.lines().count(), 121);
-    assert_eq!(csv.lines().last(), Some("119,2.5e-3"));
+    assert_eq!(csv.lines().last(), Some("119,2.5e-3,1.500e-6"));
 }
 
 #[test]
