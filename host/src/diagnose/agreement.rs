@@ -12,7 +12,7 @@ use super::model::{Board, Fit, Model};
 use super::rig::Recorded;
 use super::scan::SURE;
 use crate::diagnose::diagnosis::{Fit as Agreement, HeldOut, RecordingFacts};
-use crate::twin::Noise;
+use crate::twin::{Drive, Noise};
 
 /// Lags that whiteness is tested over.
 const LAGS: usize = 24;
@@ -155,6 +155,9 @@ pub fn more_noise(board: &Board, fit: &Fit) -> Option<(String, f64)> {
     })
 }
 
+/// Part of its speed by which a drive in open loop may give way to a load.
+const HOLDS: f64 = 0.2;
+
 /// Probability that noise alone leaves innovations that hang together so (G. M. Ljung, G. E. P. Box, Biometrika 65, 1978).
 pub fn whiteness(board: &Board, rests: &[Vec<f64>]) -> f64 {
     let (sum, lags) = correlation(board, rests);
@@ -232,6 +235,7 @@ pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
         turns: bench.record.turns(),
         seconds: bench.record.seconds(),
         speed_r_min: [least * r_min, most * r_min],
+        other_speed_r_min: other_speed(one, bench).map(|both| both.map(|speed| speed * r_min)),
         anchored: bench.record.anchored,
         start_rad: one.start_rad(),
         stamp_rms_s: Some(board.noise.stamp_s),
@@ -244,6 +248,22 @@ pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
                 .collect()
         },
     }
+}
+
+/// Speed that a twin's drive keeps and the mean speed of its recording, rad/s, where they are not about the same.
+fn other_speed(one: &Recorded, bench: &Bench) -> Option<[f64; 2]> {
+    let declared = match one.twin.drive {
+        Drive::Constant { r_min } | Drive::SpeedLoop { r_min, .. } => r_min,
+        _ => return None,
+    };
+    let declared = declared * std::f64::consts::TAU / 60.0;
+    let (angle, time_s) = (&bench.course.angle, &bench.course.time_s);
+    let mut mean = (angle.last()? - angle.first()?) / (time_s.last()? - time_s.first()?);
+    // One channel does not show which way it turns.
+    if bench.record.classes <= 2 {
+        mean = mean.copysign(declared);
+    }
+    ((mean - declared).abs() > HOLDS * declared.abs()).then_some([declared, mean])
 }
 
 /// RMS of the innovations in windows along each recording, before and after.

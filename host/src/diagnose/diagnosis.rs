@@ -60,6 +60,9 @@ pub struct RecordingFacts {
     pub seconds: f64,
     /// Least and greatest speed of the twin along the way, r/min; negative in reverse.
     pub speed_r_min: [f64; 2],
+    /// Speed that the twin's drive keeps and the mean speed of the recording, r/min, where they differ so much that the twin may be of
+    /// another recording; negative in reverse.
+    pub other_speed_r_min: Option<[f64; 2]>,
     /// Whether angles are those of the disc by its index; else they count from the start.
     pub anchored: bool,
     /// Without an index the angle of the start, rad, as the twin gives it or the disc shows it; none where neither does, and angles count
@@ -71,6 +74,23 @@ pub struct RecordingFacts {
     pub disturbed_s: Vec<f64>,
     /// Starts and ends of what was left out, s, where the shaft stopped and one channel does not show which way it went on.
     pub either_way_s: Vec<[f64; 2]>,
+}
+
+impl RecordingFacts {
+    /// That the shaft turned at another speed than the twin's drive keeps, in words.
+    #[must_use]
+    pub fn other_speed(&self) -> Option<String> {
+        let [declared, mean] = self.other_speed_r_min?;
+        let back = if declared * mean < 0.0 {
+            ", the other way (or A and B are swapped: --map)"
+        } else {
+            ""
+        };
+        Some(format!(
+            "the drive of {} turns at {declared:.1} r/min, {} at {mean:.1} r/min{back}",
+            self.twin, self.file
+        ))
+    }
 }
 
 /// Agreement: the RMS of innovations, how far each edge comes from where the twin, the edges before it and the noise of the shaft let it

@@ -4,8 +4,8 @@ use super::agreement::{self, LEFT, NOT_WHITE};
 use super::alike::Alike;
 use super::bench::Bench;
 use super::diagnosis::{
-    self, Answer, Diagnosis, Evidence, Finding, LearnedDisc, Map, NextRecording, RunnerUp, Sized,
-    Verdict,
+    self, Answer, Diagnosis, Evidence, Finding, LearnedDisc, Map, NextRecording, RecordingFacts,
+    RunnerUp, Sized, Verdict,
 };
 use super::effect::{Carrier, Effect, Site};
 use super::judge::{self, Parts};
@@ -116,7 +116,14 @@ pub fn answer(
     }
     let findings: Vec<Finding> = all.iter().map(|one| one.finding.clone()).collect();
     let facts = rig.iter().zip(&board.benches);
-    let facts = facts.map(|(one, bench)| agreement::facts(one, bench, board));
+    let facts: Vec<RecordingFacts> = facts
+        .map(|(one, bench)| agreement::facts(one, bench, board))
+        .collect();
+    if verdict == Verdict::Complete
+        && let Some(other) = facts.iter().find_map(RecordingFacts::other_speed)
+    {
+        summary = format!("But for its speed the twin explains the recordings: {other}.");
+    }
     let errors = disc::learned(board, &fit.model);
     let errors = errors.zip(disc::standard_error_rad(board, fit));
     let pattern = errors.map(|(errors_rad, standard_error_rad)| LearnedDisc {
@@ -128,7 +135,7 @@ pub fn answer(
             version: 2,
             verdict,
             summary,
-            recordings: facts.collect(),
+            recordings: facts,
             fit: fitted,
             next_recording: findings.iter().find_map(|one| one.next_recording.clone()),
             findings,

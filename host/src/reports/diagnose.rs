@@ -15,7 +15,7 @@ mod told;
 pub mod words;
 
 use crate::diagnose::diagnosis::Answer;
-use crate::diagnose::diagnosis::{Diagnosis, Finding, Verdict};
+use crate::diagnose::diagnosis::{Diagnosis, Finding, RecordingFacts, Verdict};
 use crate::report::{Body, Footer, Level, Report, Tile};
 
 pub use cells::cell;
@@ -103,6 +103,10 @@ pub fn text(answer: &Answer) -> Vec<(String, String)> {
 /// The one line to act on.
 fn action(answer: &Answer) -> String {
     let diagnosis = &answer.diagnosis;
+    let mut recordings = diagnosis.recordings.iter();
+    if let Some(other) = recordings.find_map(RecordingFacts::other_speed) {
+        return format!("Check that the twin belongs to the recording: {other}.");
+    }
     if let Some(next) = &diagnosis.next_recording {
         return format!("Record next: {}", words::next(next));
     }

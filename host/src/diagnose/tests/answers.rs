@@ -284,3 +284,18 @@ fn a_shaft_that_runs_freely_is_driven_by_no_speed_loop() {
         assert_eq!(against(text, thin).learned_speed_loop, None);
     }
 }
+
+#[test]
+fn a_recording_at_another_speed_than_the_twin_s_is_said_to_be() {
+    let slow = PAIR_FAST.replace("r_min = 600", "r_min = 120");
+    let answer = against(&slow, PAIR_FAST);
+    let [declared, mean] = answer.diagnosis.recordings[0].other_speed_r_min.unwrap();
+    assert!((declared - 600.0).abs() < 1e-9 && (mean - 120.0).abs() < 1.0);
+    let summary = &answer.diagnosis.summary;
+    assert!(summary.starts_with("But for its speed"), "{summary}");
+    let back = PAIR_FAST.replace("r_min = 600", "r_min = -600");
+    let answer = against(&back, PAIR_FAST);
+    assert!(answer.diagnosis.summary.contains("the other way"));
+    let answer = against(PAIR_FAST, PAIR_FAST);
+    assert_eq!(answer.diagnosis.recordings[0].other_speed_r_min, None);
+}

@@ -151,6 +151,7 @@ fn recording(file: &str, r_min: f64) -> RecordingFacts {
         edges_recorded: 40_000,
         turns: 20.0,
         seconds: 20.0 * 60.0 / r_min,
+        other_speed_r_min: None,
         speed_r_min: [r_min, 1.002 * r_min],
         anchored: true,
         start_rad: None,
