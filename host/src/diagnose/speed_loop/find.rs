@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
+use statrs::statistics::Statistics;
 
 use super::{Tie, Unsaid};
 use crate::diagnose::bench::Bench;
@@ -19,8 +20,9 @@ const FIRST: usize = 1_000;
 const MORE: usize = 4;
 /// Part of an interval by which the instants of two rates that are tried differ at the end of a stretch.
 const APART: f64 = 0.5;
-/// Another rate that none of the edges shows, of the one that they show.
-const OTHER: f64 = 1.0037;
+/// Rates to either side that none of the edges shows, and how far they are from each other as parts of the one that they show.
+const OTHERS: i32 = 40;
+const OTHER: f64 = 3.7e-3;
 /// Slowest and fastest rate that is looked for, of edges.
 const RATES: Range<f64> = 0.02..20.0;
 /// Rates that are looked at closer.
@@ -51,32 +53,45 @@ pub fn find(benches: &mut [Bench]) {
         let board = Board::new(benches.to_vec());
         board.at_its_noise(&search::nuisances(&board))
     };
-    let found = rate(&seen(&board, &fit)).and_then(|rate_hz| {
-        let looped = board.looped(rate_hz)?;
+    // As many rates are tried as differ by a part of an interval.
+    let tried = (RATES.end / RATES.start).ln() * board.edges() as f64 / APART;
+    let sure = SURE + 2.0 * tried.ln();
+    let seen_first = seen(&board, &fit);
+    let Some(rate_hz) = rate(&seen_first).filter(|rate| apart(&seen_first, *rate) > sure) else {
+        return;
+    };
+    let looped = board.looped(rate_hz).and_then(|looped| {
         // In noise without what the loop does its samples are told more exactly.
         let mut quiet = board.clone();
         quiet.set_noise(looped.noise);
-        let exact_hz = nearby(&seen(&quiet, &quiet.fit(&fit.model)), rate_hz);
-        // At other instants it is friction as much as a loop.
-        let other = board.looped(exact_hz * OTHER)?;
-        Some((looped.looped(exact_hz)?, other))
+        looped.looped(nearby(&seen(&quiet, &quiet.fit(&fit.model)), rate_hz))
     });
-    let Some((looped, other)) = found else {
+    let Some(looped) = looped else {
         return;
     };
-    let lost = |board: &Board| board.at_its_noise(&search::nuisances(board)).2;
-    // As many rates were tried as differ by a part of an interval.
-    let tried = (RATES.end / RATES.start).ln() * board.edges() as f64 / APART;
-    let sure = SURE + 2.0 * tried.ln();
     let holds = looped.benches.iter().all(|bench| {
         let own = bench.found.speed_loop.as_ref();
         own.is_some_and(|own| own.own.gains.kp > 0.0)
     });
-    if holds && lost(&looped) < before.min(lost(&other)) - sure && broad(&board, &looped) > sure {
+    let (_, _, after) = looped.at_its_noise(&search::nuisances(&looped));
+    if holds && after < before - sure && broad(&board, &looped) > sure {
         for (bench, with) in benches.iter_mut().zip(looped.benches) {
             bench.found = with.found;
         }
     }
+}
+
+/// Square of how far what a rate explains stands out from what others near it do, in their standard deviations: where a loop at any other
+/// instants explains as much, it is friction.
+fn apart(seen: &[Seen], rate_hz: f64) -> f64 {
+    let most = most(seen);
+    let steps = (-OTHERS..=OTHERS).filter(|step| *step != 0);
+    let others = steps.map(|step| rate_hz * (1.0 + f64::from(step) * OTHER));
+    let others: Vec<f64> = others.collect();
+    let each = others.par_iter();
+    let each: Vec<f64> = each.map(|rate| sigmas(seen, *rate, most)).collect();
+    let (mean, spread) = (each.iter().mean(), each.iter().population_std_dev());
+    ((sigmas(seen, rate_hz, most) - mean).max(0.0) / spread).powi(2)
 }
 
 /// By how much a loop makes a board likelier but for the frequencies at which it does most: samples at some rate turn errors of the disc
