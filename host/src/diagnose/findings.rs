@@ -221,7 +221,8 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             .iter()
             .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
             .sum();
-        let next = (!look_alikes.is_empty()).then(|| NextRecording {
+        let told = |one: &Mechanism| card.told_by_rig.contains(one);
+        let next = (!look_alikes.iter().all(told)).then(|| NextRecording {
             text: card.separated_by.clone(),
         });
         let mut place = name::place(board, &effects);

@@ -70,9 +70,9 @@ pub struct Mapping {
     pub name: String,
 }
 
-/// A mapping that is not `SIGNAL=NAME`.
+/// A mapping that is not `CHANNEL=NAME`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("mapping '{0}' is not SIGNAL=NAME with SIGNAL one of time, a, b, z, c")]
+#[error("mapping '{0}' is not CHANNEL=NAME with CHANNEL one of time, a, b, z, c")]
 pub struct MappingError(String);
 
 impl FromStr for Mapping {

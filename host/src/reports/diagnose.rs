@@ -166,7 +166,11 @@ fn tiles(answer: &Answer) -> Vec<Tile> {
     let residuals = [
         (name, fit.rms_before_rad, "RMS, the twin as given"),
         ("Residual after", after, "RMS, with what was found"),
-        ("Noise", fit.floor_rad, "RMS, no twin can do better"),
+        (
+            "Noise",
+            fit.floor_rad,
+            "RMS that noise alone would leave, as found here",
+        ),
     ];
     let tile =
         |(name, rms, note): (&str, Option<f64>, &str)| Some(Tile::si(name, rms?, "rad", note));

@@ -20,8 +20,17 @@ pub fn text(one: Option<Mechanism>) -> String {
 
 /// The id on the command line.
 pub fn mechanism(text: &str) -> Result<Mechanism, String> {
-    Mechanism::from_id(text)
-        .ok_or_else(|| "give an id of the list that '--mechanisms' alone prints".to_owned())
+    Mechanism::from_id(text).ok_or_else(|| {
+        let parts: Vec<&str> = text.split(['_', ' ', '-']).collect();
+        let ids = Mechanism::ALL.iter().map(|one| one.id());
+        let near = ids.filter(|id| parts.iter().any(|part| part.len() > 2 && id.contains(part)));
+        let near: Vec<&str> = near.collect();
+        let near = match near.is_empty() {
+            true => String::new(),
+            false => format!(", perhaps {}", near.join(" or ")),
+        };
+        format!("give an id of the list that '--mechanisms' alone prints{near}")
+    })
 }
 
 fn list() -> String {
@@ -166,5 +175,12 @@ mod tests {
         ] {
             assert_eq!(number(value), short);
         }
+    }
+
+    #[test]
+    fn an_id_that_is_none_brings_those_like_it() {
+        let said = mechanism("gear").unwrap_err();
+        assert!(said.ends_with("perhaps gear_mesh"), "{said}");
+        assert!(mechanism("xyzzy").unwrap_err().ends_with("prints"));
     }
 }

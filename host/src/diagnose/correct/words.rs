@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnose::diagnosis::Sized;
 use crate::diagnose::model::{Board, Correction, Fit};
 use crate::diagnose::name::{NINETY_FIVE, Number};
-use crate::report::si;
+use crate::report::si_digits;
 
 /// A number that a correction has: its path, its value as declared and as measured.
 #[derive(Clone, Debug)]
@@ -62,6 +62,21 @@ pub fn measured(board: &Board, fit: &Fit, group: usize) -> Vec<Measured> {
     of_group.into_iter().filter_map(of_one).flatten().collect()
 }
 
+/// A number with as many digits as its error leaves, and one more.
+fn digits(value: f64, error: f64, unit: &str) -> String {
+    const LEAST: f64 = 3.0;
+    let sure = (value.abs() / error).log10().floor() + 2.0;
+    // Where the error is nothing or more than the number.
+    let count = if sure.is_finite() {
+        sure.clamp(LEAST, 9.0)
+    } else {
+        LEAST
+    };
+    let unit = if unit == "1" { "" } else { unit };
+    let (number, unit) = si_digits(value, unit, count as usize);
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
 /// Corrections in words: "gear_mesh.torque_n_m: 4.00 mN m declared, 2.00 +- 0.01 mN m measured"; `spread` widens the intervals.
 #[must_use]
 pub fn text(corrections: &[Measured], spread: f64) -> String {
@@ -70,9 +85,9 @@ pub fn text(corrections: &[Measured], spread: f64) -> String {
         format!(
             "{}: {} declared, {} +- {} measured",
             one.path,
-            si(one.declared, one.unit),
-            si(one.number.value, one.unit),
-            si(error, one.unit)
+            digits(one.declared, error, one.unit),
+            digits(one.number.value, error, one.unit),
+            digits(error, error, one.unit)
         )
     });
     each.collect::<Vec<_>>().join("; ")

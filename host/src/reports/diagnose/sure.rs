@@ -13,6 +13,9 @@ const NOISE: f64 = 1e-3;
 /// Half of an interval, rad, from which on a phase or place says nothing.
 const VAGUE_RAD: f64 = 1.0;
 
+/// Part of the RMS on turns not fitted on to which it hardly falls.
+const HARDLY: f64 = 0.99;
+
 /// The confidence that the evidence carries: that of the finding, or less where a criterion of its own says less.
 #[must_use]
 pub fn carried(finding: &Finding) -> f64 {
@@ -89,11 +92,12 @@ pub fn sure(finding: &Finding) -> String {
     let mut text = format!("{}: {rests}.", confidence(finding));
     if let Some(ratio) = evidence.held_out_rms_ratio {
         let ratio_text = si_digits(ratio, "", 2).0;
-        text += &match ratio < 1.0 {
-            true => {
+        text += &match ratio {
+            ..HARDLY => {
                 format!(" On turns not fitted on the RMS falls to {ratio_text} of that without it.")
             }
-            false => format!(
+            HARDLY..1.0 => " On turns not fitted on the RMS falls by less than 1 %.".to_owned(),
+            _ => format!(
                 " On turns not fitted on it foretells nothing: the RMS is {ratio_text} of that without it."
             ),
         };

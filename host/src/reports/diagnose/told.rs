@@ -31,6 +31,9 @@ pub(super) fn effects(answer: &Answer, index: usize) -> &[Sized] {
 pub(super) fn title(finding: &Finding, effects: &[Sized]) -> String {
     match finding.mechanism {
         Mechanism::Unknown if effects.is_empty() => sentence(Mechanism::Unknown.title()),
+        Mechanism::Unknown if corrects(effects) => {
+            "Other numbers than the twin declares".to_owned()
+        }
         Mechanism::Unknown => sentence(&cell(effects)),
         mechanism => sentence(&named(mechanism)),
     }
@@ -63,10 +66,17 @@ pub(super) fn told(answer: &Answer, index: usize, finding: &Finding) -> Told {
     }
 }
 
+/// Whether all of it is other values of numbers that the twin declares.
+fn corrects(effects: &[Sized]) -> bool {
+    let declared = |sized: &Sized| matches!(sized.effect.site, Site::Declared(_));
+    !effects.is_empty() && effects.iter().all(declared)
+}
+
 /// Says so where it is none of the catalogue's.
 fn without_name(finding: &Finding, effects: &[Sized]) -> String {
     match (finding.mechanism, effects) {
         (Mechanism::Unknown, []) => "An effect that no mechanism of the catalogue makes".to_owned(),
+        (Mechanism::Unknown, effects) if corrects(effects) => String::new(),
         (Mechanism::Unknown, _) => {
             "An effect without a name in the catalogue; its cell and sizes are its model".to_owned()
         }
@@ -78,6 +88,8 @@ fn without_name(finding: &Finding, effects: &[Sized]) -> String {
 fn place(finding: &Finding, effects: &[Sized]) -> String {
     match effects {
         [] => sentence(finding.text.trim().trim_end_matches('.')),
+        // Paths keep their case.
+        effects if corrects(effects) => finding.text.clone(),
         effects => sentence(&cell(effects)),
     }
 }
@@ -197,8 +209,16 @@ fn explains(share: f64) -> String {
 
 /// What else it could be.
 fn alike(finding: &Finding) -> String {
-    let names: Vec<String> = finding.look_alikes.iter().copied().map(named).collect();
-    sentence(&list_or(&names))
+    let look_alikes = &finding.look_alikes;
+    let names: Vec<String> = look_alikes.iter().copied().map(named).collect();
+    let told_by_rig = &finding.mechanism.card().told_by_rig;
+    let told = !names.is_empty() && look_alikes.iter().all(|one| told_by_rig.contains(one));
+    let by = if told {
+        ": no recording tells, but whether the rig has one"
+    } else {
+        ""
+    };
+    sentence(&format!("{}{by}", list_or(&names)))
 }
 
 /// The recording that would tell; what is said at the top is not said again.
