@@ -5,6 +5,9 @@ use std::f64::consts::TAU;
 use super::plant::Motion;
 use super::record::Record;
 
+/// Part of the speed by which it changes from turn to turn at the most where it hardly changes.
+const SAME: f64 = 0.02;
+
 /// Angles and speeds along a recording.
 #[derive(Clone, Debug)]
 pub struct Course {
@@ -95,13 +98,20 @@ impl Course {
         (angle, speed)
     }
 
-    /// Speed of the interval that ends at each edge as the edges before it foretell it: straight on from two stretches of half a turn. A
-    /// regressor must not hold the noise that it is to be told from, as the speed between the edges themselves does (L. Ljung, System
-    /// Identification, 2nd ed., section 13.4).
+    /// Speed of the interval that ends at each edge as the edges before it foretell it: straight on from two stretches of half a turn, or
+    /// of a turn. A regressor must not hold the noise that it is to be told from, as the speed between the edges themselves does (L. Ljung,
+    /// System Identification, 2nd ed., section 13.4).
     fn steady_speeds(&self, record: &Record) -> Vec<f64> {
         /// Edges that a stretch needs.
         const LEAST: usize = 4;
-        let whole = (record.edges as usize / 2).max(LEAST);
+        let turn = record.edges as usize;
+        // Over whole turns the disc's errors cancel: where the speed hardly changes they would be most of what is left of it.
+        let whole = if self.hardly_changes(turn) {
+            turn
+        } else {
+            turn / 2
+        };
+        let whole = whole.max(LEAST);
         let mut run = 0;
         let mut steady = self.speed.clone();
         for (at, steady) in steady.iter_mut().enumerate().skip(1) {
@@ -128,6 +138,20 @@ impl Course {
             *steady = if ahead * after > 0.0 { ahead } else { after };
         }
         steady
+    }
+
+    /// Whether the mean speed of a turn is nearly the same throughout.
+    fn hardly_changes(&self, turn: usize) -> bool {
+        let ends = self.angle.iter().zip(&self.time_s);
+        let (first, last) = (ends.clone(), ends.skip(turn));
+        let speeds = first
+            .zip(last)
+            .map(|((from, from_s), (until, until_s))| (until - from) / (until_s - from_s));
+        let (least, most) = speeds.fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(least, most), speed| (least.min(speed), most.max(speed)),
+        );
+        most - least < SAME * most.abs().max(least.abs())
     }
 
     /// When it stands still within the interval that ends at an edge, s.
