@@ -220,6 +220,7 @@ impl Declared {
         let asked = Asked::of(twin);
         let scene = Scene {
             record,
+            disc,
             course,
             plant,
             asked: &asked,

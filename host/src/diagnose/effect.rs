@@ -15,6 +15,8 @@ pub use crate::effect::{Carrier, Effect, Growth, Here, On, Site, along_time, is_
 pub struct Scene<'a> {
     /// The edges.
     pub record: &'a Record,
+    /// Errors of its disc as declared, rad.
+    pub disc: &'a [f64],
     /// Where the shaft was.
     pub course: &'a Course,
     /// How it answers to a torque.
@@ -37,12 +39,16 @@ impl Effect {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
                     // Angle that one unit at its site is at an edge, rad.
-                    let by = match self.site {
+                    let mut by = match self.site {
                         Site::Stamp(on) if on.has(scene.record.captured(at)) => {
                             -scene.course.speed[at]
                         }
                         _ => self.ahead(scene.record.change(at)),
                     };
+                    if self.growth == Growth::Own {
+                        let own = scene.disc.get(scene.record.slot(at));
+                        by *= own.copied().unwrap_or(0.0);
+                    }
                     if by != 0.0 {
                         let value = self.value(scene.here(at, self));
                         for (column, value) in columns.iter_mut().zip(value) {

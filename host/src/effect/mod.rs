@@ -112,6 +112,9 @@ pub enum Growth {
     Speed(f64),
     /// 1 + depth sin(2 pi f t + phase): Hz, depth and phase.
     Modulated(f64, f64, f64),
+    /// The error that each mark of the disc has by itself, rad: by so much a wave finds it elsewhere than on the grid. Only what is fitted
+    /// beside a wave of the disc goes so.
+    Own,
 }
 
 /// An effect without its sizes.
@@ -206,7 +209,8 @@ impl Effect {
             }
         };
         let growth = match self.growth {
-            Growth::Constant => return value,
+            // That is known where the disc is.
+            Growth::Constant | Growth::Own => return value,
             Growth::Even(rate) => t * rate + N::constant(1.0),
             Growth::Speed(power) => size.powf(power),
             Growth::Modulated(f_hz, depth, phase) => {
@@ -281,7 +285,7 @@ impl Effect {
             Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
         };
         match self.growth {
-            Growth::Constant => {}
+            Growth::Constant | Growth::Own => {}
             Growth::Even(a) | Growth::Speed(a) => knobs.push(a),
             Growth::Modulated(a, b, c) => knobs.extend([a, b, c]),
         }
@@ -304,7 +308,7 @@ impl Effect {
             carrier => carrier,
         };
         let growth = match self.growth {
-            Growth::Constant => Growth::Constant,
+            growth @ (Growth::Constant | Growth::Own) => growth,
             Growth::Even(a) => Growth::Even(next(a)),
             Growth::Speed(a) => Growth::Speed(next(a)),
             Growth::Modulated(a, b, c) => Growth::Modulated(next(a), next(b), next(c)),

@@ -121,6 +121,7 @@ pub fn growth(effect: &Effect) -> String {
             | Carrier::Bump(..) => ", constant".to_owned(),
             _ => String::new(),
         },
+        Growth::Own => ", as the own errors of the marks".to_owned(),
         Growth::Even(rate) => format!(
             ", {amplitude} {} by {} % a second",
             if rate < 0.0 { "falls" } else { "grows" },

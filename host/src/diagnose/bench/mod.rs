@@ -109,7 +109,14 @@ impl Bench {
         let off = declared.off.iter().enumerate();
         let off: Vec<f64> = off.map(|(at, off)| off + more(at)).collect();
         held_up::release(&mut record, &off);
-        let known = bent(&record, twin, found, &declared.response, &course, &plant);
+        let scene = Scene {
+            record: &record,
+            disc: &disc,
+            course: &course,
+            plant: &plant,
+            asked: &declared::Asked::of(twin),
+        };
+        let known = bent(&scene, found, &declared.response);
         course = Course::bent(&record, &off, &known);
         course.late_s = declared::late_s(twin, &record);
         plant = Plant::new(law, &course);
@@ -236,6 +243,7 @@ impl Bench {
     fn scene<'a>(&'a self, asked: &'a declared::Asked) -> Scene<'a> {
         Scene {
             record: &self.record,
+            disc: &self.disc,
             course: &self.course,
             plant: &self.plant,
             asked,
@@ -404,24 +412,10 @@ fn unsaid(record: &Record, declared: &Declared) -> Vec<f64> {
 }
 
 /// What torques make of the shaft, those that the twin declares and those that were found.
-fn bent(
-    record: &Record,
-    twin: &Twin,
-    found: &Found,
-    declared: &[Motion],
-    course: &Course,
-    plant: &Plant,
-) -> Vec<Motion> {
-    let asked = declared::Asked::of(twin);
-    let scene = Scene {
-        record,
-        course,
-        plant,
-        asked: &asked,
-    };
+fn bent(scene: &Scene<'_>, found: &Found, declared: &[Motion]) -> Vec<Motion> {
     let mut motions = declared.to_vec();
     for (effect, sizes) in &found.torques {
-        declared::push(&mut motions, &scene, effect, sizes);
+        declared::push(&mut motions, scene, effect, sizes);
     }
     motions
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::classes::joined;
-use super::open::{is_course, is_open, left_open};
+use super::open::{is_course, is_open, left_open, own_errors};
 use crate::diagnose::cells::{self, Bank};
 use crate::diagnose::correct::{self, Slopes};
 use crate::diagnose::effect::Effect;
@@ -217,7 +217,8 @@ impl<'a> Beside<'a> {
             (worth > SURE).then_some((worth, next))
         };
         if !is_open(board, effects) {
-            let (group, model) = joined(&self.fit.model, effects, cells::channels(board));
+            let (group, mut model) = joined(&self.fit.model, effects, cells::channels(board));
+            model.add_open(&own_errors(board, &model, effects), usize::MAX);
             let next = board.fit(&model);
             let drags = board.undriven && effects.iter().all(Effect::is_friction);
             // What does not recur is what a drive that nobody declared did there.

@@ -1,7 +1,7 @@
 //! What the twins leave open, which is no finding: a drive that they do not declare, and a disc that they do not give.
 
 use crate::diagnose::cells;
-use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::model::{Board, Model, pushes};
 
 /// Changes of a drive that the twins do not declare, at the most.
@@ -66,6 +66,26 @@ fn turns_back(board: &Board) -> Vec<Effect> {
     });
     let all: Vec<Effect> = each.collect();
     if all.len() > CHANGES { Vec::new() } else { all }
+}
+
+/// What is open beside waves of a disc that the twins give. Such a wave moves each mark by where it is, and a mark with an error of its own is
+/// not where it should be: by the grid the wave jumps from edge to edge where the marks are unevenly apart, as no shaft does. Told by
+/// those jumps a slow wave would be known far better than it is, and sidebands of the disc's classes would be left of a large one.
+pub fn own_errors(board: &Board, model: &Model, effects: &[Effect]) -> Vec<Effect> {
+    let mut discs = board.benches.iter().map(|bench| &bench.disc);
+    if !board.disc_given || discs.all(|disc| disc.iter().all(|error| *error == 0.0)) {
+        return Vec::new();
+    }
+    let waves = effects.iter().filter(|effect| {
+        let wave = matches!(effect.carrier, Carrier::Order(_));
+        wave && effect.is_of_disc()
+    });
+    let own = waves.map(|wave| Effect {
+        growth: Growth::Own,
+        ..*wave
+    });
+    own.filter(|own| model.terms.iter().all(|term| term.effect != *own))
+        .collect()
 }
 
 /// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and

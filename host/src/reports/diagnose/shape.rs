@@ -155,7 +155,7 @@ fn over(effect: &Effect, recordings: &[RecordingFacts]) -> Option<Over> {
             return (f_hz > 0.0).then(|| Over::Time(longest.min(CYCLES / f_hz)));
         }
         Growth::Speed(power) => return speed(if power < 0.0 { 0.1 } else { 0.0 }),
-        Growth::Constant => {}
+        Growth::Constant | Growth::Own => {}
     }
     match effect.carrier {
         Carrier::Order(order) if order > 0.0 => {
