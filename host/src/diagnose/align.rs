@@ -46,7 +46,7 @@ impl Shown {
         let gives = bench.disc.iter().any(|error| *error != 0.0);
         gives.then(|| Self {
             errors: bench.disc.clone(),
-            variance: vec![bench.spread_rad.powi(2); bench.disc.len() / 2 + 1],
+            variance: bench.spread.variances(bench.disc.len()),
         })
     }
 

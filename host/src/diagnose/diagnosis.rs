@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::effect::Effect;
 use super::numbers::Knob;
+use super::spread::Spread;
 use serde::{Deserialize, Serialize};
 
 use crate::mechanism::Mechanism;
@@ -311,8 +312,8 @@ pub struct Answer {
 pub struct LearnedDisc {
     /// Error of each edge as recorded edges count them, rad.
     pub errors_rad: Vec<f64>,
-    /// Standard error of each, rad.
-    pub standard_error_rad: f64,
+    /// How sure they are.
+    pub spread: Spread,
 }
 
 /// A speed loop as the edges show it.

@@ -6,6 +6,7 @@ use super::lsq;
 use super::model::{Board, Fit, Model, Term};
 use super::name::NINETY_FIVE;
 use super::search;
+use super::spread::Spread;
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
@@ -82,8 +83,7 @@ pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
 #[must_use]
 pub fn variances(board: &Board, fit: &Fit) -> Option<Vec<f64>> {
     let pattern = board.pattern.as_ref()?;
-    let orders = 0..=pattern.edges / 2;
-    let mut variances: Vec<f64> = orders.map(|order| pattern.variance(order)).collect();
+    let mut variances = pattern.variances(&board.benches);
     let columns = fit.of.iter().enumerate();
     for (at, (term, _)) in columns.filter(|(_, (_, number))| *number == 0) {
         let effect = &fit.model.terms[*term].effect;
@@ -99,17 +99,11 @@ pub fn variances(board: &Board, fit: &Fit) -> Option<Vec<f64>> {
     Some(variances)
 }
 
-/// Standard error of an edge of the disc, rad.
+/// How sure the disc's errors are that a fit leaves.
 #[must_use]
-pub fn standard_error_rad(board: &Board, fit: &Fit) -> Option<f64> {
-    let variances = variances(board, fit)?;
-    let edges = board.pattern.as_ref()?.edges as f64;
-    // Each order but the last has two waves.
-    let mut sum = 2.0 * variances.iter().skip(1).sum::<f64>();
-    if edges % 2.0 == 0.0 {
-        sum -= variances.last().copied().unwrap_or(0.0);
-    }
-    Some((sum / edges).sqrt())
+pub fn spread(board: &Board, fit: &Fit) -> Option<Spread> {
+    let edges = board.pattern.as_ref()?.edges;
+    Some(Spread::of(&variances(board, fit)?, edges))
 }
 
 /// Root of the mean square about the mean.

@@ -125,11 +125,8 @@ pub fn answer(
         summary = format!("But for its speed the twin explains the recordings: {other}.");
     }
     let errors = disc::learned(board, &fit.model);
-    let errors = errors.zip(disc::standard_error_rad(board, fit));
-    let pattern = errors.map(|(errors_rad, standard_error_rad)| LearnedDisc {
-        errors_rad,
-        standard_error_rad,
-    });
+    let errors = errors.zip(disc::spread(board, fit));
+    let pattern = errors.map(|(errors_rad, spread)| LearnedDisc { errors_rad, spread });
     Answer {
         diagnosis: Diagnosis {
             version: 2,

@@ -42,6 +42,7 @@ pub mod rig;
 pub mod scan;
 pub mod search;
 mod speed_loop;
+pub mod spread;
 mod square;
 pub mod stamps;
 mod stiffness;

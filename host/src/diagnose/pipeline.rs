@@ -10,6 +10,7 @@ use super::findings::answer;
 use super::model::Board;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
+use super::spread::Spread;
 use super::{align, map, search, speed_loop, task};
 use crate::sim;
 
@@ -175,7 +176,10 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     if let Some(record) = whole_turns(&bench) {
         bench = Bench::new(record, &one.twin, &errors, &noise);
     }
-    bench.spread_rad = sim::disc_spread_rad(&one.twin)?;
+    bench.spread = Spread {
+        edge_rad: sim::disc_spread_rad(&one.twin)?,
+        waves_rad: one.twin.errors.wave_standard_errors_rad.clone(),
+    };
     Ok(bench)
 }
 

@@ -3,11 +3,12 @@
 use realfft::RealFftPlanner;
 
 use super::Estimate;
-use crate::diagnose::disc::{learned, standard_error_rad, variances};
+use crate::diagnose::disc::{learned, variances};
 use crate::diagnose::effect::{Carrier, Effect, On, Site};
 use crate::diagnose::lsq::{Basis, dot};
 use crate::diagnose::model::{Board, Fit};
 use crate::diagnose::search::{self, SURE};
+use crate::diagnose::spread::Spread;
 
 /// Orders that are looked at for a torque behind them.
 const STRONGEST: usize = 8;
@@ -20,8 +21,8 @@ const TOLD: f64 = 3.0;
 pub struct DiscFound {
     /// Error of each edge of the recording's grid, rad; their mean is 0.
     pub errors_rad: Vec<f64>,
-    /// Standard error of each, where no torque turns with the shaft, rad.
-    pub standard_error_rad: f64,
+    /// How sure they are where no torque turns with the shaft.
+    pub spread: Spread,
     /// RMS of the errors.
     pub rms_rad: Estimate,
     /// Orders that a torque may be as well, with their amplitudes, rad.
@@ -108,8 +109,8 @@ pub fn find(board: &Board, fit: &Fit) -> Option<DiscFound> {
         .collect();
     alike.sort_by_key(|(order, _)| *order);
     Some(DiscFound {
+        spread: Spread::of(&spectrum.variances, edges),
         errors_rad: spectrum.errors_rad,
-        standard_error_rad: standard_error_rad(&board, fit)?,
         rms_rad: Estimate::normal(rms, error),
         alike,
     })

@@ -11,6 +11,7 @@ use super::sensor::{Found, Source};
 use super::{ClassDelay, Estimate};
 use crate::diagnose::edges::Sensor;
 use crate::diagnose::record;
+use crate::diagnose::spread::Spread;
 use crate::report::si;
 use crate::twin::{Encoder, Twin, TwinError};
 
@@ -311,13 +312,22 @@ fn disc(starting: &Starting, errors: Option<&Path>, line: &mut impl FnMut(String
         "RMS {} ({}), standard error of an edge {}",
         plain(&si(disc.rms_rad.value, "rad")),
         interval(disc.rms_rad, "rad"),
-        plain(&si(disc.standard_error_rad, "rad"))
+        plain(&sure(&disc.spread))
     );
     match errors {
         Some(path) => {
             line("[errors]".to_owned());
             let name = toml::Value::String(path.display().to_string());
             line(format!("csv = {name}  # {size}"));
+            let waves = disc.spread.rounded_waves_rad();
+            if !waves.is_empty() {
+                let waves: Vec<String> = waves.iter().map(|wave| format!("{wave:e}")).collect();
+                line(format!(
+                    "wave_standard_errors_rad = [{}]  # of orders 1 to {}",
+                    waves.join(", "),
+                    waves.len()
+                ));
+            }
         }
         None => line(format!(
             "# No [errors], as they need a file (--errors PATH): {size}"
@@ -367,6 +377,18 @@ fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
     }
 }
 
+/// Standard error of an edge, and without the slow waves that make most of it.
+fn sure(spread: &Spread) -> String {
+    let whole = si(spread.whole_rad(), "rad");
+    match spread.waves_rad.len() {
+        0 => whole,
+        waves => format!(
+            "{whole} (but for orders 1 to {waves} {})",
+            si(spread.edge_rad, "rad")
+        ),
+    }
+}
+
 /// The disc's errors as `calibrate --csv` writes them, edges numbered as the twin does.
 #[must_use]
 pub fn errors_csv(starting: &Starting) -> Option<String> {
@@ -390,8 +412,8 @@ pub fn errors_csv(starting: &Starting) -> Option<String> {
             // Writing to a string never fails.
             let _ = writeln!(
                 text,
-                "{edge},{class},{error:.4e},{:.4e}",
-                disc.standard_error_rad
+                "{edge},{class},{error:.7e},{:.4e}",
+                disc.spread.edge_rad
             );
         }
     }
@@ -474,7 +496,7 @@ pub fn lines_of(starting: &Starting) -> Vec<(&'static str, String)> {
                 "{} RMS ({}), each edge ± {}",
                 si(disc.rms_rad.value, "rad"),
                 interval(disc.rms_rad, "rad"),
-                si(disc.standard_error_rad, "rad")
+                sure(&disc.spread)
             ),
         ));
     }

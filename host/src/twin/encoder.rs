@@ -195,6 +195,10 @@ pub struct Errors {
     /// path is relative to the twin's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub csv: Option<PathBuf>,
+    /// How sure the slow waves of `csv` are: standard errors of the cosine and the sine of order 1, of order 2, and so on, beside the
+    /// list's own `standard_error_rad`. Torque that nobody knows blurs the first orders most.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wave_standard_errors_rad: Vec<f64>,
 }
 
 /// Distribution of the line position error.

@@ -63,6 +63,7 @@ pub(super) fn files(
             let text = list_csv(&list, disc, &twin)?;
             twin.errors = Errors {
                 csv: list.file_name().map(PathBuf::from),
+                wave_standard_errors_rad: disc.spread.rounded_waves_rad(),
                 ..Errors::default()
             };
             files.push(NewFile { path: list, text });
@@ -107,7 +108,7 @@ fn list_csv(path: &Path, disc: &LearnedDisc, twin: &Twin) -> Result<String, Twin
         1
     };
     let values = errors_rad.iter().flat_map(|e| vec![*e; each]);
-    let error = disc.standard_error_rad;
+    let error = disc.spread.edge_rad;
     let mut text = "k,e_rad,standard_error_rad\n".to_owned();
     let mut given = 0;
     for (k, value) in (0_u32..).zip(values) {

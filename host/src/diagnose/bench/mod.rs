@@ -15,6 +15,7 @@ use super::noise::{self, Free, Rest, Tails};
 use super::plant::{Gains, Law, Leaps, Motion, Plant};
 use super::record::Record;
 use super::speed_loop::Unsaid;
+use super::spread::Spread;
 use crate::sim;
 use crate::twin::{Drive, Twin, TwinError};
 
@@ -45,8 +46,8 @@ pub struct Bench {
     pub twin: Twin,
     /// Errors of its disc as the recording counts edges, rad.
     pub disc: Vec<f64>,
-    /// Standard error of an edge of that disc, rad; 0 where it counts as exact.
-    pub spread_rad: f64,
+    /// How sure that disc is.
+    pub spread: Spread,
     /// What the course and the law go by that the twin does not say.
     pub found: Found,
     /// Where the shaft was.
@@ -133,7 +134,7 @@ impl Bench {
             place: 0,
             record,
             disc,
-            spread_rad: 0.0,
+            spread: Spread::default(),
             found: found.clone(),
             course,
             plant,
@@ -253,7 +254,7 @@ impl Bench {
     /// Keeps what of the same recording does not change with its twin or its course.
     fn stays(&mut self, before: &Self) {
         self.place = before.place;
-        self.spread_rad = before.spread_rad;
+        self.spread.clone_from(&before.spread);
         self.weights.clone_from(&before.weights);
         self.tails.clone_from(&before.tails);
     }

@@ -16,6 +16,7 @@ use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::numbers::Knob;
 use crate::diagnose::pattern::{Pattern, SMALL, SMALLER};
 use crate::diagnose::record::Record;
+use crate::diagnose::spread::Spread;
 use crate::twin::{Drive, Errors};
 
 /// Part of what torques leave open of a course by which it is worked out anew.
@@ -158,10 +159,10 @@ impl Board {
     /// Errors of the disc as far as the twins that give it leave them open.
     #[must_use]
     pub fn pattern_given(&self) -> Option<Pattern> {
-        let each = self.benches.iter().map(|bench| bench.spread_rad);
-        let spread_rad = each.fold(0.0, f64::max);
-        let given = self.disc_given && spread_rad > 0.0;
-        given.then(|| Pattern::known(&self.benches, spread_rad * spread_rad))?
+        let each = self.benches.iter();
+        let spread = each.fold(Spread::default(), |most, bench| most.widest(&bench.spread));
+        let given = self.disc_given && spread.whole_rad() > 0.0;
+        given.then(|| Pattern::known(&self.benches, &spread))?
     }
 
     /// Works out the course anew beside what a model and the disc's pattern shift edges by: torques are evaluated at that. Whether it

@@ -3,6 +3,7 @@
 
 mod solve;
 
+use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 use nalgebra::{Cholesky, Dyn};
@@ -13,11 +14,14 @@ use super::bench::Bench;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::dot;
 use super::mean_turn::MeanTurn;
+use super::spread::Spread;
 use solve::Normal;
 pub use solve::{SMALL, SMALLER};
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
+/// Orders at which what is left open of them is.
+const SOLVED: usize = 10;
 /// Size of an edge's error to begin with and at the most, as a part of a pitch: edges keep their order.
 pub const LARGE: f64 = 0.3;
 /// Square of a size that is none, rad^2.
@@ -28,8 +32,9 @@ const SMALLEST2: f64 = 1e-10 * 1e-10;
 pub struct Pattern {
     /// Edges a turn.
     pub edges: usize,
-    /// Variance of an edge's error, rad^2.
+    /// Variance of an edge's error, rad^2, and what waves of unit size of orders 0, 1, .. have on top; empty where they have nothing.
     pub size2: f64,
+    low: Vec<f64>,
     /// Whether a few edges may be all that is off.
     pub sparse: bool,
     /// Whether that is how well the twins know their disc, and not what fits best.
@@ -50,6 +55,7 @@ impl Pattern {
         Some(Self {
             edges,
             size2: 0.0,
+            low: Vec::new(),
             sparse: true,
             known: false,
             worth: Self::worths(benches, edges),
@@ -64,6 +70,7 @@ impl Pattern {
     pub fn along(&self, benches: &[Bench]) -> Option<Self> {
         let mut pattern = Self::new(benches)?;
         pattern.known = self.known;
+        pattern.low.clone_from(&self.low);
         pattern.sparse = self.sparse;
         pattern.set_size(self.size2);
         Some(pattern)
@@ -78,11 +85,8 @@ impl Pattern {
     }
 
     fn worths(benches: &[Bench], edges: usize) -> Vec<f64> {
-        let orders = edges / 2 + 1;
-        let count = NODES.min(orders - 1);
-        let nodes = (0..count).into_par_iter().map(|node| {
-            let share = node as f64 / (count.max(2) - 1) as f64;
-            let order = ((orders as f64 - 1.0).powf(share)).round().max(1.0);
+        let nodes = nodes(edges, NODES).into_par_iter().map(|order| {
+            let order = order as f64;
             let effect = Effect::new(Site::Disc(On::ALL), Carrier::Order(order));
             let white = benches.iter().flat_map(|bench| {
                 let columns = bench.columns(&effect);
@@ -95,19 +99,20 @@ impl Pattern {
             (order.ln(), worth.max(1e-300).ln())
         });
         let nodes: Vec<(f64, f64)> = nodes.collect();
-        let at = |order: usize| match order {
-            0 => 1e-300,
-            _ => between(&nodes, (order as f64).ln()).exp(),
-        };
-        (0..orders).map(at).collect()
+        through(&nodes, edges)
     }
 
-    /// Of a disc whose errors are known but for a variance, rad^2.
+    /// Of a disc whose errors are known so well.
     #[must_use]
-    pub fn known(benches: &[Bench], size2: f64) -> Option<Self> {
+    pub fn known(benches: &[Bench], spread: &Spread) -> Option<Self> {
         let mut pattern = Self::new(benches)?;
         pattern.known = true;
-        pattern.set_size(size2);
+        let edge2 = spread.edge_rad.powi(2);
+        if !spread.waves_rad.is_empty() {
+            let variances = spread.variances(pattern.edges).into_iter();
+            pattern.low = variances.map(|variance| variance - edge2).collect();
+        }
+        pattern.set_size(edge2.max(SMALLEST2));
         Some(pattern)
     }
 
@@ -126,7 +131,7 @@ impl Pattern {
         if self.known {
             return worth_of(self);
         }
-        let most = (LARGE * std::f64::consts::TAU / self.edges as f64).powi(2);
+        let most = (LARGE * TAU / self.edges as f64).powi(2);
         let start2 = match self.size2 {
             size2 if size2 > 0.0 => (4.0 * size2).min(most),
             _ => most,
@@ -207,10 +212,15 @@ impl Pattern {
         *middle / std::f64::consts::LN_2
     }
 
+    /// Variance of a wave of unit size of an order before any recording, rad^2.
+    fn prior(&self, order: usize) -> f64 {
+        self.size2 + self.low.get(order).copied().unwrap_or(0.0)
+    }
+
     /// Of each order how much of its numbers the recordings settle.
     fn settled(&self) -> impl Iterator<Item = f64> + '_ {
         (1..self.worth.len()).map(|order| {
-            let shown = self.worth[order] * self.size2;
+            let shown = self.worth[order] * self.prior(order);
             self.numbers(order) * shown / (1.0 + shown)
         })
     }
@@ -224,20 +234,64 @@ impl Pattern {
     #[must_use]
     pub fn log_volume(&self) -> f64 {
         let each = (1..self.worth.len())
-            .map(|order| self.numbers(order) * (self.worth[order] * self.size2).ln_1p());
+            .map(|order| self.numbers(order) * (self.worth[order] * self.prior(order)).ln_1p());
         each.sum()
     }
 
-    /// Variance of a wave of unit size of an order, as prior and recordings leave it, rad^2.
+    /// Variances of a wave of unit size of orders 0, 1, .., as prior and recordings leave them beside all other orders, rad^2.
+    #[must_use]
+    pub fn variances(&self, benches: &[Bench]) -> Vec<f64> {
+        if self.size2 <= 0.0 {
+            return vec![0.0; self.edges / 2 + 1];
+        }
+        let orders = nodes(self.edges, SOLVED);
+        let wave = |order: &usize| -> Vec<f64> {
+            let each = (0..self.edges).map(|edge| {
+                let turns = (order * edge % self.edges) as f64 / self.edges as f64;
+                (self.numbers(*order) / self.edges as f64).sqrt() * (turns * TAU).cos()
+            });
+            each.collect()
+        };
+        let waves: Vec<Vec<f64>> = orders.iter().map(wave).collect();
+        let solved = self.errors_of_rows(benches, waves.clone(), SMALL);
+        let each = orders.iter().zip(waves.iter().zip(&solved));
+        let nodes = each.map(|(order, (wave, solved))| {
+            let variance = dot(wave, solved).max(f64::MIN_POSITIVE);
+            ((*order as f64).ln(), variance.ln())
+        });
+        through(&nodes.collect::<Vec<_>>(), self.edges)
+    }
+
+    /// About the variance of a wave of unit size of an order, as prior and recordings leave it, rad^2.
     #[must_use]
     pub fn variance(&self, order: usize) -> f64 {
         let worth = self.worth.get(order).copied().unwrap_or(0.0);
         if self.size2 > 0.0 {
-            1.0 / (worth + self.size2.recip())
+            1.0 / (worth + self.prior(order).recip())
         } else {
             0.0
         }
     }
+}
+
+/// Some orders of a disc with so many edges, each by about the same factor more than the one before.
+fn nodes(edges: usize, most: usize) -> Vec<usize> {
+    let orders = edges / 2;
+    let count = most.min(orders);
+    let each = (0..count).map(|node| {
+        let share = node as f64 / (count.max(2) - 1) as f64;
+        (orders as f64).powf(share).round().max(1.0) as usize
+    });
+    each.collect()
+}
+
+/// Values of all orders of a disc with so many edges through logarithms of some orders and of theirs.
+fn through(nodes: &[(f64, f64)], edges: usize) -> Vec<f64> {
+    let at = |order: usize| match order {
+        0 => 1e-300,
+        _ => between(nodes, (order as f64).ln()).exp(),
+    };
+    (0..=edges / 2).map(at).collect()
 }
 
 /// A value between nodes, straight; the ends go on.

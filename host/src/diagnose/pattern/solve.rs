@@ -7,12 +7,12 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
+use realfft::RealFftPlanner;
 
 use super::Pattern;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::filter::SIDE_BY_SIDE;
 use crate::diagnose::lsq::{add, dot};
-use crate::diagnose::mean_turn::MeanTurn;
 
 /// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
@@ -50,7 +50,15 @@ impl Pattern {
         }
         let factor = self.sized.get_or_init(|| {
             let mut matrix = normal.clone();
-            (0..self.edges).for_each(|at| matrix[(at, at)] += self.size2.recip());
+            // The prior is the same around the disc.
+            let mut one = vec![0.0; self.edges];
+            one[0] = 1.0;
+            let prior = self.over_prior(&one);
+            for column in 0..self.edges {
+                for row in 0..self.edges {
+                    matrix[(row, column)] += prior[(row + self.edges - column) % self.edges];
+                }
+            }
             Cholesky::new(matrix)
         });
         factor.as_ref()
@@ -119,7 +127,12 @@ impl Pattern {
     }
 
     /// The same of some folded scores.
-    fn errors_of_rows(&self, benches: &[Bench], folds: Vec<Vec<f64>>, small: f64) -> Vec<Vec<f64>> {
+    pub(super) fn errors_of_rows(
+        &self,
+        benches: &[Bench],
+        folds: Vec<Vec<f64>>,
+        small: f64,
+    ) -> Vec<Vec<f64>> {
         if self.size2 <= 0.0 {
             return vec![vec![0.0; self.edges]; folds.len()];
         }
@@ -128,7 +141,7 @@ impl Pattern {
             let each = each.map(|fold| factor.solve(&DVector::from_vec(fold)));
             return each.map(|solved| solved.as_slice().to_vec()).collect();
         }
-        let mut all: Vec<Descent> = each.map(|fold| Descent::new(&self.turn, fold)).collect();
+        let mut all: Vec<Descent> = each.map(|fold| Descent::new(self, fold)).collect();
         for _ in 0..STEPS {
             let open = all.iter_mut().filter(|row| row.is_open(small));
             let mut open: Vec<&mut Descent> = open.collect();
@@ -138,16 +151,15 @@ impl Pattern {
             let steps: Vec<Vec<f64>> = open.iter().map(|row| row.step.clone()).collect();
             let mut products = self.fold_rows(benches, &self.unfold_rows(benches, &steps));
             for (row, product) in open.iter_mut().zip(&mut products) {
-                let each = product.iter_mut().zip(&row.step);
-                each.for_each(|(product, of)| *product += of / self.size2);
-                row.go(&self.turn, product);
+                add(product, 1.0, &self.over_prior(&row.step));
+                row.go(self, product);
             }
         }
         all.into_iter().map(|row| row.errors).collect()
     }
 
     /// What one rad at each edge adds, as errors of edges say it, to a sum of squares that is least over them: of those of one place
-    /// together each error over the size's square.
+    /// together each error over the prior.
     #[must_use]
     pub fn scores(&self, benches: &[Bench], errors: &[f64]) -> Vec<Vec<f64>> {
         let mut hits = vec![0.0; self.edges];
@@ -157,12 +169,13 @@ impl Pattern {
         };
         let all = benches.iter().flat_map(slots);
         all.for_each(|slot| hits[slot] += 1.0);
-        let score = |slot: usize| errors[slot] / self.size2 / hits[slot];
+        let over = self.over_prior(errors);
+        let score = |slot: usize| over[slot] / hits[slot];
         let of_bench = |bench: &Bench| slots(bench).into_iter().map(score).collect();
         benches.iter().map(of_bench).collect()
     }
 
-    /// A white row without what a pattern explains of it, and the pattern's errors over its size behind it: products of such rows are
+    /// A white row without what a pattern explains of it, and the pattern's errors over the prior's root behind it: products of such rows are
     /// those beside a pattern that is fitted with them.
     #[must_use]
     pub fn taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
@@ -181,11 +194,9 @@ impl Pattern {
         let folds = self.fold_rows(benches, &white);
         let errors = self.errors_of_rows(benches, folds, small);
         let shown = self.unfold_rows(benches, &errors);
-        let size = self.size2.sqrt();
         for ((white, shown), errors) in white.iter_mut().zip(shown).zip(errors) {
             add(white, -1.0, &shown);
-            let over = |error: f64| if size > 0.0 { -error / size } else { 0.0 };
-            white.extend(errors.into_iter().map(over));
+            white.extend(self.over_root(&errors).into_iter().map(|over| -over));
         }
         white
     }
@@ -194,16 +205,67 @@ impl Pattern {
     /// worked out as such.
     #[must_use]
     pub fn taken_off_disc(&self, benches: &[Bench], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let over = |errors: &Vec<f64>| errors.iter().map(|error| error / self.size2).collect();
-        let folds: Vec<Vec<f64>> = errors.iter().map(over).collect();
+        let folds: Vec<Vec<f64>> = errors.iter().map(|own| self.over_prior(own)).collect();
         let kept = self.errors_of_rows(benches, folds, SMALL);
         let mut white = self.unfold_rows(benches, &kept);
-        let size = self.size2.sqrt();
         for ((white, errors), kept) in white.iter_mut().zip(errors).zip(&kept) {
-            let rest = errors.iter().zip(kept);
-            white.extend(rest.map(|(error, kept)| (kept - error) / size));
+            let rest = kept.iter().zip(errors);
+            let rest: Vec<f64> = rest.map(|(kept, error)| kept - error).collect();
+            white.extend(self.over_root(&rest));
         }
         white
+    }
+
+    /// Errors over the prior's variance.
+    fn over_prior(&self, errors: &[f64]) -> Vec<f64> {
+        self.times(errors, |order| self.prior(order).recip())
+    }
+
+    /// Errors over the root of the prior's variance.
+    fn over_root(&self, errors: &[f64]) -> Vec<f64> {
+        self.times(errors, |order| match self.prior(order) {
+            prior if prior > 0.0 => prior.sqrt().recip(),
+            _ => 0.0,
+        })
+    }
+
+    /// A row divided by about the normal matrix with the prior.
+    fn divided(&self, row: &[f64]) -> Vec<f64> {
+        let mut divided = self.turn.divided(row);
+        if !self.low.is_empty() {
+            // The mean turn has the size alone: what orders may have on top comes by what they are worth.
+            let more = self.times(row, |order| {
+                let worth = self.worth[order];
+                (worth + self.prior(order).recip()).recip() - (worth + self.size2.recip()).recip()
+            });
+            add(&mut divided, 1.0, &more);
+        }
+        divided
+    }
+
+    /// A row whose waves of each order are so many times as large.
+    fn times(&self, row: &[f64], by: impl Fn(usize) -> f64) -> Vec<f64> {
+        if self.low.is_empty() {
+            let by = by(0);
+            return row.iter().map(|value| by * value).collect();
+        }
+        let mut planner = RealFftPlanner::new();
+        let forward = planner.plan_fft_forward(self.edges);
+        let back = planner.plan_fft_inverse(self.edges);
+        let mut spectrum = forward.make_output_vec();
+        let mut times = row.to_vec();
+        if forward.process(&mut times, &mut spectrum).is_ok() {
+            for (order, value) in spectrum.iter_mut().enumerate() {
+                *value *= by(order) / self.edges as f64;
+            }
+            // The ends are real, up to digits.
+            spectrum[0].im = 0.0;
+            if self.edges.is_multiple_of(2) {
+                spectrum[self.edges / 2].im = 0.0;
+            }
+            let _ = back.process(&mut spectrum, &mut times);
+        }
+        times
     }
 }
 
@@ -218,8 +280,8 @@ struct Descent {
 }
 
 impl Descent {
-    fn new(turn: &MeanTurn, rest: Vec<f64>) -> Self {
-        let step = turn.divided(&rest);
+    fn new(pattern: &Pattern, rest: Vec<f64>) -> Self {
+        let step = pattern.divided(&rest);
         let start = dot(&rest, &step);
         Self {
             errors: vec![0.0; rest.len()],
@@ -236,11 +298,11 @@ impl Descent {
     }
 
     /// Goes on by the step, whose product with the normal matrix this is.
-    fn go(&mut self, turn: &MeanTurn, product: &[f64]) {
+    fn go(&mut self, pattern: &Pattern, product: &[f64]) {
         let along = self.square / dot(&self.step, product);
         add(&mut self.errors, along, &self.step);
         add(&mut self.rest, -along, product);
-        let divided = turn.divided(&self.rest);
+        let divided = pattern.divided(&self.rest);
         let next = dot(&self.rest, &divided);
         let by = next / self.square;
         self.square = next;

@@ -1,12 +1,15 @@
 //! Filter, shaft, disc and board by themselves.
 
+use std::f64::consts::TAU;
+
 use super::{PAIR_FAST, WHEEL, board, edges, twin};
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::filter::{Filter, Noise, State, Whitens};
-use crate::diagnose::model::Model;
+use crate::diagnose::model::{Board, Model};
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::plant::{Law, Plant};
 use crate::diagnose::record::Record;
+use crate::diagnose::spread::Spread;
 use crate::diagnose::{cells, course::Course, declared, judge, lsq, lsq::dot};
 
 #[test]
@@ -58,19 +61,53 @@ fn rows_side_by_side_are_filtered_as_each_alone() {
 #[test]
 fn errors_of_a_disc_with_few_edges_solve_its_normal_equations() {
     let board = board(WHEEL);
-    let mut pattern = Pattern::known(&board.benches, 1e-8).unwrap();
-    let white = board.target();
-    let off = |pattern: &Pattern| {
-        let errors = pattern.errors(&board.benches, &white);
-        let fold = pattern.fold(&board.benches, &white);
-        let shown = pattern.fold(&board.benches, &pattern.unfold(&board.benches, &errors));
-        let each = fold.iter().zip(&shown).zip(&errors);
-        let rest = each.map(|((fold, shown), error)| fold - shown - error / 1e-8);
-        rest.map(|rest| rest * rest).sum::<f64>() / dot(&fold, &fold)
+    let spread = Spread {
+        edge_rad: 1e-4,
+        waves_rad: vec![],
     };
+    let mut pattern = Pattern::known(&board.benches, &spread).unwrap();
+    let off = |pattern: &Pattern| off_normal(&board, pattern, &spread);
     assert!(off(&pattern) < 1e-16, "{}", off(&pattern));
     pattern.weigh(&board.benches);
     assert!(off(&pattern) < 1e-16, "{}", off(&pattern));
+}
+
+#[test]
+fn slow_waves_of_a_disc_are_as_open_as_its_list_says() {
+    for twin in [WHEEL, PAIR_FAST] {
+        let board = board(twin);
+        let spread = Spread {
+            edge_rad: 1e-7,
+            waves_rad: vec![2e-3, 0.0, 4e-5],
+        };
+        let pattern = Pattern::known(&board.benches, &spread).unwrap();
+        let off = off_normal(&board, &pattern, &spread);
+        assert!(off < 1e-8, "{off}");
+    }
+}
+
+/// By how much a pattern's errors miss its normal equations, as a part of their right side, squares.
+fn off_normal(board: &Board, pattern: &Pattern, spread: &Spread) -> f64 {
+    let white = board.target();
+    let errors = pattern.closest(&board.benches, &white);
+    let fold = pattern.fold(&board.benches, &white);
+    let shown = pattern.fold(&board.benches, &pattern.unfold(&board.benches, &errors));
+    // Waves by themselves, without a Fourier transform.
+    let (count, edge2) = (errors.len() as f64, spread.edge_rad.powi(2));
+    let mut over: Vec<f64> = errors.iter().map(|error| error / edge2).collect();
+    for (at, wave_rad) in spread.waves_rad.iter().enumerate() {
+        let all2 = edge2 + 0.5 * count * wave_rad.powi(2);
+        for phase in [0.0, 0.25 * TAU] {
+            let turn = |edge: usize| (at + 1) as f64 * edge as f64 * TAU / count + phase;
+            let wave = |edge: usize| (2.0 / count).sqrt() * turn(edge).cos();
+            let along: f64 = errors.iter().enumerate().map(|(k, e)| e * wave(k)).sum();
+            let each = over.iter_mut().enumerate();
+            each.for_each(|(k, over)| *over += along * wave(k) * (all2.recip() - edge2.recip()));
+        }
+    }
+    let each = fold.iter().zip(&shown).zip(&over);
+    let rest = each.map(|((fold, shown), over)| fold - shown - over);
+    rest.map(|rest| rest * rest).sum::<f64>() / dot(&fold, &fold)
 }
 
 #[test]

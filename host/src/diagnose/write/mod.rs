@@ -111,7 +111,7 @@ fn learned(twin: &Twin, pattern: &LearnedDisc) -> Result<LearnedDisc, TwinError>
     let each = known.iter().step_by(every).zip(more);
     Ok(LearnedDisc {
         errors_rad: each.map(|(known, more)| known + more).collect(),
-        ..*pattern
+        spread: pattern.spread.clone(),
     })
 }
 

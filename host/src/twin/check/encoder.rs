@@ -175,8 +175,37 @@ impl Twin {
         self.check_error_list(c);
     }
 
+    fn check_wave_errors(&self, c: &mut Checker<'_>) {
+        let (key, sure) = (
+            "errors.wave_standard_errors_rad",
+            &self.errors.wave_standard_errors_rad,
+        );
+        if sure.is_empty() {
+            return;
+        }
+        c.require(
+            self.errors.csv.is_some(),
+            key,
+            "given without a list",
+            "beside errors.csv",
+            "these are standard errors of the list that errors.csv names",
+        );
+        let most = self.encoder.grid_edges() as usize / 2;
+        c.require(
+            sure.len() <= most,
+            key,
+            format_args!("{} numbers", sure.len()),
+            &format!("up to {most} numbers, one for each order of a turn"),
+            "leave out the orders that the disc's edges can't show",
+        );
+        for (at, value) in sure.iter().enumerate() {
+            c.between(&format!("{key}[{at}]"), *value, 0.0, PI, ANGLE_ADVICE);
+        }
+    }
+
     fn check_error_list(&self, c: &mut Checker<'_>) {
         let e = &self.errors;
+        self.check_wave_errors(c);
         let whole = if e.csv.is_some() {
             "errors.csv"
         } else {
@@ -188,6 +217,7 @@ impl Twin {
         let parts = Errors {
             list_rad: Vec::new(),
             csv: None,
+            wave_standard_errors_rad: Vec::new(),
             ..e.clone()
         };
         c.require(

@@ -1,4 +1,5 @@
 use super::*;
+use crate::diagnose::spread::Spread;
 use crate::reports::diagnose::example;
 use crate::sim::Simulation;
 
@@ -11,7 +12,10 @@ fn twin(name: &str) -> Twin {
 fn disc(errors_rad: Vec<f64>) -> LearnedDisc {
     LearnedDisc {
         errors_rad,
-        standard_error_rad: 1.5e-6,
+        spread: Spread {
+            edge_rad: 1.5e-6,
+            waves_rad: vec![3e-6],
+        },
     }
 }
 
@@ -63,6 +67,7 @@ fn a_learned_disc_goes_beside_its_twin_and_is_read_again() {
     assert_eq!(Simulation::new(&read).unwrap().true_errors(), list);
     let spread_rad = crate::sim::disc_spread_rad(&read).unwrap();
     assert!((spread_rad - 1.5e-6).abs() < 1e-12, "{spread_rad}");
+    assert_eq!(read.errors.wave_standard_errors_rad, [3e-6]);
     let text = fs::read_to_string(&first).unwrap();
     let twin = &diagnosed.diagnosis.recordings[0].twin;
     let remark = format!("# {twin} with what 'quadcal diagnose' found missing on slow.csv.");
