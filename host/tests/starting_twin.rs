@@ -201,12 +201,43 @@ fn a_machine_that_has_not_changed_is_complete_beside_the_twin_of_it() {
 
 #[test]
 fn a_machine_whose_disc_has_come_off_its_centre_is_named_beside_the_twin_of_it() {
-    // One standard error for all edges hid this: order 1 is known a thousand times less closely than fast orders.
+    // One standard error for all edges hid this: order 1 is known a thousand times less closely than fast orders. With few lines the disc's
+    // own order 10 hides the ripple's from who looks at the disc alone.
+    let folder = worn("lines = 100");
+    let at = folder.path();
+    done(at, "twin new-slow.csv new-fast.csv -o both.toml");
+    let of = "worn-slow.csv worn-fast.csv --twin both.toml";
+    let finding = only_finding(at, of, "explained");
+    assert_eq!(finding["mechanism"], "eccentricity", "{finding}");
+    let size = &finding["parameters"]["amplitude_rad"];
+    let [least, most] = [0, 1].map(|end| size["ci95"][end].as_f64().unwrap());
+    // What the list leaves open of order 1 is left open of the difference.
+    assert!(least < 4e-4 && 4e-4 < most, "{size}");
+    assert!((3e-6..20e-6).contains(&(most - least)), "{size}");
+}
+
+#[test]
+fn at_one_speed_a_worn_machine_has_changed_and_nothing_says_whether_disc_or_torque() {
+    let folder = worn("lines = 500");
+    let at = folder.path();
+    done(at, "twin new-slow.csv -o one.toml");
+    let text = fs::read_to_string(at.join("one.toml")).unwrap();
+    assert!(text.contains("wave_standard_errors_rad = [3"), "{text}");
+    let finding = only_finding(at, "worn-slow.csv --twin one.toml", "ambiguous");
+    let each = finding["look_alikes"].as_array().unwrap();
+    let each = each.iter().chain([&finding["mechanism"]]);
+    assert!(each.clone().any(|one| one == "eccentricity"), "{finding}");
+    assert!(each.clone().any(|one| one == "torque_ripple"), "{finding}");
+}
+
+/// A folder with recordings at two speeds of a rig, new and with a disc that has come off its centre.
+fn worn(lines: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     for speed in ["slow", "fast"] {
         let twin = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("twins/pair-{speed}.toml"));
         let twin = fs::read_to_string(twin).unwrap();
+        let twin = twin.replace("lines = 500", lines);
         let worn = twin.replace("amplitude_rad = 5e-4, phase", "amplitude_rad = 9e-4, phase");
         assert_ne!(worn, twin);
         for (name, text, seed) in [("new", twin, 33), ("worn", worn, 34)] {
@@ -217,27 +248,7 @@ fn a_machine_whose_disc_has_come_off_its_centre_is_named_beside_the_twin_of_it()
             );
         }
     }
-    done(at, "twin new-slow.csv new-fast.csv -o both.toml");
-    let finding = only_finding(
-        at,
-        "worn-slow.csv worn-fast.csv --twin both.toml",
-        "explained",
-    );
-    assert_eq!(finding["mechanism"], "eccentricity", "{finding}");
-    let size = &finding["parameters"]["amplitude_rad"];
-    let [least, most] = [0, 1].map(|end| size["ci95"][end].as_f64().unwrap());
-    // What the list leaves open of order 1 is left open of the difference.
-    assert!(least < 4e-4 && 4e-4 < most, "{size}");
-    assert!((3e-6..20e-6).contains(&(most - least)), "{size}");
-    // At one speed nothing tells it from a torque once a turn: that something is, is said, and not what it is.
-    done(at, "twin new-slow.csv -o one.toml");
-    let text = fs::read_to_string(at.join("one.toml")).unwrap();
-    assert!(text.contains("wave_standard_errors_rad = ["), "{text}");
-    let finding = only_finding(at, "worn-slow.csv --twin one.toml", "ambiguous");
-    let each = finding["look_alikes"].as_array().unwrap();
-    let each = each.iter().chain([&finding["mechanism"]]);
-    assert!(each.clone().any(|one| one == "eccentricity"), "{finding}");
-    assert!(each.clone().any(|one| one == "torque_ripple"), "{finding}");
+    folder
 }
 
 /// The finding of a diagnosis with one and a verdict.

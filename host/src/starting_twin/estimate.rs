@@ -343,11 +343,12 @@ fn renoise(board: &mut Board, records: &[Record], twin: &Twin, model: &Model) ->
     found
 }
 
-/// Fits the torques that are worth their numbers beside a disc of any pattern, at the orders at which the disc seems to have most: speed
-/// that changes tells them from it.
+/// Fits the torques that are worth their numbers beside a disc of any pattern, at the orders at which
+/// a torque shows or the disc seems to have most: speed that changes tells them from it.
 fn torques_of(board: &Board, mut fit: Fit) -> Fit {
     for group in 0..TORQUES {
-        let orders = disc::strongest(board, &fit);
+        let mut orders = search::torque_orders(board, &fit);
+        orders.extend(disc::strongest(board, &fit));
         let tried = orders.into_iter().filter_map(|order| {
             let effect = Effect::new(Site::Torque, Carrier::Order(order as f64));
             let mut terms = fit.model.terms.iter();

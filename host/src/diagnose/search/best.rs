@@ -6,7 +6,7 @@ use super::classes::joined;
 use super::open::{is_course, is_open, left_open, own_errors};
 use crate::diagnose::cells::{self, Bank};
 use crate::diagnose::correct::{self, Slopes};
-use crate::diagnose::effect::Effect;
+use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::judge;
 use crate::diagnose::lsq::Basis;
 use crate::diagnose::model::{Board, Fit};
@@ -46,6 +46,26 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
     all.extend(cells::bumps(bank, &left));
     all.sort_by(|a, b| worth(board, b).total_cmp(&worth(board, a)));
     all
+}
+
+/// Whole orders at which a torque shows most beside a fit.
+#[must_use]
+pub fn torque_orders(board: &Board, fit: &Fit) -> Vec<usize> {
+    let basis = fit.basis();
+    let mut fit = fit.clone();
+    basis.clear(&mut fit.left);
+    let found = scan::spectra(&Left::of(board, &fit, &basis), &fit.model);
+    let orders = found.iter().filter_map(|one| match one.effects[..] {
+        [
+            Effect {
+                site: Site::Torque,
+                carrier: Carrier::Order(order),
+                ..
+            },
+        ] if order.fract() == 0.0 => Some(order as usize),
+        _ => None,
+    });
+    orders.collect()
 }
 
 /// Whether the disc is another one than the twins give: its edges are further off than they leave open, and all at once have more evidence
