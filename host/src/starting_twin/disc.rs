@@ -58,14 +58,9 @@ impl Spectrum {
         (2.0 * self.powers[order] / self.errors_rad.len() as f64).sqrt()
     }
 
-    /// The orders below that of the lines whose powers are surely not noise, strongest first: from the lines on, no machine makes a torque.
+    /// The orders below that of the lines whose powers are surely not noise, strongest first.
     fn seen(&self, board: &Board) -> Vec<usize> {
-        let classes = board
-            .benches
-            .first()
-            .map_or(1, |bench| bench.record.classes);
-        let lines = self.errors_rad.len() / classes.max(2) as usize;
-        let mut orders: Vec<usize> = (1..lines.min(self.powers.len()))
+        let mut orders: Vec<usize> = (1..lines(board).min(self.powers.len()))
             .filter(|&order| self.powers[order] > SEEN * SEEN * 2.0 * self.variances[order])
             .collect();
         orders.sort_by(|a, b| self.powers[*b].total_cmp(&self.powers[*a]));
@@ -114,6 +109,13 @@ pub fn find(board: &Board, fit: &Fit) -> Option<DiscFound> {
         rms_rad: Estimate::normal(rms, error),
         alike,
     })
+}
+
+/// Lines of the disc: from that order on no machine makes a torque.
+#[must_use]
+pub fn lines(board: &Board) -> usize {
+    let record = board.benches.first().map(|bench| &bench.record);
+    record.map_or(0, |record| (record.edges / record.classes.max(2)) as usize)
 }
 
 /// The orders below that of the lines at which the disc seems to have most beside a fit, strongest first.

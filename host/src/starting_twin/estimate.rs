@@ -349,6 +349,7 @@ fn torques_of(board: &Board, mut fit: Fit) -> Fit {
     for group in 0..TORQUES {
         let mut orders = search::torque_orders(board, &fit);
         orders.extend(disc::strongest(board, &fit));
+        orders.retain(|order| *order < disc::lines(board));
         let tried = orders.into_iter().filter_map(|order| {
             let effect = Effect::new(Site::Torque, Carrier::Order(order as f64));
             let mut terms = fit.model.terms.iter();

@@ -245,12 +245,19 @@ impl Pattern {
             return vec![0.0; self.edges / 2 + 1];
         }
         let orders = nodes(self.edges, SOLVED);
+        // Of marks that are not there nothing is known, and nobody asks.
+        let mut seen = vec![0.0; self.edges];
+        for bench in benches {
+            (0..bench.record.len()).for_each(|at| seen[bench.record.slot(at)] = 1.0);
+        }
         let wave = |order: &usize| -> Vec<f64> {
-            let each = (0..self.edges).map(|edge| {
+            let each = seen.iter().enumerate().map(|(edge, seen)| {
                 let turns = (order * edge % self.edges) as f64 / self.edges as f64;
-                (self.numbers(*order) / self.edges as f64).sqrt() * (turns * TAU).cos()
+                seen * (turns * TAU).cos()
             });
-            each.collect()
+            let wave: Vec<f64> = each.collect();
+            let size = dot(&wave, &wave).sqrt().max(f64::MIN_POSITIVE);
+            wave.into_iter().map(|value| value / size).collect()
         };
         let waves: Vec<Vec<f64>> = orders.iter().map(wave).collect();
         let solved = self.errors_of_rows(benches, waves.clone(), SMALL);

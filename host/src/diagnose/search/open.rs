@@ -2,6 +2,7 @@
 
 use crate::diagnose::cells;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
+use crate::diagnose::lsq::{Basis, dot};
 use crate::diagnose::model::{Board, Model, pushes};
 
 /// Changes of a drive that the twins do not declare, at the most.
@@ -70,7 +71,7 @@ fn turns_back(board: &Board) -> Vec<Effect> {
 
 /// What is open beside waves of a disc that the twins give. Such a wave moves each mark by where it is, and a mark with an error of its own is
 /// not where it should be: by the grid the wave jumps from edge to edge where the marks are unevenly apart, as no shaft does. Told by
-/// those jumps a slow wave would be known far better than it is, and sidebands of the disc's classes would be left of a large one.
+/// those jumps a slow wave would be known far better than it is. So they are open where they are most of what shows it.
 pub fn own_errors(board: &Board, model: &Model, effects: &[Effect]) -> Vec<Effect> {
     let mut discs = board.benches.iter().map(|bench| &bench.disc);
     if !board.disc_given || discs.all(|disc| disc.iter().all(|error| *error == 0.0)) {
@@ -85,7 +86,26 @@ pub fn own_errors(board: &Board, model: &Model, effects: &[Effect]) -> Vec<Effec
         ..*wave
     });
     own.filter(|own| model.terms.iter().all(|term| term.effect != *own))
+        .filter(|own| jumps_show(board, own))
         .collect()
+}
+
+/// Whether most of what shows a wave of the disc is what its marks' own errors make of it.
+fn jumps_show(board: &Board, own: &Effect) -> bool {
+    let wave = Effect {
+        growth: Growth::Constant,
+        ..*own
+    };
+    let jumps = board.columns(own);
+    let jumps: Vec<&[f64]> = jumps.iter().map(Vec::as_slice).collect();
+    let basis = Basis::of(&jumps);
+    let (mut all, mut smooth) = (0.0, 0.0);
+    for mut column in board.columns(&wave) {
+        all += dot(&column, &column);
+        basis.clear(&mut column);
+        smooth += dot(&column, &column);
+    }
+    smooth < 0.5 * all
 }
 
 /// Whether effects are of what the twins leave open, and so no findings: a drive that they do not declare may change at any instant, and
