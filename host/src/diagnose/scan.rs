@@ -10,7 +10,7 @@ use std::sync::Arc;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
-use super::effect::{Carrier, Effect, On, Site};
+use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::model::{Board, Model};
 use super::nearby::Left;
 
@@ -191,7 +191,9 @@ fn near(one: Carrier, other: Carrier, reach: f64) -> bool {
 fn taken(board: &Board, model: &Model, effect: &Effect) -> bool {
     let reach = board.reach(effect)[0];
     model.terms.iter().any(|term| {
-        term.effect.site == effect.site && near(term.effect.carrier, effect.carrier, reach)
+        let own = term.effect.growth == Growth::Own;
+        let same = !own && term.effect.site == effect.site;
+        same && near(term.effect.carrier, effect.carrier, reach)
     })
 }
 
