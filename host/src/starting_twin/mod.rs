@@ -11,6 +11,7 @@
 mod delays;
 mod disc;
 mod estimate;
+mod list;
 mod noise;
 mod sensor;
 mod write;
@@ -23,8 +24,9 @@ use crate::twin::TwinError;
 pub use delays::ClassDelay;
 pub use disc::DiscFound;
 pub use estimate::{Placed, Starting, bare, estimate};
+pub use list::errors_csv;
 pub use sensor::{Found, Given, SensorUnknown, Source, find};
-pub use write::{Number, bare_text, errors_csv, lines_of, numbers, text};
+pub use write::{Number, bare_text, lines_of, numbers, text};
 
 /// A number with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
