@@ -117,9 +117,19 @@ impl Effect {
             };
             [0, 1].map(|size| (torques[size] - given[size]) / law.inertia)
         };
-        let all = 0..scene.course.len();
-        let responses = plant.responses(all, scene.course, foretold, push, rate, &breaks);
-        responses.into_iter().take(self.sizes()).collect()
+        // Nothing moves before it begins.
+        let begins_s = match self.carrier {
+            Carrier::Window(from_s, _) | Carrier::Settling(from_s, _) => from_s,
+            _ => f64::NEG_INFINITY,
+        };
+        let times = &scene.course.time_s;
+        let still = times.partition_point(|time_s| *time_s < begins_s);
+        let moving = still.saturating_sub(1)..times.len();
+        let responses =
+            plant.responses(moving.clone(), scene.course, foretold, push, rate, &breaks);
+        let each = responses.into_iter().take(self.sizes());
+        each.map(|response| [vec![Motion::default(); moving.start], response].concat())
+            .collect()
     }
 }
 

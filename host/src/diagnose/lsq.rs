@@ -192,18 +192,15 @@ pub fn add(into: &mut [f64], by: f64, row: &[f64]) {
 #[must_use]
 #[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums, so that they do not wait for each other.
-    let (mut sums, mut at) = ([0.0; 4], 0);
-    let whole = a.len().min(b.len());
-    while at + 4 <= whole {
-        for k in 0..4 {
-            sums[k] += a[at + k] * b[at + k];
+    // Eight sums, so that they do not wait for each other.
+    let both = a.len().min(b.len());
+    let ((a, ends), (b, others)) = (a[..both].as_chunks::<8>(), b[..both].as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
         }
-        at += 4;
     }
-    let mut sum = sums[0] + sums[1] + sums[2] + sums[3];
-    for k in at..whole {
-        sum += a[k] * b[k];
-    }
-    sum
+    let ends = ends.iter().zip(others).map(|(a, b)| a * b);
+    sums.iter().sum::<f64>() + ends.sum::<f64>()
 }

@@ -3,9 +3,13 @@
 //! The course is free, so what such a drive does to the mean speed says nothing. A torque that is known, declared or found, moves the shaft
 //! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it.
 
+use super::disc;
 use super::lsq;
 use super::model::{Board, Fit, Model, pushes};
 use super::scan::{SURE, evidence};
+
+/// Fall of twice the negative logarithm of a likelihood that is none.
+const NOTHING: f64 = 0.5;
 
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
@@ -22,14 +26,16 @@ impl Board {
         let before = self.fit(model);
         let cost = self.held_cost(&before);
         let mut best = (self.clone(), before, cost);
+        // Where waves of one speed alone show it, it is as good as any torque's phase.
+        let sure = |fall: f64| evidence(self, fall, 1) > SURE;
         for _ in 0..lsq::ROUNDS {
-            let Some(better) = best.0.held_better(&best.1) else {
+            let hopes = |more: f64| sure(cost - best.2 + 2.0 * more) && more > NOTHING;
+            let Some(better) = best.0.held_better(&best.1, hopes) else {
                 break;
             };
             best = better;
         }
-        // Where waves of one speed alone show it, it is as good as any torque's phase.
-        let sure = evidence(self, cost - best.2, 1) > SURE;
+        let sure = sure(cost - best.2);
         if sure {
             *self = best.0;
         }
@@ -49,28 +55,24 @@ impl Board {
             || terms.any(|term| !term.nuisance && pushes(term.effect.site))
     }
 
-    /// The board with another stiffness that fits better, the fit, and its cost.
-    fn held_better(&self, fit: &Fit) -> Option<(Self, Fit, f64)> {
+    /// The board with another stiffness that fits better, the fit, and its cost, where by about how much it would fall gives hope.
+    fn held_better(&self, fit: &Fit, hopes: impl Fn(f64) -> bool) -> Option<(Self, Fit, f64)> {
         let each = self.benches.iter();
         let speed = each.fold(0.0, |most: f64, bench| most.max(bench.course.mean()));
         // Of waves of one a turn it changes a thousandth.
         let step = 1e-3 * speed;
-        let (mut slope, moved) = (self.rest(&fit.model), self.stiffer(step)?.rest(&fit.model));
-        for (slope, moved) in slope.iter_mut().zip(moved) {
-            let each = slope.iter_mut().zip(moved);
-            each.for_each(|(slope, moved)| *slope = (*slope - moved) / step);
-        }
-        let slope = self.white(&slope);
+        let moved = self.stiffer(step)?;
+        let slope = self.slope_to(&moved, &fit.model, step);
         let mut columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
         columns.push(&slope);
         let solved = lsq::solve(&columns, &fit.left);
-        let (by, cost) = (*solved.sizes.last()?, self.held_cost(fit));
-        if lsq::is_settled(
-            by,
-            solved.covariance[(columns.len() - 1, columns.len() - 1)],
-        ) {
+        let variance = solved.covariance[(columns.len() - 1, columns.len() - 1)];
+        let spreads = (moved.spread() - self.spread()) / step;
+        let by = self.least(solved.sizes.last()? - 0.5 * variance * spreads);
+        if variance <= 0.0 || !hopes(by * by / variance) {
             return None;
         }
+        let cost = self.held_cost(fit);
         lsq::shares(3).find_map(|share| {
             let board = self.stiffer(share * by)?;
             let tried = board.fit(&fit.model);
@@ -79,13 +81,34 @@ impl Board {
         })
     }
 
+    /// How white residuals beside a model change with a step to a board whose filter is another one as well, the disc's pattern as it is
+    /// here.
+    fn slope_to(&self, moved: &Self, model: &Model, step: f64) -> Vec<f64> {
+        let (mut here, mut there) = (self.rest(model), moved.rest(model));
+        if let Some(errors) = disc::pattern(self, &here) {
+            for (at, bench) in self.benches.iter().enumerate() {
+                bench.less_errors(&mut here[at], &errors);
+                bench.less_errors(&mut there[at], &errors);
+            }
+        }
+        let (mut slope, there) = (self.with_pattern(&here), moved.with_pattern(&there));
+        let each = slope.iter_mut().zip(there);
+        each.for_each(|(slope, there)| *slope = (*slope - there) / step);
+        self.beside_pattern(slope)
+    }
+
+    /// A change of stiffness, but for what would drive swings on, 1/s.
+    fn least(&self, by: f64) -> f64 {
+        let each = self.benches.iter();
+        let least = each.map(|bench| -bench.plant.law.viscous - bench.found.stiffness);
+        by.max(least.fold(f64::NEG_INFINITY, f64::max))
+    }
+
     /// The board with a drive that is stiffer by so much over the inertia, 1/s.
     fn stiffer(&self, by: f64) -> Option<Self> {
         let mut board = self.clone();
         for bench in &mut board.benches {
-            // Less than none would drive swings on.
-            let least = -bench.plant.law.viscous;
-            bench.found.stiffness = (bench.found.stiffness + by).max(least);
+            bench.found.stiffness += by;
         }
         board.found_anew()
     }

@@ -234,7 +234,8 @@ impl Board {
         for _ in 0..lsq::ROUNDS {
             let is_size =
                 |(term, number): &(usize, usize)| *number < now.model.terms[*term].effect.sizes();
-            if now.of.iter().all(is_size) {
+            // Knobs that go on as their slopes say would gain nothing.
+            if now.of.iter().all(is_size) || now.rss - now.lowest < NONE {
                 break;
             }
             let Some(better) = self.step(&now, target, basis) else {

@@ -17,7 +17,7 @@ use crate::diagnose::lsq::{add, dot};
 /// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
 /// Edges a turn up to which the normal matrix is worked out: a column of it costs as much as a step of conjugate gradients.
-const MATRIX: usize = 128;
+const MATRIX: usize = 256;
 /// Part of the first residual that is small enough.
 pub const SMALL: f64 = 1e-5;
 /// What is as small as numbers allow: of what a fit leaves small parts count.
