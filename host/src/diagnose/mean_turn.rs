@@ -1,7 +1,7 @@
 //! One turn in place of all that were recorded: what stands for a disc's normal matrix where that is divided by.
 //!
 //! In angle, not in time, every turn of a free shaft is alike: torque noise of density q makes its angle wander with q / speed^3, a drift
-//! of density d with d / speed^5, and a stamp is off by speed times its error. Turns add what they know of the disc, so the mean turn has the sum of the inverse of both. With C the
+//! of density d with d / speed^5 that fades with its rate / speed, and a stamp is off by speed times its error. Turns add what they know of the disc, so the mean turn has the sum of the inverse of both. With C the
 //! covariance of what it leaves of the edges' errors, 1 / (1 / C + 1 / s^2) is s^2 - s^4 / (C + s^2), whose last term is a filter run
 //! there and back for edges that are blurred by s, around the turn.
 
@@ -26,6 +26,8 @@ pub struct MeanTurn {
     leaps: Vec<Leap<DRIFTING>>,
     /// Density of the wander, 1/rad, and of that of a drift, 1/rad^3.
     wander: [f64; 2],
+    /// How fast a drift fades, 1/rad.
+    fade: f64,
     /// RMS error that stamps leave of each edge, rad.
     own_rad: Vec<f64>,
     /// Least variance that the recordings leave of an edge, rad^2.
@@ -42,7 +44,7 @@ impl MeanTurn {
         let step = TAU / edges as f64;
         let mut known = vec![0.0; edges];
         let mut apart = vec![(0.0, 0.0); edges];
-        let mut stiff = [0.0; 2];
+        let (mut stiff, mut fade, mut all) = ([0.0; 2], 0.0, 0.0);
         for bench in benches {
             let (record, noise, usual) = (&bench.record, bench.noise(), bench.leaps.speed());
             for at in 0..record.len() {
@@ -56,6 +58,8 @@ impl MeanTurn {
                 let part = weight / edges as f64;
                 stiff[0] += part * steady.powi(3) / noise.torque;
                 stiff[1] += part * steady.powi(5) / noise.drift;
+                fade += noise.fade / speed;
+                all += 1.0;
                 if at > 0 && (record.place[at] - record.place[at - 1]).abs() == 1 {
                     let from = record.place[at].min(record.place[at - 1]);
                     let (sum, count) = &mut apart[from.rem_euclid(edges as i64) as usize];
@@ -75,6 +79,7 @@ impl MeanTurn {
         let leaps: Vec<Leap<DRIFTING>> = leaps.collect();
         Self {
             filter: None,
+            fade: fade / f64::max(all, 1.0),
             wander: stiff.map(|stiff| f64::max(stiff, f64::MIN_POSITIVE).recip()),
             own_rad: known
                 .iter()
@@ -101,6 +106,7 @@ impl MeanTurn {
         let noise = Noise {
             torque,
             drift,
+            fade: self.fade,
             angle_rad: 1.0,
             ..Noise::default()
         };

@@ -144,9 +144,9 @@ impl Board {
             bench.weights.fill(1.0);
             bench.tails.fill(1.0);
         }
+        board.noise.fade = 0.0;
         if !board.undriven {
             board.noise.drift = 0.0;
-            board.noise.fade = 0.0;
         }
         board.set_noise(board.noise);
         board
@@ -177,17 +177,17 @@ impl Board {
         board.free = Free {
             drift: true,
             fast: true,
-            fade: !board.undriven,
+            fade: true,
             tails,
             ..board.free
         };
-        if board.noise.drift <= 0.0 {
+        if board.noise.fade <= 0.0 {
             let speed = board.benches.iter().map(|bench| bench.leaps.speed());
             let turning = speed.fold(0.0, f64::max);
             // Three times as dense as the torque noise, to once a turn.
             board.set_noise(Noise {
                 drift: 3.0 * board.noise.torque * turning * turning,
-                fade: if board.free.fade { turning } else { 0.0 },
+                fade: turning,
                 ..board.noise
             });
         }

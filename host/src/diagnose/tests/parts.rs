@@ -3,9 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::{PAIR_FAST, WHEEL, board, edges, twin};
+use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::filter::{Filter, Noise, State, Whitens};
 use crate::diagnose::model::{Board, Model};
+use crate::diagnose::noise::Tails;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::plant::{Law, Plant};
 use crate::diagnose::record::Record;
@@ -223,6 +225,38 @@ fn friction_is_tried_where_the_speed_changes_alone() {
     assert!(tried(
         "[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 6\n"
     ));
+}
+
+#[test]
+fn torque_that_is_held_for_many_edges_is_no_free_drift_of_an_unknown_drive() {
+    let sensor =
+        "[encoder.quadrature]\nlines = 250\nindex = true\n\n[shaft]\ninertia_kg_m2 = 1.4e-4\n";
+    let timer = "\n[timer]\nclock_hz = 168_000_000\njitter_s = 3e-7\n";
+    let drive = "viscous_n_m_s = 1e-4\nstiffness_n_m_s = 1e-3\n\n[drive.constant]\nr_min = 270\n\n[noise.white]\npsd_n2_m2_s = 2e-9\n\
+                 hold_s = 2e-3\n";
+    let real = twin(&format!(
+        "seed = 4\nduration = {{ turns = 12 }}\n\n{sensor}{drive}{timer}"
+    ));
+    let thin = twin(&format!("{sensor}{timer}"));
+    let record = Record::of(&edges(&real), &thin);
+    let noise = Noise {
+        torque: 1.0,
+        stamp_s: record.tick_s,
+        ..Noise::default()
+    };
+    let board = Board::new(vec![Bench::new(record, &thin, &[], &noise)]);
+    let any = board.in_any_noise(Tails::Normal);
+    let (any, ..) = any.at_its_noise(&Model::default());
+    let Noise {
+        torque,
+        drift,
+        fade,
+        ..
+    } = any.noise;
+    // What is slow has the density that the rig has.
+    let slow = torque + drift / (fade * fade);
+    let expected = 2e-9 / 1.4e-4_f64.powi(2);
+    assert!((0.5..2.0).contains(&(slow / expected)), "{:?}", any.noise);
 }
 
 #[test]
