@@ -335,8 +335,8 @@ fn kind_of_noise(board: &Board) -> Option<String> {
     let noise = board.noise;
     let level = |bench: &Bench| bench.weights.iter().all(|weight| *weight == 1.0);
     let wanders = noise.drift > noise.torque * noise.fade * noise.fade;
-    // A corner that is slower than the recording shows nowhere.
-    if wanders && noise.fade * board.seconds() > 1.0 {
+    // How a drive that nobody declared wanders is its own. A corner that is slower than the recording shows nowhere.
+    if wanders && !board.undriven && noise.fade * board.seconds() > 1.0 {
         let hz = noise.fade / std::f64::consts::TAU;
         return Some(format!(
             "a torque that wanders more slowly than {}, and follows no carrier",
