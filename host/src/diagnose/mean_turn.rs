@@ -1,9 +1,10 @@
 //! One turn in place of all that were recorded: what stands for a disc's normal matrix where that is divided by.
 //!
 //! In angle, not in time, every turn of a free shaft is alike: torque noise of density q makes its angle wander with q / speed^3, a drift
-//! of density d with d / speed^5 that fades with its rate / speed, and a stamp is off by speed times its error. Turns add what they know of the disc, so the mean turn has the sum of the inverse of both. With C the
-//! covariance of what it leaves of the edges' errors, 1 / (1 / C + 1 / s^2) is s^2 - s^4 / (C + s^2), whose last term is a filter run
-//! there and back for edges that are blurred by s, around the turn.
+//! of density d with d / speed^5 that fades with its rate / speed, and a stamp is off by speed times its error. Turns add what they know
+//! of the disc, so the mean turn has the sum of the inverse of both. With C the covariance of what it leaves of the edges' errors,
+//! 1 / (1 / C + 1 / s^2) is s^2 - s^4 / (C + s^2), whose last term is a filter run there and back for edges that are blurred by s,
+//! around the turn.
 
 use std::f64::consts::TAU;
 
