@@ -42,7 +42,8 @@ impl Number for f64 {
 
     #[inline]
     fn powf(self, power: f64) -> Self {
-        self.powf(power)
+        // A speed that passes 0 between edges is a little below it.
+        self.max(0.0).powf(power)
     }
 }
 
@@ -274,9 +275,10 @@ impl<N: Number> Number for Sloped<N> {
     }
 
     fn powf(self, power: f64) -> Self {
+        // Of a number that is no series its own.
         Self {
-            at: self.at.powf(power),
-            slope: self.at.powf(power - 1.0) * self.slope * power,
+            at: Number::powf(self.at, power),
+            slope: Number::powf(self.at, power - 1.0) * self.slope * power,
         }
     }
 }

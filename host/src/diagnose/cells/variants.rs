@@ -76,7 +76,9 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
         growths.extend([Growth::Speed(1.0), Growth::Speed(-1.0)]);
     }
     let each = growths.into_iter();
-    each.map(|growth| vec![Effect { growth, ..*effect }])
+    let each = each.map(|growth| Effect { growth, ..*effect });
+    each.filter(|grown| board.can_have(grown))
+        .map(|grown| vec![grown])
         .collect()
 }
 

@@ -316,7 +316,7 @@ impl Board {
                     }
                 }
                 let moved = term.effect.with_knobs(&knobs);
-                if moved.is_possible() {
+                if self.can_have(&moved) {
                     term.effect = moved;
                 }
             }
