@@ -7,11 +7,12 @@ use super::diagnosis::{
     self, Answer, Diagnosis, Evidence, Finding, LearnedDisc, Map, NextRecording, RecordingFacts,
     RunnerUp, Sized, Verdict,
 };
-use super::effect::{Carrier, Effect, Site};
-use super::judge::{self, Parts};
+use super::effect::{Effect, Site};
+use super::judge::{self, Foretold, Parts};
 use super::lsq::dot;
 use super::model::{Board, Fit};
 use super::name::Number;
+use super::nearby::Left;
 use super::noise::Tails;
 use super::rig::Recorded;
 use super::scan::SURE;
@@ -158,11 +159,14 @@ pub fn answer(
 
 /// Effects of the fit, as far as other turns foretell them with a name.
 fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -> Vec<Said> {
-    let parts = Parts::blocks(board, fit);
     let [none, early, _] = Parts::held_out(board, fit).judged(fit);
     // Where all findings together make held-out turns worse, none that can be foretold has a name.
     let worse = early > none;
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
+    let basis = fit.basis();
+    let mut cleared = fit.clone();
+    basis.clear(&mut cleared.left);
+    let left = Left::of(board, &cleared, &basis);
     let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
     let known_inertia = board.benches.iter().all(inertia);
     let each = fit.model.groups().into_iter().map(|group| {
@@ -172,19 +176,12 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         // In noise of any kind it may be worth less.
         let judged = worths.iter().find(|(of, _)| *of == group);
         let worth = judged.map_or(worth, |(_, judged)| worth.min(*judged));
-        let foretold = Parts::of_group(board, fit, group).foretold(fit, group);
+        let foretold = judge::foretold(board, fit, group);
         let corrected = correct::measured(board, fit, group);
-        // What comes once, or once along the course, can't be foretold from elsewhere.
-        let once = if corrected.is_empty() {
-            effects.iter().any(comes_once)
-        } else {
-            parts.only_once(fit, group)
-        };
         let mut mechanism = board.mechanism(&effects);
         let sideband = judge::sideband_of(board, fit, group);
-        if sideband.is_some()
-            || !once && (worse || !judge::foretells(foretold.fall, foretold.shown))
-        {
+        let recurs = |it: &Foretold| !worse && judge::foretells(it.fall, it.shown);
+        if sideband.is_some() || !foretold.as_ref().is_none_or(recurs) {
             mechanism = Mechanism::Unknown;
         }
         let alike = alike.iter().find(|one| one.group == group);
@@ -218,6 +215,12 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             .iter()
             .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
             .sum();
+        // What is left beside it may have such lines by chance: of so many the largest is so large.
+        let floors = effects.iter().map(|effect| left.floor(effect));
+        let floor = floors.fold(f64::INFINITY, f64::min);
+        let chance = (floor - 1.0) * 2.0 * (board.edges() as f64).ln();
+        let shown = foretold.as_ref().map_or(loss, |it| it.fall.min(loss));
+        let stands_out = shown / (shown + chance);
         let told = |one: &Mechanism| card.told_by_rig.contains(one);
         let next = (!look_alikes.iter().all(told)).then(|| NextRecording {
             text: card.separated_by.clone(),
@@ -243,11 +246,11 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         let parameters =
             parameters.map(|(number, unit)| (number.name.clone(), number.parameter(&unit)));
         let finding = Finding {
-            confidence: plain.confidence / (1.0 + against),
+            confidence: plain.confidence / (1.0 + against) * stands_out,
             parameters: parameters.collect(),
             place,
             evidence: Evidence {
-                held_out_rms_ratio: (!once).then(|| foretold.rms_ratio()),
+                held_out_rms_ratio: foretold.map(|foretold| foretold.rms_ratio()),
                 runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
                     mechanism: *mechanism,
                     delta_bic: *apart,
@@ -271,19 +274,6 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         }
     });
     each.collect()
-}
-
-/// Whether an effect comes at an instant or goes by the course of the speed.
-const fn comes_once(effect: &Effect) -> bool {
-    matches!(
-        effect.carrier,
-        Carrier::Window(..)
-            | Carrier::Settling(..)
-            | Carrier::Time
-            | Carrier::Direction
-            | Carrier::Power(_)
-            | Carrier::Stribeck(_)
-    )
 }
 
 /// Noise of another kind or another density than the twins declare.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::effect::{Carrier, Effect, is_exact};
+use super::effect::{Carrier, Effect, Site, is_exact};
 use super::lsq::{self, dot};
 use super::model::{Board, Fit};
 use super::scan::{SURE, evidence};
@@ -81,6 +81,33 @@ impl Foretold {
 #[must_use]
 pub fn foretells(foretold: f64, shown: f64) -> bool {
     foretold >= MOST * shown - SURE
+}
+
+/// What a group does on turns that it was not fitted on; none where it comes once, or once along the course, so that nothing foretells it
+/// from elsewhere.
+#[must_use]
+pub fn foretold(board: &Board, fit: &Fit, group: usize) -> Option<Foretold> {
+    let effects = fit.model.effects(group);
+    let declared = |effect: &Effect| matches!(effect.site, Site::Declared(_));
+    let once = if effects.iter().any(declared) {
+        Parts::blocks(board, fit).only_once(fit, group)
+    } else {
+        effects.iter().any(comes_once)
+    };
+    (!once).then(|| Parts::of_group(board, fit, group).foretold(fit, group))
+}
+
+/// Whether an effect comes at an instant or goes by the course of the speed.
+const fn comes_once(effect: &Effect) -> bool {
+    matches!(
+        effect.carrier,
+        Carrier::Window(..)
+            | Carrier::Settling(..)
+            | Carrier::Time
+            | Carrier::Direction
+            | Carrier::Power(_)
+            | Carrier::Stribeck(_)
+    )
 }
 
 /// Whether a group of a fit shows more than once, and is foretold on turns that it was not fitted on.

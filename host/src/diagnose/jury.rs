@@ -4,9 +4,10 @@
 use rayon::prelude::*;
 
 use super::agreement;
+use super::judge;
 use super::model::{Board, Fit, Model};
 use super::noise::Tails;
-use super::scan::SURE;
+use super::scan::{SURE, evidence};
 
 /// Numbers of such noise: density and corner of a wander, levels and tails.
 const NUMBERS: f64 = 4.0;
@@ -55,6 +56,32 @@ pub fn judge(board: &mut Board, fit: &mut Fit, at_once: bool) -> Judged {
         let weak = weak.into_iter();
         let rest = weak.fold(fit.model.clone(), |model, one| model.without(one.0));
         (*board, *fit, _) = likeliest(&any.0, &rest);
+    }
+}
+
+/// Takes off a fit what turns that it was not fitted on do not bear out, one after the other, and weighs the others by those turns as well.
+/// Whether there was any.
+pub fn bear_out(board: &mut Board, fit: &mut Fit, worth: &mut [(usize, f64)]) -> bool {
+    let mut any = false;
+    loop {
+        let groups = fit.model.groups().into_iter();
+        let elsewhere = groups.filter_map(|group| {
+            let foretold = judge::foretold(board, fit, group)?;
+            let numbers = fit.model.numbers(group);
+            Some((group, evidence(board, foretold.fall, numbers)))
+        });
+        let elsewhere: Vec<_> = elsewhere.collect();
+        let weakest = elsewhere.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((group, _)) = weakest.filter(|one| one.1 < SURE) else {
+            for (group, worth) in worth {
+                let own = elsewhere.iter().find(|(of, _)| of == group);
+                *worth = own.map_or(*worth, |(_, own)| worth.min(*own));
+            }
+            return any;
+        };
+        any = true;
+        let rest = fit.model.without(*group);
+        (*board, *fit, _) = board.declaring(&rest).at_its_noise(&rest);
     }
 }
 

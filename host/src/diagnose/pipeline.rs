@@ -11,7 +11,7 @@ use super::model::Board;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
 use super::spread::Spread;
-use super::{align, map, search, speed_loop, task};
+use super::{align, jury, map, search, speed_loop, task};
 use crate::sim;
 
 /// Edges that a recording needs.
@@ -77,6 +77,9 @@ pub fn diagnose(
         given = Board::of(benches.clone());
     }
     progress(0.9, "Judging");
+    if jury::bear_out(&mut board, &mut found.fit, &mut found.worth) {
+        map = mapped(&board, &found);
+    }
     let search::Found {
         fit, worth, noise, ..
     } = &found;

@@ -7,12 +7,13 @@ use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::filter::{Filter, Noise, State, Whitens};
 use crate::diagnose::model::{Board, Model};
+use crate::diagnose::nearby::Left;
 use crate::diagnose::noise::Tails;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::plant::{Law, Plant};
 use crate::diagnose::record::Record;
 use crate::diagnose::spread::Spread;
-use crate::diagnose::{cells, course::Course, declared, judge, lsq, lsq::dot};
+use crate::diagnose::{cells, course::Course, declared, judge, jury, lsq, lsq::dot};
 
 #[test]
 fn the_transposed_filter_is_the_filters_adjoint() {
@@ -280,6 +281,108 @@ fn an_edge_that_the_shaft_rocks_about_has_no_speed() {
     let course = Course::bent(&record, &vec![0.0; record.len()], &pushed);
     let last = &course.speed[record.len() - 5..];
     assert!(last.iter().all(|speed| *speed == 0.0), "{last:?}");
+}
+
+#[test]
+fn a_shaft_that_goes_on_does_not_stop_between_two_edges() {
+    let thin = twin(
+        "[encoder.quadrature]\nlines = 100\n\n[shaft]\ninertia_kg_m2 = 1e-4\n\n[timer]\nclock_hz = 1_000_000\n",
+    );
+    let mut edges = edges(&twin(
+        "seed = 1\nduration = { turns = 4 }\n\n[encoder.quadrature]\nlines = 100\n\n[drive.constant]\nr_min = 60\n\n\
+         [timer]\nclock_hz = 1_000_000\n",
+    ));
+    let (at, later) = (800, 801);
+    edges.time_s[later..]
+        .iter_mut()
+        .for_each(|time_s| *time_s += 0.1);
+    let record = Record::of(&edges, &thin);
+    let course = Course::new(&record, &vec![0.0; record.len()]);
+    let mean =
+        (course.angle[later] - course.angle[at]) / (course.time_s[later] - course.time_s[at]);
+    let shares = (1..100).map(|share| course.within(later, f64::from(share) / 100.0));
+    let slowest = shares.map(|(_, speed)| speed).fold(f64::INFINITY, f64::min);
+    assert!(slowest > 0.2 * mean, "{slowest} of {mean}");
+    assert!((course.within(later, 1.0).0 - course.angle[later]).abs() < 1e-12);
+    let falls = Effect {
+        growth: Growth::Speed(-0.9),
+        ..Effect::new(Site::Torque, Carrier::Order(5.2))
+    };
+    let bench = Bench::new(
+        record,
+        &thin,
+        &[],
+        &Noise {
+            torque: 1.0,
+            stamp_s: 1e-6,
+            ..Noise::default()
+        },
+    );
+    let columns = bench.columns(&falls);
+    assert!(columns.iter().flatten().all(|angle| angle.is_finite()));
+}
+
+/// What lines beside one explain of the recording of a twin beside another, over what they would of white noise.
+fn floor(real: &str, given: &str, order: f64) -> f64 {
+    let (real, given) = (twin(real), twin(given));
+    let record = Record::of(&edges(&real), &given);
+    let errors = crate::sim::true_errors(&given).unwrap();
+    let noise = Noise {
+        torque: 1.0,
+        stamp_s: record.tick_s,
+        ..Noise::default()
+    };
+    let mut board = Board::new(vec![Bench::new(record, &given, &errors, &noise)]);
+    let line = Effect::new(Site::Torque, Carrier::Order(order));
+    let mut model = Model::default();
+    model.add(&[line], 0);
+    let mut fit = board.fit_in_noise(&model);
+    let basis = fit.basis();
+    basis.clear(&mut fit.left);
+    Left::of(&board, &fit, &basis).floor(&line)
+}
+
+#[test]
+fn lines_beside_one_that_changes_explain_more_than_noise() {
+    let torque = |order: f64| {
+        let at = format!("order = {order}\nphase_rad = {}\n", 9.0 * order);
+        format!("\n[[effect]]\nsite = \"torque\"\nfollows = \"order\"\n{at}torque_n_m = 4e-5\n")
+    };
+    let steady = floor(&format!("{PAIR_FAST}{}", torque(7.3)), PAIR_FAST, 7.3);
+    assert!(steady < 2.0, "{steady}");
+    // What swings about that order in parts of the recording is a band of lines.
+    let band: String = (0..30)
+        .map(|line| torque(5.9 + 0.1 * f64::from(line)))
+        .collect();
+    let band = floor(&format!("{PAIR_FAST}{band}"), PAIR_FAST, 7.3);
+    assert!(band > 10.0, "{band}");
+}
+
+#[test]
+fn a_line_that_noise_has_is_not_borne_out_by_other_turns() {
+    let real = twin(PAIR_FAST);
+    let mut given = real.clone();
+    let ripple = given.ripple.pop().unwrap();
+    let record = Record::of(&edges(&real), &given);
+    let errors = crate::sim::true_errors(&given).unwrap();
+    let noise = Noise {
+        torque: 1.0,
+        stamp_s: record.tick_s,
+        ..Noise::default()
+    };
+    let mut board = Board::new(vec![Bench::new(record, &given, &errors, &noise)]);
+    let mut model = Model::default();
+    model.add(
+        &[Effect::new(Site::Torque, Carrier::Order(ripple.order))],
+        1,
+    );
+    model.add(&[Effect::new(Site::Torque, Carrier::Order(33.7))], 2);
+    let mut fit = board.fit(&model);
+    let mut worth = vec![(1, f64::INFINITY), (2, f64::INFINITY)];
+    assert!(jury::bear_out(&mut board, &mut fit, &mut worth));
+    assert_eq!(fit.model.groups(), [1]);
+    assert!(worth[0].1.is_finite());
+    assert!(!jury::bear_out(&mut board, &mut fit, &mut worth));
 }
 
 #[test]
