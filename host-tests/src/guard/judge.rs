@@ -180,6 +180,7 @@ mod tests {
                 delta_bic: 30.0,
                 p_value: 1e-6,
                 held_out_rms_ratio: None,
+                lines_beside: None,
                 runner_up: None,
             },
             look_alikes: Vec::new(),

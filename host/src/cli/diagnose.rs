@@ -117,13 +117,13 @@ impl Diagnose {
             return Target::Stdout.write(catalogue::text(one).as_bytes());
         }
         self.spare()?;
-        let given = if self.twins.is_empty() {
+        let mut given = if self.twins.is_empty() {
             self.without_twin(globals)?
         } else {
             self.with_twins(globals)?
         };
         let mut progress = Progress::share("Diagnosing", globals);
-        let answer = pipeline::diagnose(&given.rig, &mut |done, what| progress.at(done, what))?;
+        let answer = pipeline::diagnose(&mut given.rig, &mut |done, what| progress.at(done, what))?;
         drop(progress);
         self.write(&given, &answer)
     }

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::effect::Effect;
 
-/// Numbers of all columns that are kept of one recording, or of all recordings in one noise: 64 MB.
-const KEPT: usize = 8_000_000;
+/// Numbers of all columns that are kept of one recording, or of all recordings in one noise: 40 MB.
+const KEPT: usize = 5_000_000;
 
 /// What an effect does to each edge for unit of each size.
 pub type Columns = Arc<Vec<Vec<f64>>>;

@@ -166,6 +166,7 @@ impl Finding {
                 delta_bic: worth,
                 p_value: by_chance,
                 held_out_rms_ratio: None,
+                lines_beside: None,
                 runner_up: None,
             },
             look_alikes: Vec::new(),
@@ -256,6 +257,8 @@ pub struct Evidence {
     pub p_value: f64,
     /// RMS on held-out turns with it over that without it.
     pub held_out_rms_ratio: Option<f64>,
+    /// How many times as much as in white noise lines beside its order or frequency explain: a finding that is one has to stand out of them.
+    pub lines_beside: Option<f64>,
     /// The next best mechanism, and Schwarz's criterion with it in place less that of the finding.
     pub runner_up: Option<RunnerUp>,
 }

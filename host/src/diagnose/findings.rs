@@ -216,9 +216,9 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
             .sum();
         // What is left beside it may have such lines by chance: of so many the largest is so large.
-        let floors = effects.iter().map(|effect| left.floor(effect));
-        let floor = floors.fold(f64::INFINITY, f64::min);
-        let chance = (floor - 1.0) * 2.0 * (board.edges() as f64).ln();
+        let floors = effects.iter().filter_map(|effect| left.floor(effect));
+        let floor = floors.min_by(f64::total_cmp);
+        let chance = (floor.unwrap_or(1.0) - 1.0) * 2.0 * (board.edges() as f64).ln();
         let shown = foretold.as_ref().map_or(loss, |it| it.fall.min(loss));
         let stands_out = shown / (shown + chance);
         let told = |one: &Mechanism| card.told_by_rig.contains(one);
@@ -251,6 +251,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             place,
             evidence: Evidence {
                 held_out_rms_ratio: foretold.map(|foretold| foretold.rms_ratio()),
+                lines_beside: floor,
                 runner_up: others.first().map(|(mechanism, apart)| RunnerUp {
                     mechanism: *mechanism,
                     delta_bic: *apart,

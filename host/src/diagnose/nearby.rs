@@ -95,12 +95,12 @@ impl<'a> Left<'a> {
     }
 
     /// How many times as much as in white noise the lines beside one explain, those that it can be told from: by the median of an
-    /// exponential distribution. 1 of what is no line.
+    /// exponential distribution, and 1 at the least. None of what is no line.
     #[must_use]
-    pub fn floor(&self, effect: &Effect) -> f64 {
+    pub fn floor(&self, effect: &Effect) -> Option<f64> {
         const BESIDE: i32 = 16;
         if !matches!(effect.carrier, Carrier::Order(_) | Carrier::Tone(_)) {
-            return 1.0;
+            return None;
         }
         let reach = self.board.reach(effect)[0];
         let beside = |apart: i32| {
@@ -109,16 +109,13 @@ impl<'a> Left<'a> {
             (knobs[0] > 0.0).then(|| effect.with_knobs(&knobs))
         };
         // The model has the effect itself; squares of lines beside each other are the same.
-        let Some(other) = beside(BESIDE) else {
-            return 1.0;
-        };
-        let inverse = self.inverse(&other);
+        let inverse = self.inverse(&beside(BESIDE)?);
         let aparts = (2..=BESIDE).flat_map(|apart| [-apart, apart]);
         let gains = aparts.filter_map(beside);
         let mut gains: Vec<f64> = gains.map(|beside| self.about(&beside, &inverse)).collect();
         let middle = gains.len() / 2;
         let (_, median, _) = gains.select_nth_unstable_by(middle, f64::total_cmp);
-        (*median / (effect.sizes() as f64 * std::f64::consts::LN_2)).max(1.0)
+        Some((*median / (effect.sizes() as f64 * std::f64::consts::LN_2)).max(1.0))
     }
 
     /// The best knobs near those of an effect, each moved by a step that is halved until a share of it is left, and what it explains

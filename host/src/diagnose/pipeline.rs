@@ -19,17 +19,17 @@ pub const EDGES_LEAST: usize = 200;
 /// Turns that it needs.
 const TURNS_LEAST: f64 = 3.0;
 
-/// Finds what the twins of one rig lack.
+/// Finds what the twins of one rig lack. Edges of a shaft that turned round, which one channel does not show, are put the way that it went.
 ///
 /// # Errors
 /// [`DiagnoseError`] where there is nothing to compare.
 pub fn diagnose(
-    rig: &[Recorded],
+    rig: &mut [Recorded],
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Answer, DiagnoseError> {
     progress(0.05, "Comparing");
-    let rig: Result<Vec<Recorded>, DiagnoseError> = rig.iter().map(way).collect();
-    let rig = &rig?;
+    rig.iter_mut().try_for_each(turn_round)?;
+    let rig = &*rig;
     let mut benches = Vec::new();
     for (place, one) in rig.iter().enumerate() {
         let mut bench = likelier(one)?;
@@ -44,7 +44,7 @@ pub fn diagnose(
     }
     speed_loop::find(&mut benches);
     let mut stages = stages(&benches).into_iter();
-    let along = |few: Option<i64>| -> Vec<Record> {
+    let some_of = |benches: &[Bench], few: Option<i64>| -> Vec<Record> {
         let each = benches.iter().map(|bench| &bench.record);
         each.map(|record| few.map_or_else(|| record.clone(), |few| record.of_some(few)))
             .collect()
@@ -54,8 +54,8 @@ pub fn diagnose(
         Some(few) => bench.along(bench.record.of_some(few)),
         None => Ok(bench.clone()),
     });
-    let mut board = Board::new(first.collect::<Result<_, _>>()?);
-    let mut given = board.clone();
+    let mut given = first.collect::<Result<Vec<_>, _>>()?;
+    let mut board = Board::new(given.clone());
     progress(0.15, "Searching");
     let mut found = search::search(&mut board);
     progress(0.6, "Weighing look-alikes");
@@ -64,7 +64,7 @@ pub fn diagnose(
     let mut map = mapped(&board, &found);
     for few in stages {
         progress(0.75, "Going on with more edges");
-        let Some(more) = board.along(along(few), &found.fit.model) else {
+        let Some(more) = board.along(some_of(&benches, few), &found.fit.model) else {
             break;
         };
         board = more;
@@ -74,8 +74,11 @@ pub fn diagnose(
             alike = swapped(&mut board, &found.bank, &mut found.fit);
             map = mapped(&board, &found);
         }
-        given = Board::of(benches.clone());
+        if few.is_none() {
+            given = std::mem::take(&mut benches);
+        }
     }
+    let given = Board::of(given);
     progress(0.9, "Judging");
     if jury::bear_out(&mut board, &mut found.fit, &mut found.worth) {
         map = mapped(&board, &found);
@@ -102,18 +105,15 @@ fn mapped(board: &Board, found: &search::Found) -> Map {
     )
 }
 
-/// A recording with the way that its shaft went.
-fn way(one: &Recorded) -> Result<Recorded, DiagnoseError> {
-    let undecided = |why| DiagnoseError::Reversal {
-        file: one.file.clone(),
-        why,
-    };
-    let edges = turned(one.edges.clone(), &one.twin).map_err(undecided)?;
-    Ok(Recorded {
-        file: one.file.clone(),
-        edges,
-        twin: one.twin.clone(),
-    })
+/// Puts edges the way that the shaft went.
+fn turn_round(one: &mut Recorded) -> Result<(), DiagnoseError> {
+    one.edges = turned(std::mem::take(&mut one.edges), &one.twin).map_err(|why| {
+        DiagnoseError::Reversal {
+            file: one.file.clone(),
+            why,
+        }
+    })?;
+    Ok(())
 }
 
 /// A recording beside its twin, the way that its disc says where nothing else does.
@@ -224,7 +224,7 @@ fn whole_turns(bench: &Bench) -> Option<Record> {
 const MANY: usize = 18_000;
 const FEW: i64 = 127;
 const SEARCHED: usize = 72_000;
-const SIZED: usize = 720_000;
+const SIZED: usize = 360_000;
 
 /// Edges of the disc that are looked at, one stage after the other; none for all of them. What the twin says of a recording may go by every
 /// edge.

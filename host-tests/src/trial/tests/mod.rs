@@ -51,6 +51,7 @@ fn finding(mechanism: Mechanism, parameters: &[(&str, f64, [f64; 2])]) -> Findin
             delta_bic: 30.0,
             p_value: 1e-6,
             held_out_rms_ratio: None,
+            lines_beside: None,
             runner_up: None,
         },
         look_alikes: Vec::new(),

@@ -50,7 +50,7 @@ fn against(real: &str, given: &str) -> Answer {
         edges: edges(&twin(real)),
         twin: twin(given),
     };
-    diagnose(&[one], &mut |_, _| {}).unwrap()
+    diagnose(&mut [one], &mut |_, _| {}).unwrap()
 }
 
 /// The recording of a twin beside itself.

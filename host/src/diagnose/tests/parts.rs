@@ -339,7 +339,7 @@ fn floor(real: &str, given: &str, order: f64) -> f64 {
     let mut fit = board.fit_in_noise(&model);
     let basis = fit.basis();
     basis.clear(&mut fit.left);
-    Left::of(&board, &fit, &basis).floor(&line)
+    Left::of(&board, &fit, &basis).floor(&line).unwrap()
 }
 
 #[test]

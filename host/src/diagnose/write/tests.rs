@@ -121,14 +121,14 @@ fn recorded(real: &Twin, given: Twin) -> Recorded {
 /// The twin that a diagnosis of one twin's recording makes of another, through its text, and what that is said to lack.
 fn mended(real: &Twin, given: Twin) -> (Answer, Twin, Answer) {
     let mut one = recorded(real, given);
-    let first = diagnose(std::slice::from_ref(&one), &mut |_, _| {}).unwrap();
+    let first = diagnose(std::slice::from_mut(&mut one), &mut |_, _| {}).unwrap();
     let written = twins(std::slice::from_ref(&one), &first)
         .unwrap()
         .remove(0)
         .whole();
     let new = Twin::parse(&written.to_toml().unwrap(), "a.toml").unwrap();
     one.twin = new.clone();
-    let again = diagnose(&[one], &mut |_, _| {}).unwrap();
+    let again = diagnose(&mut [one], &mut |_, _| {}).unwrap();
     (first, new, again)
 }
 

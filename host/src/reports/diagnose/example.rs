@@ -28,6 +28,7 @@ fn evidence(delta_bic: f64, next: Option<(Mechanism, f64)>) -> Evidence {
         delta_bic,
         p_value: 0.0,
         held_out_rms_ratio: Some(0.41),
+        lines_beside: Some(1.0),
         runner_up: next.map(|(mechanism, delta_bic)| RunnerUp {
             mechanism,
             delta_bic,

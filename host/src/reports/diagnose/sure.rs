@@ -13,6 +13,8 @@ const NOISE: f64 = 1e-3;
 /// Half of an interval, rad, from which on a phase or place says nothing.
 const VAGUE_RAD: f64 = 1.0;
 
+/// How many times as much as in white noise lines beside one explain that it is hard to tell from.
+const CROWDED: f64 = 2.0;
 /// Part of the RMS on turns not fitted on to which it hardly falls.
 const HARDLY: f64 = 0.99;
 
@@ -102,6 +104,10 @@ pub fn sure(finding: &Finding) -> String {
             ),
         };
     }
+    if let Some(times) = evidence.lines_beside.filter(|times| *times >= CROWDED) {
+        let times = si_digits(times, "", 2).0;
+        text += &format!(" Lines beside it explain {times} times as much as in white noise.");
+    }
     if evidence.p_value >= NOISE {
         text += &format!(
             " Noise alone shows as much with probability {}.",
@@ -148,6 +154,7 @@ mod tests {
             delta_bic,
             p_value: 0.0,
             held_out_rms_ratio: Some(0.4),
+            lines_beside: None,
             runner_up: next.map(|delta_bic| RunnerUp {
                 mechanism: Mechanism::GearMesh,
                 delta_bic,
