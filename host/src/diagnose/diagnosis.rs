@@ -289,6 +289,8 @@ pub struct Answer {
     pub map: Map,
     /// The cells of each finding, in the findings' order, with their sizes; empty where it is counted or is noise.
     pub cells: Vec<Vec<Sized>>,
+    /// Whether the twins declare an inertia; sizes of torques are over it where they do not, N m/(kg m^2).
+    pub inertia_known: bool,
     /// Share of the reducible squares that each finding explains, in the findings' order; none where it is counted or is noise.
     pub shares: Vec<Option<f64>>,
     /// RMS of the errors of the disc's edges, rad, where the twins do not give the disc and it was learned.

@@ -145,6 +145,7 @@ pub fn answer(
             .collect(),
         shares: all.iter().map(share).collect(),
         cells: all.into_iter().map(|one| one.cells).collect(),
+        inertia_known: inertia_known(board),
         learned_speed_loop: board.learned_loop(),
         learned_disc_rms_rad: pattern
             .as_ref()
@@ -167,8 +168,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
     let mut cleared = fit.clone();
     basis.clear(&mut cleared.left);
     let left = Left::of(board, &cleared, &basis);
-    let inertia = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
-    let known_inertia = board.benches.iter().all(inertia);
+    let inertia_known = inertia_known(board);
     let each = fit.model.groups().into_iter().map(|group| {
         let effects = fit.model.effects(group);
         let loss = fit.loss(group);
@@ -240,7 +240,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         };
         let plain = Finding::of(mechanism, text, worth);
         let units = corrected.iter().map(|one| one.unit.to_owned());
-        let of_name = |number: &Number| name::unit(mechanism, &number.name, known_inertia);
+        let of_name = |number: &Number| name::unit(mechanism, &number.name, inertia_known);
         let units = units.chain(numbers.iter().map(of_name));
         let parameters = numbers.iter().zip(units).filter(|_| named);
         let parameters =
@@ -275,6 +275,12 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         }
     });
     each.collect()
+}
+
+/// Whether the twins declare an inertia.
+fn inertia_known(board: &Board) -> bool {
+    let declared = |bench: &Bench| bench.twin.shaft.inertia_kg_m2 != 0.0;
+    board.benches.iter().all(declared)
 }
 
 /// Noise of another kind or another density than the twins declare.

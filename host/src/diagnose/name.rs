@@ -197,9 +197,9 @@ impl Fit {
 
 /// The unit of a mechanism's number; where the twin declares no inertia only torque over inertia is known.
 #[must_use]
-pub fn unit(mechanism: Mechanism, name: &str, known_inertia: bool) -> String {
+pub fn unit(mechanism: Mechanism, name: &str, inertia_known: bool) -> String {
     let unit = mechanism.card().unit(name);
-    match known_inertia || !unit.starts_with("N m") {
+    match inertia_known || !unit.starts_with("N m") {
         true => unit.to_owned(),
         false => format!("{unit}/(kg m^2)"),
     }

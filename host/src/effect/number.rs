@@ -275,7 +275,6 @@ impl<N: Number> Number for Sloped<N> {
     }
 
     fn powf(self, power: f64) -> Self {
-        // Of a number that is no series its own.
         Self {
             at: Number::powf(self.at, power),
             slope: Number::powf(self.at, power - 1.0) * self.slope * power,

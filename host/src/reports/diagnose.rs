@@ -86,7 +86,7 @@ pub fn text(answer: &Answer) -> Vec<(String, String)> {
     let mut strongest = Strongest::of(map, &map.before).map(|cell| cell.words());
     if let (true, Some(text), Some(after)) = (found, &mut strongest, Strongest::of(map, &map.after))
     {
-        *text = format!("{text}; after: {}", after.words());
+        *text = format!("{text}; after: {}; noise gives about 1", after.words());
     }
     if let Some(text) = strongest {
         add("Strongest mismatch", text);
@@ -188,11 +188,10 @@ fn findings(body: &mut Body, answer: &Answer) {
     body.section("Findings", &[]);
     for (index, finding) in all.iter().enumerate() {
         let told = told::told(answer, index, finding);
-        let effects = told::effects(answer, index);
         body.card(
             format!("{}. {}", index + 1, told.title),
             told.facts,
-            shape::plot(effects, &answer.diagnosis.recordings),
+            shape::plot(answer, index),
             Body::new(),
         );
     }

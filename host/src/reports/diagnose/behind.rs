@@ -86,7 +86,7 @@ pub(super) fn numbers(answer: &Answer) -> Body {
     let mut rows = Vec::new();
     for (index, finding) in findings.iter().enumerate() {
         for (name, parameter) in in_order(&finding.parameters) {
-            let unit = told::unit(finding, name, parameter, told::effects(answer, index));
+            let unit = told::unit(answer, index, name, parameter);
             let parameter = Parameter {
                 unit,
                 ..parameter.clone()

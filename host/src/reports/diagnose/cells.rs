@@ -55,15 +55,22 @@ pub fn amplitude(sized: &Sized) -> f64 {
     }
 }
 
-/// The unit of an effect's size: that of its site, over what its carrier and growth bring.
+/// The unit of what enters at a site; of a torque over the inertia where no twin declares one.
 #[must_use]
-pub fn unit(effect: &Effect) -> String {
-    let site = match effect.site {
-        Site::Torque => "N m",
+pub const fn site_unit(site: &Site, inertia_known: bool) -> &'static str {
+    match site {
+        Site::Torque if inertia_known => "N m",
+        Site::Torque => "N m/(kg m^2)",
         Site::Drive | Site::Declared(_) => "1",
         Site::Disc(_) | Site::Level(_) => "rad",
         Site::Stamp(_) => "s",
-    };
+    }
+}
+
+/// The unit of an effect's size: that of its site, over what its carrier and growth bring.
+#[must_use]
+pub fn unit(effect: &Effect, inertia_known: bool) -> String {
+    let site = site_unit(&effect.site, inertia_known);
     let mut power = 0.0;
     if let Carrier::Power(by) = effect.carrier {
         power += by;
@@ -89,9 +96,9 @@ fn speeds(unit: String, power: f64) -> String {
 
 /// Site, cell and size of each effect, for findings that have no numbers of their own.
 #[must_use]
-pub fn sizes(effects: &[Sized]) -> Vec<String> {
+pub fn sizes(effects: &[Sized], inertia_known: bool) -> Vec<String> {
     let size = |sized: &Sized| {
-        let unit = unit(&sized.effect);
+        let unit = unit(&sized.effect, inertia_known);
         let what = match sized.effect.sizes() {
             2 => "amplitude",
             _ => "size",

@@ -298,6 +298,7 @@ pub(crate) fn full() -> Answer {
             Vec::new(),
             Vec::new(),
         ],
+        inertia_known: true,
         corrected: Vec::new(),
         declared: vec![Default::default(); 6],
         not_identifiable: Vec::new(),

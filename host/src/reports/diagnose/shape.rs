@@ -2,15 +2,15 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::diagnose::diagnosis::RecordingFacts;
-use crate::diagnose::diagnosis::Sized;
+use crate::diagnose::diagnosis::{Answer, RecordingFacts, Sized};
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::plant::{Here, sign};
 use crate::report::plot::{Axis, Series, Xy};
 use crate::report::{Colour, Plot};
 use crate::reports::diagnose::words::sentence;
 
-use super::cells::amplitude;
+use super::cells::{amplitude, site_unit};
+use super::told;
 use crate::effect::words::site;
 
 /// Points of a curve.
@@ -32,7 +32,9 @@ enum Over {
 }
 
 /// A plot of a finding's effects with its caption; none where a curve would say no more than the words.
-pub(super) fn plot(effects: &[Sized], recordings: &[RecordingFacts]) -> Option<(Plot, String)> {
+pub(super) fn plot(answer: &Answer, index: usize) -> Option<(Plot, String)> {
+    let effects = told::effects(answer, index);
+    let recordings = &answer.diagnosis.recordings;
     let first = effects.first()?;
     if effects
         .iter()
@@ -89,7 +91,11 @@ pub(super) fn plot(effects: &[Sized], recordings: &[RecordingFacts]) -> Option<(
         (true, 2) => format!("Amplitude of {noun}"),
         _ => sentence(&noun),
     };
-    let mut y_axis = Axis::new(name, axis_unit(&first.effect.site));
+    let unit = match first.effect.site {
+        Site::Drive => "%",
+        site => site_unit(&site, answer.inertia_known),
+    };
+    let mut y_axis = Axis::new(name, unit);
     let most = y.iter().copied().fold(0.0, f64::max);
     if growth && y.iter().all(|y| *y >= 0.0) {
         // A growth is to be seen beside the size itself.
@@ -175,15 +181,5 @@ fn over(effect: &Effect, recordings: &[RecordingFacts]) -> Option<Over> {
         | Carrier::Chirp(..)
         | Carrier::Steady
         | Carrier::Direction => None,
-    }
-}
-
-fn axis_unit(site: &Site) -> &'static str {
-    match site {
-        Site::Torque => "N m",
-        Site::Drive => "%",
-        Site::Declared(_) => "1",
-        Site::Disc(_) | Site::Level(_) => "rad",
-        Site::Stamp(_) => "s",
     }
 }

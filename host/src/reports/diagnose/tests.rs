@@ -189,7 +189,7 @@ fn the_text_says_what_the_page_says() {
     for line in [
         "Residual, RMS|223 µrad before, 6.10 µrad after, noise alone 5.80 µrad",
         "  turns held out of the fit|225 µrad before, 6.30 µrad after, noise alone 5.80 µrad",
-        "Strongest mismatch|torque following order (gain 5210 a parameter); after: disc following place (gain 14.6 a parameter)",
+        "Strongest mismatch|torque following order (gain 5210 a parameter); after: disc following place (gain 14.6 a parameter); noise gives about 1",
         "Recording|slow.csv against rig.toml: 40000 edges in 20.0 turns",
     ] {
         assert!(text.contains(line), "{line}\n{text}");
@@ -232,13 +232,13 @@ fn a_finding_without_numbers_shows_the_sizes_of_its_cell() {
 #[test]
 fn a_ripple_is_drawn_from_its_own_sizes() {
     let answer = full();
-    let (plot, _) = shape::plot(&answer.cells[0], &answer.diagnosis.recordings).unwrap();
+    let (plot, _) = shape::plot(&answer, 0).unwrap();
     let drawn = format!("{plot:?}");
     // 1.6 mN m cos + 1.2 mN m sin of order 3 begins at 1.6 mN m.
     assert!(drawn.contains("(0.0, 0.0016)"), "{drawn}");
     // A number has no curve, and neither has what is counted.
     for index in [1, 4, 5] {
-        assert!(shape::plot(&answer.cells[index], &answer.diagnosis.recordings).is_none());
+        assert!(shape::plot(&answer, index).is_none());
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) fn told(answer: &Answer, index: usize, finding: &Finding) -> Told {
         "Where",
         vec![place(finding, effects), orders(finding), instants(finding)],
     );
-    add("How much", how_much(finding, effects));
+    add("How much", how_much(answer, index, finding));
     add("How sure", vec![sure(finding)]);
     let share = answer.shares.get(index).copied().flatten();
     add("Explains", vec![share.map_or_else(String::new, explains)]);
@@ -130,9 +130,10 @@ fn instants(finding: &Finding) -> String {
 }
 
 /// Each number with its interval; sizes of the cell where the finding has no numbers.
-fn how_much(finding: &Finding, effects: &[Sized]) -> Vec<String> {
+fn how_much(answer: &Answer, index: usize, finding: &Finding) -> Vec<String> {
+    let effects = effects(answer, index);
     if finding.parameters.is_empty() {
-        return sizes(effects)
+        return sizes(effects, answer.inertia_known)
             .into_iter()
             .map(|size| sentence(&size))
             .collect();
@@ -140,7 +141,7 @@ fn how_much(finding: &Finding, effects: &[Sized]) -> Vec<String> {
     let each = in_order(&finding.parameters).into_iter();
     let each = each.map(|(name, parameter)| {
         let parameter = Parameter {
-            unit: unit(finding, name, parameter, effects),
+            unit: unit(answer, index, name, parameter),
             ..parameter.clone()
         };
         let words = match parameter_name(name, &parameter.unit).as_str() {
@@ -171,12 +172,7 @@ pub(super) fn number(parameter: &Parameter) -> String {
 }
 
 /// The unit of a number: where no card names it that of its cell, or the one at the end of its name.
-pub(super) fn unit(
-    finding: &Finding,
-    name: &str,
-    parameter: &Parameter,
-    effects: &[Sized],
-) -> String {
+pub(super) fn unit(answer: &Answer, index: usize, name: &str, parameter: &Parameter) -> String {
     const ENDS: [(&str, &str); 6] = [
         ("_hz_s", "Hz/s"),
         ("_n_m", "N m"),
@@ -186,10 +182,11 @@ pub(super) fn unit(
         ("_s", "s"),
     ];
     let by_name = ENDS.iter().find(|(end, _)| name.ends_with(end));
-    let known = finding.mechanism != Mechanism::Unknown || parameter.unit != "1";
-    match (effects.first(), by_name) {
-        _ if known => parameter.unit.clone(),
-        (Some(first), _) if name == "size" => cells::unit(&first.effect),
+    let finding = answer.diagnosis.findings.get(index);
+    let named = finding.is_some_and(|finding| finding.mechanism != Mechanism::Unknown);
+    match (effects(answer, index).first(), by_name) {
+        _ if named || parameter.unit != "1" => parameter.unit.clone(),
+        (Some(first), _) if name == "size" => cells::unit(&first.effect, answer.inertia_known),
         (_, Some((_, unit))) => (*unit).to_owned(),
         _ => parameter.unit.clone(),
     }

@@ -191,7 +191,7 @@ fn the_unit_is_that_of_the_site_over_what_carrier_and_growth_bring() {
             "N m",
         ),
     ] {
-        assert_eq!(unit(&effect), expected, "{effect:?}");
+        assert_eq!(unit(&effect, true), expected, "{effect:?}");
     }
 }
 
@@ -205,7 +205,18 @@ fn the_size_of_a_phase_is_its_amplitude_with_a_prefix_only_before_plain_units() 
         sized(Carrier::Order(3.0), &[3e-3, 4e-3]),
         sized(Carrier::Power(1.0), &[2e-3]),
     ];
-    assert_eq!(sizes(&all), ["amplitude 5.00 mN m", "size 0.002 N m s/rad"]);
+    assert_eq!(
+        sizes(&all, true),
+        ["amplitude 5.00 mN m", "size 0.002 N m s/rad"]
+    );
+    // Without an inertia no torque is known, and no motor is said to have thousands of N m.
+    assert_eq!(
+        sizes(&all, false),
+        [
+            "amplitude 0.005 N m/(kg m^2)",
+            "size 0.002 N m/(kg m^2) s/rad"
+        ]
+    );
     assert_eq!(
         cell(&all),
         "torque at order 3, constant; torque against the motion, proportional to speed (viscous)"
