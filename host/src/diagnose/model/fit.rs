@@ -201,7 +201,8 @@ impl Board {
                 Carrier::Window(..) => knobs[at] > first && knobs[at] < last,
                 // Without a start it settles from the first edge on.
                 Carrier::Settling(from, _) => at == 1 || from > first,
-                Carrier::Order(order) => !is_exact(order),
+                // How its size goes is open at an exact order as well.
+                Carrier::Order(order) => at > 0 || !is_exact(order),
                 _ => true,
             })
             .collect()
@@ -316,7 +317,7 @@ impl Board {
                     }
                 }
                 let moved = term.effect.with_knobs(&knobs);
-                if self.can_have(&moved) {
+                if moved.is_possible() {
                     term.effect = moved;
                 }
             }

@@ -322,6 +322,31 @@ fn a_shaft_that_goes_on_does_not_stop_between_two_edges() {
     assert!(columns.iter().flatten().all(|angle| angle.is_finite()));
 }
 
+#[test]
+fn how_a_torque_grows_is_fitted_at_an_exact_order_too() {
+    let more = "\n[[effect]]\nsite = \"torque\"\nfollows = \"order\"\norder = 7\ntorque_n_m = 1e-3\ngrowth_per_s = 0.5\n";
+    let (real, given) = (twin(&format!("{PAIR_FAST}{more}")), twin(PAIR_FAST));
+    let record = Record::of(&edges(&real), &given);
+    let errors = crate::sim::true_errors(&given).unwrap();
+    let noise = Noise {
+        torque: 1.0,
+        stamp_s: record.tick_s,
+        ..Noise::default()
+    };
+    let mut board = Board::new(vec![Bench::new(record, &given, &errors, &noise)]);
+    let swells = Effect {
+        growth: Growth::Even(1.2),
+        ..Effect::new(Site::Torque, Carrier::Order(7.0))
+    };
+    let mut model = Model::default();
+    model.add(&[swells], 0);
+    let fit = board.fit_in_noise(&model);
+    let Growth::Even(rate) = fit.model.terms[0].effect.growth else {
+        panic!("{:?}", fit.model.terms[0]);
+    };
+    assert!((rate - 0.5).abs() < 0.02, "{rate}");
+}
+
 /// What lines beside one explain of the recording of a twin beside another, over what they would of white noise.
 fn floor(real: &str, given: &str, order: f64) -> f64 {
     let (real, given) = (twin(real), twin(given));
