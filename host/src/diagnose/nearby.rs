@@ -140,7 +140,7 @@ impl<'a> Left<'a> {
                     let mut knobs = best.knobs();
                     knobs[knob] += side * share * step;
                     let moved = best.with_knobs(&knobs);
-                    if !knobs[knob].is_finite() || !self.board.can_have(&moved) {
+                    if !knobs[knob].is_finite() || !moved.is_possible() {
                         continue;
                     }
                     let here = gain(&moved);

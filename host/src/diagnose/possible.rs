@@ -1,6 +1,5 @@
 //! What no machine can be: friction that drives a shaft, edges that pass each other, a disc that is off its centre by more than any.
 
-use super::bench::Bench;
 use super::effect::{Carrier, Effect, Growth, Here, Site};
 use super::model::{Board, Model, Term};
 use super::pattern::LARGE;
@@ -20,14 +19,6 @@ impl Board {
         terms.all(|term| !self.is_alias(&term.effect))
             && self.keeps_order(model)
             && self.dissipates(model)
-    }
-
-    /// Whether an effect can be evaluated along these recordings: what falls with the speed has no size where the shaft turns round.
-    #[must_use]
-    pub fn can_have(&self, effect: &Effect) -> bool {
-        let falls = matches!(effect.growth, Growth::Speed(power) if power < 0.0);
-        let turns_round = |bench: &Bench| !bench.course.reversals_s.is_empty();
-        effect.is_possible() && !(falls && self.benches.iter().any(turns_round))
     }
 
     /// Whether an order of the disc is another effect's: past half of the edges it is that of a lower one, and what is the same at each line

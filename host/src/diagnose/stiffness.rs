@@ -5,7 +5,7 @@
 
 use super::disc;
 use super::lsq;
-use super::model::{Board, Fit, Model, pushes};
+use super::model::{Board, Fit, Model};
 use super::scan::{SURE, evidence};
 
 /// Fall of twice the negative logarithm of a likelihood that is none.
@@ -52,7 +52,7 @@ impl Board {
         let mut benches = self.benches.iter();
         let mut terms = model.terms.iter();
         benches.any(|bench| bench.declared.is_pushed())
-            || terms.any(|term| !term.nuisance && pushes(term.effect.site))
+            || terms.any(|term| !term.nuisance && term.effect.site.pushes())
     }
 
     /// The board with another stiffness that fits better, the fit, and its cost, where by about how much it would fall gives hope.

@@ -64,6 +64,14 @@ pub enum Site {
     Declared(u16),
 }
 
+impl Site {
+    /// Whether it moves the shaft, and not its edges alone.
+    #[must_use]
+    pub const fn pushes(self) -> bool {
+        matches!(self, Self::Torque | Self::Drive)
+    }
+}
+
 /// What an effect follows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -325,6 +333,8 @@ impl Effect {
     #[must_use]
     pub fn is_possible(&self) -> bool {
         let grows = match self.growth {
+            // What moves the shaft has to stay finite where it stands.
+            Growth::Speed(power) if power < 0.0 && self.site.pushes() => false,
             Growth::Speed(power) => power.abs() <= STEEPEST,
             _ => true,
         };

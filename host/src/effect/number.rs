@@ -42,8 +42,8 @@ impl Number for f64 {
 
     #[inline]
     fn powf(self, power: f64) -> Self {
-        // A speed that passes 0 between edges is a little below it.
-        self.max(0.0).powf(power)
+        // A speed that passes 0 is a little below it, and what falls with it stays finite.
+        self.max(NO_SERIES).powf(power)
     }
 }
 

@@ -77,7 +77,7 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     }
     let each = growths.into_iter();
     let each = each.map(|growth| Effect { growth, ..*effect });
-    each.filter(|grown| board.can_have(grown))
+    each.filter(Effect::is_possible)
         .map(|grown| vec![grown])
         .collect()
 }

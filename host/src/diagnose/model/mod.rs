@@ -7,7 +7,7 @@ mod noise;
 pub use board::{Board, Correction};
 pub use fit::Fit;
 
-use super::effect::{Effect, Site};
+use super::effect::Effect;
 
 /// An effect in a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,10 +114,4 @@ impl Model {
         let free = |group: &usize| self.terms.iter().all(|term| term.group != *group);
         (0..=self.terms.len()).find(free).unwrap_or_default()
     }
-}
-
-/// Whether a site moves the shaft.
-#[must_use]
-pub const fn pushes(site: Site) -> bool {
-    matches!(site, Site::Torque | Site::Drive)
 }

@@ -3,7 +3,7 @@
 use crate::diagnose::cells;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::lsq::{Basis, dot};
-use crate::diagnose::model::{Board, Model, pushes};
+use crate::diagnose::model::{Board, Model};
 
 /// Changes of a drive that the twins do not declare, at the most.
 pub const CHANGES: usize = 16;
@@ -116,7 +116,7 @@ pub fn is_open(board: &Board, effects: &[Effect]) -> bool {
         return true;
     }
     effects.iter().all(|effect| {
-        let changes = pushes(effect.site) && matches!(effect.carrier, Carrier::Window(..));
+        let changes = effect.site.pushes() && matches!(effect.carrier, Carrier::Window(..));
         board.undriven && changes || !board.disc_given && effect.is_of_disc()
     })
 }

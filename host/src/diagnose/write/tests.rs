@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::*;
 use crate::diagnose::diagnosis::Verdict;
 use crate::diagnose::edges::{Sensor, place};
+use crate::diagnose::effect::{Effect, On};
 use crate::diagnose::lsq;
 use crate::diagnose::pipeline::diagnose;
 use crate::recording::Row;
@@ -341,4 +342,22 @@ fn a_learned_disc_is_the_rigs() {
     assert!(first.pattern.is_some());
     let (left, of) = (apart(&real, &new), apart(&real, &given));
     assert!(left < OFF * of, "{left} of {of}");
+}
+
+#[test]
+fn a_twin_takes_every_size_that_goes_with_the_speed_and_can_be_found() {
+    let sites = [Site::Torque, Site::Disc(On::ALL), Site::Stamp(On::ALL)];
+    for site in sites {
+        for power in [-2.5, -1.0, -0.2, 0.5, 3.0] {
+            let effect = Effect {
+                growth: Growth::Speed(power),
+                ..Effect::new(site, Carrier::Tone(7.0))
+            };
+            let mut with = PLAIN.twin();
+            with.effect
+                .extend(DeclaredEffect::of(&effect, &[1e-9, 1e-9]));
+            assert_eq!(with.effect.len(), 1);
+            assert_eq!(with.check().is_ok(), effect.is_possible(), "{effect:?}");
+        }
+    }
 }
