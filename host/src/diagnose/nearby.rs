@@ -95,24 +95,35 @@ impl<'a> Left<'a> {
     }
 
     /// How many times as much as in white noise the lines beside one explain, those that it can be told from: by the median of an
-    /// exponential distribution, and 1 at the least. None of what is no line.
+    /// exponential distribution, and 1 at the least. None of what is no line, or has too few beside it.
     #[must_use]
     pub fn floor(&self, effect: &Effect) -> Option<f64> {
+        /// Lines to either side at the most, of both sides at the least, and part of the frequency within which their squares are alike.
         const BESIDE: i32 = 16;
+        const LEAST: usize = 6;
+        const ALIKE: f64 = 0.1;
         if !matches!(effect.carrier, Carrier::Order(_) | Carrier::Tone(_)) {
             return None;
         }
         let reach = self.board.reach(effect)[0];
+        let columns = self.board.columns(effect);
+        let count = columns.len();
+        // The model has the effect itself, of which nothing is left beside it: its squares as they are.
+        let squares = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
+        let inverse = squares.try_inverse()?;
         let beside = |apart: i32| {
             let mut knobs = effect.knobs();
-            knobs[0] += f64::from(apart) * reach;
-            (knobs[0] > 0.0).then(|| effect.with_knobs(&knobs))
+            let by = f64::from(apart) * reach;
+            let alike = by.abs() < ALIKE * knobs[0];
+            knobs[0] += by;
+            alike.then(|| effect.with_knobs(&knobs))
         };
-        // The model has the effect itself; squares of lines beside each other are the same.
-        let inverse = self.inverse(&beside(BESIDE)?);
         let aparts = (2..=BESIDE).flat_map(|apart| [-apart, apart]);
         let gains = aparts.filter_map(beside);
         let mut gains: Vec<f64> = gains.map(|beside| self.about(&beside, &inverse)).collect();
+        if gains.len() < LEAST {
+            return None;
+        }
         let middle = gains.len() / 2;
         let (_, median, _) = gains.select_nth_unstable_by(middle, f64::total_cmp);
         Some((*median / (effect.sizes() as f64 * std::f64::consts::LN_2)).max(1.0))
