@@ -56,14 +56,19 @@ fn against(real: &str, given: &str) -> Answer {
 /// The recording of a twin beside itself.
 fn board(text: &str) -> Board {
     let twin = twin(text);
-    let record = Record::of(&edges(&twin), &twin);
-    let errors = crate::sim::true_errors(&twin).unwrap();
+    board_beside(&twin, &twin)
+}
+
+/// The recording of one twin beside another.
+fn board_beside(real: &Twin, given: &Twin) -> Board {
+    let record = Record::of(&edges(real), given);
+    let errors = crate::sim::true_errors(given).unwrap();
     let noise = Noise {
         torque: 1.0,
         stamp_s: record.tick_s,
         ..Noise::default()
     };
-    Board::new(vec![Bench::new(record, &twin, &errors, &noise)])
+    Board::new(vec![Bench::new(record, given, &errors, &noise)])
 }
 
 /// Findings in words.

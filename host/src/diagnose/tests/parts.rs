@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{PAIR_FAST, WHEEL, board, edges, twin};
+use super::{PAIR_FAST, WHEEL, board, board_beside, edges, twin};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::diagnose::filter::{Filter, Noise, State, Whitens};
@@ -326,14 +326,7 @@ fn a_shaft_that_goes_on_does_not_stop_between_two_edges() {
 fn how_a_torque_grows_is_fitted_at_an_exact_order_too() {
     let more = "\n[[effect]]\nsite = \"torque\"\nfollows = \"order\"\norder = 7\ntorque_n_m = 1e-3\ngrowth_per_s = 0.5\n";
     let (real, given) = (twin(&format!("{PAIR_FAST}{more}")), twin(PAIR_FAST));
-    let record = Record::of(&edges(&real), &given);
-    let errors = crate::sim::true_errors(&given).unwrap();
-    let noise = Noise {
-        torque: 1.0,
-        stamp_s: record.tick_s,
-        ..Noise::default()
-    };
-    let mut board = Board::new(vec![Bench::new(record, &given, &errors, &noise)]);
+    let mut board = board_beside(&real, &given);
     let swells = Effect {
         growth: Growth::Even(1.2),
         ..Effect::new(Site::Torque, Carrier::Order(7.0))
@@ -350,14 +343,7 @@ fn how_a_torque_grows_is_fitted_at_an_exact_order_too() {
 /// What lines beside one explain of the recording of a twin beside another, over what they would of white noise.
 fn floor(real: &str, given: &str, order: f64) -> f64 {
     let (real, given) = (twin(real), twin(given));
-    let record = Record::of(&edges(&real), &given);
-    let errors = crate::sim::true_errors(&given).unwrap();
-    let noise = Noise {
-        torque: 1.0,
-        stamp_s: record.tick_s,
-        ..Noise::default()
-    };
-    let mut board = Board::new(vec![Bench::new(record, &given, &errors, &noise)]);
+    let mut board = board_beside(&real, &given);
     let line = Effect::new(Site::Torque, Carrier::Order(order));
     let mut model = Model::default();
     model.add(&[line], 0);
@@ -388,14 +374,7 @@ fn a_line_that_noise_has_is_not_borne_out_by_other_turns() {
     let real = twin(PAIR_FAST);
     let mut given = real.clone();
     let ripple = given.ripple.pop().unwrap();
-    let record = Record::of(&edges(&real), &given);
-    let errors = crate::sim::true_errors(&given).unwrap();
-    let noise = Noise {
-        torque: 1.0,
-        stamp_s: record.tick_s,
-        ..Noise::default()
-    };
-    let mut board = Board::new(vec![Bench::new(record, &given, &errors, &noise)]);
+    let mut board = board_beside(&real, &given);
     let mut model = Model::default();
     model.add(
         &[Effect::new(Site::Torque, Carrier::Order(ripple.order))],
