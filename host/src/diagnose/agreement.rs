@@ -8,6 +8,7 @@ use super::disc;
 use super::edges::Unused;
 use super::effect::Site;
 use super::judge::{self, Parts};
+use super::lsq::dot;
 use super::model::{Board, Fit, Model};
 use super::rig::Recorded;
 use super::scan::SURE;
@@ -46,9 +47,14 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let scale = deviation.unwrap_or(0.0);
     let rest = [rests(&before, &plain), rests(board, fit)];
     let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
-    let [none, early, late] = Parts::held_out(board, fit).judged(fit);
-    let found = !fit.model.groups().is_empty();
+    let [mut none, mut early, late] = Parts::held_out(board, fit).judged(fit);
+    let mut found = !fit.model.groups().is_empty();
     let held = judge::HELD_OUT * edges;
+    if disc::other(board, fit).is_some() {
+        found = true;
+        none = held_out(&before, &rest[0]);
+        early = held_out(board, &early_rests(board, fit));
+    }
     let reducible = (found && none > late).then(|| {
         // As a root of squares above what the best leaves.
         1.0 - ((early - late).max(0.0) / (none - late)).sqrt().min(1.0)
@@ -68,6 +74,34 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
             reducible_removed: reducible,
         },
     }
+}
+
+/// Edges of a recording that are held out.
+fn held(bench: &Bench) -> std::ops::Range<usize> {
+    let rows = bench.record.len();
+    let from = (1.0 - judge::HELD_OUT) * rows as f64;
+    from as usize..rows
+}
+
+/// Sum of squares of the innovations of edges that are held out.
+fn held_out(board: &Board, rests: &[Vec<f64>]) -> f64 {
+    let each = board.benches.iter().zip(rests);
+    let squares = each.map(|(bench, rest)| {
+        let white = &bench.white(rest)[held(bench)];
+        dot(white, white)
+    });
+    squares.sum()
+}
+
+/// Residual angles beside a model and the disc's pattern, rad, both fitted on the edges that are not held out.
+fn early_rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
+    let mut early = board.clone();
+    for bench in &mut early.benches {
+        let held = held(bench);
+        bench.tails[held].fill(0.0);
+    }
+    let model = early.fit(&fit.model).model;
+    disc::rests(&early, &model)
 }
 
 /// Twins as given, in the noise that was found: so that only the model differs.

@@ -170,7 +170,7 @@ pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> 
         }
     }
     let text = format!(
-        "each edge of the disc has an error of its own, {} RMS, that repeats every turn",
+        "the disc is another one than the twin gives: its edges differ by {} RMS, the same in every turn",
         si(size, "rad")
     );
     let finding = Finding {

@@ -193,6 +193,18 @@ impl Knob {
         }
     }
 
+    /// Whether it is the size of a disc that the twin draws.
+    #[must_use]
+    pub fn draws_disc(&self) -> bool {
+        self.path().dotted().starts_with("errors.position")
+    }
+
+    /// Whether it is of the edges of the disc that the twin gives, one by one or at a place: it says nothing of another disc.
+    #[must_use]
+    pub fn is_of_edges(&self) -> bool {
+        self.draws_disc() || self.path().mechanism() == Mechanism::LocalDefect
+    }
+
     /// Its values as they are fitted.
     #[must_use]
     pub fn values(&self, tree: &Value) -> Option<Vec<f64>> {

@@ -81,9 +81,21 @@ pub fn slopes(bench: &Bench, declares: bool, knob: &Knob, now: &[f64]) -> Option
     (0..now.len()).map(slope).collect()
 }
 
-/// Slopes of all that the twins declare.
+/// Slopes of all that the twins declare and that bears on these recordings.
 #[must_use]
 pub fn all(board: &Board) -> Vec<Slopes> {
+    let other = board.pattern.as_ref().is_some_and(|pattern| !pattern.known);
+    slopes_of(board, |knob| !(other && knob.is_of_edges()))
+}
+
+/// Slopes of the size of a disc that the twins draw.
+#[must_use]
+pub fn of_disc(board: &Board) -> Vec<Slopes> {
+    slopes_of(board, Knob::draws_disc)
+}
+
+/// Slopes of some knobs.
+fn slopes_of(board: &Board, has: impl Fn(&Knob) -> bool) -> Vec<Slopes> {
     // How an unknown drive holds the shaft is not to be told from friction.
     let open = |knob: &Knob| board.undriven && knob.path().mechanism() == Mechanism::Friction;
     let values = |bench: &Bench, knob: &Knob| knob.values(&numbers::tree(&bench.twin)?);
@@ -91,7 +103,7 @@ pub fn all(board: &Board) -> Vec<Slopes> {
     for bench in &board.benches {
         for knob in numbers::knobs(&bench.twin) {
             let one = values(bench, &knob).map(|values| (knob, values));
-            knobs.extend(one.filter(|one| !open(&one.0) && !knobs.contains(one)));
+            knobs.extend(one.filter(|one| has(&one.0) && !open(&one.0) && !knobs.contains(one)));
         }
     }
     let of_knob = |(knob, declared): (Knob, Vec<f64>)| {

@@ -9,7 +9,7 @@ mod words;
 
 use rayon::prelude::*;
 
-pub use knobs::{Candidate, Slopes, all, candidates};
+pub use knobs::{Candidate, Slopes, all, candidates, of_disc};
 pub use words::{Measured, declared, measured, text};
 
 use super::bench::Bench;

@@ -97,9 +97,23 @@ pub fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Opti
 }
 
 /// Evidence that some cells have together, each beside those before it, up to what is enough: what a few effects explain needs no disc.
+/// Nor does what another size of the declared one explains.
 fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) -> f64 {
-    let mut fit = fit.clone();
+    let mut board = board.clone();
+    let drawn = correct::of_disc(&board);
+    let sized = drawn.iter().flat_map(|slopes| board.correct(slopes));
+    let sized: Vec<Effect> = sized.collect();
     let mut sum = 0.0;
+    let mut fit = fit.clone();
+    if !sized.is_empty() {
+        let model = fit.model.with(&sized, usize::MAX - 1);
+        let next = board.fit(&model);
+        let worth = evidence(&board, fit.rss - next.rss, sized.len());
+        if worth >= SURE {
+            (sum, fit) = (worth, next);
+        }
+    }
+    let board = &board;
     for group in 0..cells {
         let found = candidates(board, bank, &fit);
         let Some(best) = found.first() else { break };

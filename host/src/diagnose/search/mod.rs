@@ -68,12 +68,7 @@ impl Found {
     /// Sizes of what was found by a board of more edges of the same recordings, in noise of any kind.
     pub fn settle(&mut self, board: &mut Board) {
         self.fit = board.fit_in_noise(&self.fit.model);
-        // Another disc than the twins give has to be worth it here as well.
-        if disc::other(board, &self.fit).is_some_and(|other| other.worth < SURE) {
-            board.pattern = board.pattern_given();
-            self.fit = board.fit_in_noise(&self.fit.model);
-        }
-        prune(board, &mut self.fit);
+        self.prune(board);
     }
 
     /// Goes on with a board of other edges of the same recordings. Whether that finds something else.
@@ -169,13 +164,22 @@ impl Found {
                 slopes = None;
             }
             // What another one has made superfluous.
-            prune(board, &mut self.fit);
+            self.prune(board);
         }
         // What does not show goes by the noise as it was found.
         if let Some(slopes) = slopes {
             let plain = board.fit(&self.fit.model.nuisances());
             self.not_identifiable = identify::open(board, &slopes, &plain);
         }
+    }
+
+    /// Takes off what is no longer worth its numbers, another disc than the twins give as well.
+    fn prune(&mut self, board: &mut Board) {
+        if disc::other(board, &self.fit).is_some_and(|other| other.worth < SURE) {
+            board.pattern = board.pattern_given();
+            self.fit = board.fit_in_noise(&self.fit.model);
+        }
+        prune(board, &mut self.fit);
     }
 
     /// Fits what a speed loop saw and the noise to what is left, and all numbers in it.

@@ -299,3 +299,36 @@ fn a_recording_at_another_speed_than_the_twin_s_is_said_to_be() {
     let answer = against(PAIR_FAST, PAIR_FAST);
     assert_eq!(answer.diagnosis.recordings[0].other_speed_r_min, None);
 }
+
+const DRAWN: &str = "seed = 1\nduration = { turns = 12 }\n[encoder.quadrature]\nlines = 100\nindex = true\n\
+    [errors]\nseed = 7\nposition = { uniform = { amplitude_rad = 1e-3 } }\n[shaft]\ninertia_kg_m2 = 1e-4\n\
+    viscous_n_m_s = 1e-4\n[drive.constant]\nr_min = 60\n[noise.speed_wander]\nrms_fraction = 1e-3\n\
+    correlation_rad = 0.5\n[timer]\nclock_hz = 84000000\njitter_s = 1e-8\n";
+
+#[test]
+fn another_disc_is_said_once_and_not_as_another_size_of_the_declared_one() {
+    let real = DRAWN.replace("seed = 7", "seed = 8");
+    let answer = against(&real, DRAWN);
+    let words = said(&answer);
+    assert_eq!(words.len(), 1, "{words:?}");
+    assert!(words[0].contains("another one than the twin"), "{words:?}");
+    // Turns that neither the disc nor anything else was fitted on.
+    let held = &answer.diagnosis.fit.held_out;
+    let rms = |rad: Option<f64>| rad.unwrap();
+    let [before, after] = [rms(held.rms_before_rad), rms(held.rms_after_rad)];
+    assert!(before > 20.0 * after, "{before} {after}");
+    assert!(after < 1.4 * rms(held.floor_rad), "{after}");
+}
+
+#[test]
+fn another_size_of_the_declared_disc_is_a_correction_and_no_other_disc() {
+    let given = DRAWN.replace("amplitude_rad = 1e-3", "amplitude_rad = 5e-4");
+    let answer = against(DRAWN, &given);
+    let words = said(&answer);
+    assert_eq!(words.len(), 1, "{words:?}");
+    assert!(words[0].contains("500.000 µrad declared"), "{words:?}");
+    let amplitude = &answer.diagnosis.findings[0].parameters;
+    let (_, amplitude) = amplitude.iter().next().unwrap();
+    let [low, high] = amplitude.ci95.unwrap();
+    assert!(low < 1e-3 && 1e-3 < high && high < 1.01e-3, "{amplitude:?}");
+}
