@@ -1,5 +1,6 @@
 //! What was learned of a disc that the twins do not give, or of another one than they give.
 
+use super::bench::Bench;
 use super::diagnosis::{Finding, Parameter};
 use super::effect::{Carrier, Here, Site};
 use super::lsq;
@@ -56,6 +57,24 @@ pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
         off
     });
     each.collect()
+}
+
+/// How late each stamp of a recording is by a model, s.
+#[must_use]
+pub fn late_s(bench: &Bench, model: &Model) -> Vec<f64> {
+    let mut late_s = vec![0.0; bench.record.len()];
+    let delays = |term: &&Term| matches!(term.effect.site, Site::Stamp(_));
+    for term in model.terms.iter().filter(delays) {
+        for (column, size) in bench.columns(&term.effect).iter().zip(&term.sizes) {
+            let off = column.iter().zip(&bench.course.speed);
+            for (late_s, (off, speed)) in late_s.iter_mut().zip(off) {
+                if *speed != 0.0 {
+                    *late_s -= size * off / speed;
+                }
+            }
+        }
+    }
+    late_s
 }
 
 /// Errors of the edges that repeat each turn with all else of the disc that is no finding, rad.

@@ -134,17 +134,18 @@ impl Effect {
 }
 
 impl Scene<'_> {
-    /// The instant of an edge as an effect sees it: errors of the disc go with the grid, all else with the shaft, a run-out as well. What
-    /// goes with time goes by when the edge was there, before any delay.
+    /// The instant of an edge as an effect sees it: errors of the disc go with the grid, all else with the shaft, a run-out as well. Time
+    /// and angle are those at which the edge was there, before any delay.
     #[must_use]
     #[inline]
     pub fn here(&self, at: usize, effect: &Effect) -> Here {
         let runs_out = matches!(effect.carrier, Carrier::Order(order) if order.fract() != 0.0);
+        let late_s = self.course.late_s[at];
         let angle = match effect.site {
             Site::Disc(_) if !runs_out => self.record.grid_rad(at),
-            _ => self.course.angle[at],
+            _ => self.course.angle[at] - self.course.speed[at] * late_s,
         };
-        let time_s = self.course.time_s[at] - self.course.late_s[at];
+        let time_s = self.course.time_s[at] - late_s;
         Here {
             time_s,
             inside_s: time_s,

@@ -27,6 +27,8 @@ pub type Torques = Vec<(Effect, Vec<f64>)>;
 pub struct Found {
     /// By how much each edge is off on top of what the twin says, rad; empty where none is.
     pub off: Vec<f64>,
+    /// How much later each stamp is than the twin says, s; empty where none is.
+    pub late_s: Vec<f64>,
     /// How much more stiffly the shaft is held than the twin says, over the inertia, 1/s.
     pub stiffness: f64,
     /// The speed loop that drives it, where the twin says nothing of a drive.
@@ -120,6 +122,7 @@ impl Bench {
         let known = bent(&scene, found, &declared.response);
         course = Course::bent(&record, &off, &known);
         course.late_s = declared::late_s(twin, &record);
+        lsq::add(&mut course.late_s, 1.0, &found.late_s);
         plant = Plant::new(law, &course);
         declared = Declared::new(&record, twin, looped, &disc, &course, &plant);
         let leaps = leaps(twin, found, &course, &plant);
@@ -187,6 +190,7 @@ impl Bench {
     /// Takes other edges of its recording, until all is worked out anew.
     pub fn take(&mut self, record: Record) {
         self.found.off.clear();
+        self.found.late_s.clear();
         self.weights = vec![1.0; record.len()];
         self.tails.clone_from(&self.weights);
         self.record = record;

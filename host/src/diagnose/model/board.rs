@@ -196,6 +196,7 @@ impl Board {
             return false;
         }
         for (bench, off) in self.benches.iter_mut().zip(found) {
+            bench.found.late_s = disc::late_s(bench, model);
             bench.found.off = off;
             bench.found.torques = torques(bench);
         }

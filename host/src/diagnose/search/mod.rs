@@ -159,7 +159,9 @@ impl Found {
             } else {
                 break;
             }
-            if self.bend(board) || moved {
+            moved |= self.bend(board);
+            moved |= self.take_other_flank(board);
+            if moved {
                 self.bank = Bank::new(board);
                 slopes = None;
             }
@@ -199,6 +201,32 @@ impl Found {
             self.fit = board.fit_in_noise(&self.fit.model);
         }
         true
+    }
+
+    /// Takes delays of one flank for less delay of the other where that explains more: the edges look the same but for what goes by when
+    /// the shaft passed them. Whether it does.
+    fn take_other_flank(&mut self, board: &mut Board) -> bool {
+        let mut model = self.fit.model.clone();
+        let mut any = false;
+        for term in &mut model.terms {
+            if let Site::Stamp(on) = &mut term.effect.site
+                && let Some(rises) = &mut on.rises
+            {
+                *rises = !*rises;
+                term.sizes.iter_mut().for_each(|size| *size = -*size);
+                any = true;
+            }
+        }
+        let mut other = board.clone();
+        if !any || !other.go_by(&model) {
+            return false;
+        }
+        let fit = other.fit_in_noise(&model);
+        let better = other.lost(&fit) < board.lost(&self.fit) - SURE;
+        if better {
+            (*board, self.fit) = (other, fit);
+        }
+        better
     }
 }
 
