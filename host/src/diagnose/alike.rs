@@ -48,7 +48,9 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 break;
             }
             let is_same = corrects && board.same_columns(fit, group, &candidate.effects);
-            if is_same || search::joins(&rest.model, &candidate.effects).is_some() {
+            // A number of the shaft or its drive is the name of no mechanism.
+            let is_known = is_same && mechanism != Mechanism::Unknown;
+            if is_known || search::joins(&rest.model, &candidate.effects).is_some() {
                 continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {

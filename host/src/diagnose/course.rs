@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::plant::Motion;
 use super::record::Record;
 
-/// Part of the speed by which it changes from turn to turn at the most where it hardly changes.
+/// Part of the speed by which it changes at the most where it hardly changes.
 const SAME: f64 = 0.02;
 
 /// Angles and speeds along a recording.
@@ -61,7 +61,7 @@ impl Course {
             doubt_s: record.doubt_s.clone(),
             steady: Vec::new(),
         };
-        course.steady = course.steady_speeds(record);
+        course.steady = course.steady_speeds(record, known);
         course.reversals_s = (1..course.len())
             .filter(|&at| record.way[at] != record.way[at - 1])
             .map(|at| course.still_s(at))
@@ -104,10 +104,10 @@ impl Course {
         (angle, speed)
     }
 
-    /// Speed of the interval that ends at each edge as the edges before it foretell it: straight on from two stretches of half a turn, or
-    /// of a turn. A regressor must not hold the noise that it is to be told from, as the speed between the edges themselves does (L. Ljung,
+    /// Speed of the interval that ends at each edge as torques that are known and the edges before it foretell it: straight on from two
+    /// stretches of half a turn, or of a turn. A regressor must not hold the noise that it is to be told from, as the speed between the edges themselves does (L. Ljung,
     /// System Identification, 2nd ed., section 13.4).
-    fn steady_speeds(&self, record: &Record) -> Vec<f64> {
+    fn steady_speeds(&self, record: &Record, known: &[Motion]) -> Vec<f64> {
         /// Edges that a stretch needs.
         const LEAST: usize = 4;
         let turn = record.edges as usize;
@@ -133,15 +133,20 @@ impl Course {
                 let time_s = self.time_s[until] - self.time_s[from];
                 let middle_s = 0.5 * (self.time_s[until] + self.time_s[from]);
                 let way = self.angle[until] - self.angle[from];
-                (way / time_s.max(f64::MIN_POSITIVE), middle_s)
+                let known = known[until][0] - known[from][0];
+                ((way - known) / time_s.max(f64::MIN_POSITIVE), middle_s)
             };
             let (before, before_s) = mean(last - 2 * reach, last - reach);
             let (after, after_s) = mean(last - reach, last);
             let now_s = 0.5 * (self.time_s[last] + self.time_s[at]);
             let slope = (after - before) / (after_s - before_s).max(f64::MIN_POSITIVE);
-            let ahead = after + slope * (now_s - after_s);
-            // It does not turn round before it does.
-            *steady = if ahead * after > 0.0 { ahead } else { after };
+            let known = 0.5 * (known[last][1] + known[at][1]);
+            let (after, ahead) = (known + after, known + after + slope * (now_s - after_s));
+            // It does not turn round before it does. What changes more from then on is no noise, but the drive's.
+            let ahead = if ahead * after > 0.0 { ahead } else { after };
+            if (ahead - *steady).abs() < SAME * steady.abs() {
+                *steady = ahead;
+            }
         }
         steady
     }

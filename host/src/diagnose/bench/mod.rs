@@ -285,6 +285,7 @@ impl Bench {
         let times = &self.record.time_s;
         let line: Vec<f64> = times.iter().map(|time| time - times[0]).collect();
         let fades = self.plant.fading(&self.course);
+        let fades: Vec<f64> = fades.iter().map(|[angle, _]| *angle).collect();
         let one = vec![1.0; rest.len()];
         let solved = lsq::solve(&[&one, &line, &fades], rest);
         rest.copy_from_slice(&solved.left);
@@ -416,9 +417,14 @@ fn unsaid(record: &Record, declared: &Declared) -> Vec<f64> {
         .collect()
 }
 
-/// What torques make of the shaft, those that the twin declares and those that were found.
+/// How the shaft goes from the speed that it starts with, pushed by torques that the twin declares and those that were found.
 fn bent(scene: &Scene<'_>, found: &Found, declared: &[Motion]) -> Vec<Motion> {
     let mut motions = declared.to_vec();
+    let start = scene.course.speed.first().copied().unwrap_or(0.0);
+    let fading = scene.plant.fading(scene.course);
+    for (motion, fading) in motions.iter_mut().zip(fading) {
+        lsq::add(motion, start, &fading);
+    }
     for (effect, sizes) in &found.torques {
         declared::push(&mut motions, scene, effect, sizes);
     }

@@ -94,8 +94,7 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
         all.extend(some_of(steadies(Site::Disc, None, 1..channels)));
         all.extend(some_of(steadies(Site::Stamp, None, 1..channels)));
     }
-    let mut benches = board.benches.iter();
-    if benches.any(|bench| !bench.course.reversals_s.is_empty()) {
+    if turns_round(board) {
         let sites = all_and_each(board).map(|channel| Site::Disc(on(channel, None)));
         all.extend(sites.map(|site| one(site, Carrier::Direction)));
     }
@@ -119,10 +118,16 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     all
 }
 
-/// Kinds of friction, where the speed changes enough to show them. About one speed all that they do is to damp what noise makes, and noise
-/// that is not white is damped in its own way.
+/// Whether the shaft turns round in any recording.
+fn turns_round(board: &Board) -> bool {
+    let mut benches = board.benches.iter();
+    benches.any(|bench| !bench.course.reversals_s.is_empty())
+}
+
+/// Kinds of friction, where the speed changes enough to show them. About one speed, one way, all that they do is to damp what noise makes,
+/// and noise that is not white is damped in its own way.
 fn friction(board: &Board) -> Vec<Vec<Effect>> {
-    if !board.undriven && board.speed_spread() < SPEEDS {
+    if !board.undriven && board.speed_spread() < SPEEDS && !turns_round(board) {
         return Vec::new();
     }
     let power = |p: f64| Effect::new(Site::Torque, Carrier::Power(p));

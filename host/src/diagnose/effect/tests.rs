@@ -62,6 +62,7 @@ fn rms(values: &[f64]) -> f64 {
 fn less_start(bench: &Bench, row: &[f64]) -> Vec<f64> {
     let time: Vec<f64> = bench.record.time_s.clone();
     let fades = bench.plant.fading(&bench.course);
+    let fades: Vec<f64> = fades.iter().map(|[angle, _]| *angle).collect();
     let one = vec![1.0; row.len()];
     lsq::solve(&[&one, &time, &fades], row).left
 }

@@ -157,18 +157,18 @@ impl Plant {
         }
     }
 
-    /// Angle at each edge of a shaft that starts with unit speed and is not pushed, s.
+    /// Angle, s, and speed at each edge of a shaft that starts with unit speed and is not pushed.
     #[must_use]
-    pub fn fading(&self, course: &Course) -> Vec<f64> {
+    pub fn fading(&self, course: &Course) -> Vec<Motion> {
         let (mut angle, mut speed) = (0.0, 1.0);
-        let angle = |at: usize| {
+        let motion = |at: usize| {
             let h = course.time_s[at] - course.time_s[at.saturating_sub(1)];
             let (reach, stays) = reach(self.fades(at), h);
             angle += reach * speed;
             speed *= stays;
-            angle
+            [angle, speed]
         };
-        (0..course.len()).map(angle).collect()
+        (0..course.len()).map(motion).collect()
     }
 
     /// How sensitive a score is to an acceleration over each interval: the transposed of [`Self::response_over`] for one that is even over

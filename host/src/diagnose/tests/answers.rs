@@ -332,3 +332,24 @@ fn another_size_of_the_declared_disc_is_a_correction_and_no_other_disc() {
     let [low, high] = amplitude.ci95.unwrap();
     assert!(low < 1e-3 && 1e-3 < high && high < 1.01e-3, "{amplitude:?}");
 }
+
+#[test]
+fn friction_of_a_shaft_that_a_stiff_drive_turns_round_is_told_from_a_load_and_measured() {
+    let real = "seed = 1\nduration = { seconds = 2.4 }\n[encoder.quadrature]\nlines = 500\nindex = true\n\
+        [shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-4\nstiffness_n_m_s = 4.9e-3\ncoulomb_n_m = 1e-3\n\
+        drag_n_m_s2 = 1e-6\n[[drive.steps]]\nt_s = 0\nr_min = 300\n[[drive.steps]]\nt_s = 1.4\nr_min = -300\n\
+        [noise.white]\npsd_n2_m2_s = 1e-14\n[timer]\nclock_hz = 84000000\njitter_s = 2e-8\n";
+    for (left_out, name, truth) in [
+        ("coulomb_n_m = 1e-3\n", "coulomb_n_m", 1e-3),
+        ("drag_n_m_s2 = 1e-6\n", "drag_n_m_s2", 1e-6),
+    ] {
+        let answer = against(real, &real.replace(left_out, ""));
+        let findings = &answer.diagnosis.findings;
+        assert_eq!(findings.len(), 1, "{:?}", said(&answer));
+        assert_eq!(findings[0].mechanism, Mechanism::Friction);
+        let measured = &findings[0].parameters[name];
+        let [low, high] = measured.ci95.unwrap();
+        assert!((measured.value / truth - 1.0).abs() < 5e-3, "{measured:?}");
+        assert!(high - low < 1e-2 * truth, "{measured:?}");
+    }
+}
