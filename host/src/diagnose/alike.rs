@@ -40,6 +40,7 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
         let worth = evidence(board, rest.rss - fit.rss, fit.model.numbers(group));
         // The best of each other name that comes near, fitted with everything else.
         let mut rivals: Vec<(Mechanism, f64, Vec<Effect>)> = Vec::new();
+        let mut same: Vec<Mechanism> = Vec::new();
         for candidate in search::candidates(board, bank, &rest) {
             let here = search::worth(board, &candidate);
             let named = name::mechanism(&candidate.effects);
@@ -48,9 +49,11 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 break;
             }
             let is_same = corrects && board.same_columns(fit, group, &candidate.effects);
-            // A number of the shaft or its drive is the name of no mechanism.
-            let is_known = is_same && mechanism != Mechanism::Unknown;
-            if is_known || search::joins(&rest.model, &candidate.effects).is_some() {
+            // A number of the shaft or its drive is the name of no mechanism: what has the same columns is one.
+            if is_same && mechanism == Mechanism::Unknown && !same.contains(&named) {
+                same.push(named);
+            }
+            if is_same || search::joins(&rest.model, &candidate.effects).is_some() {
                 continue;
             }
             if rivals.iter().all(|(other, ..)| *other != named) {
@@ -94,8 +97,10 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             *fit = board.fit(&rest.model.with(&effects, group));
             images.clear();
         }
+        rivals.retain(|(other, ..)| !same.contains(other));
         let others = rivals.iter().map(|(other, here, _)| (*other, worth - here));
-        let mut others: Vec<(Mechanism, f64)> = others.collect();
+        let same = same.into_iter().map(|other| (other, 0.0));
+        let mut others: Vec<(Mechanism, f64)> = others.chain(same).collect();
         others.retain(|(other, less)| {
             *other != named && *other != Mechanism::Unknown && *less < ALIKE
         });

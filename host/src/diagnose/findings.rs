@@ -222,8 +222,13 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         let shown = foretold.as_ref().map_or(loss, |it| it.fall.min(loss));
         let stands_out = shown / (shown + chance);
         let told = |one: &Mechanism| card.told_by_rig.contains(one);
+        // A number of the shaft or its drive has no card of its own.
+        let telling = look_alikes
+            .first()
+            .filter(|_| mechanism == Mechanism::Unknown);
+        let telling = telling.map_or(card, |other| other.card());
         let next = (!look_alikes.iter().all(told)).then(|| NextRecording {
-            text: card.separated_by.clone(),
+            text: telling.separated_by.clone(),
         });
         let mut place = name::place(board, &effects);
         place.orders_alike = name::place(board, images).orders;

@@ -252,6 +252,10 @@ pub fn finding(given: &Bench, board: &Board, fit: &Fit, at: usize) -> Option<Fin
     let near_s = board.noise.stamp_s.hypot(now.record.tick_s);
     let denied = declared.map_or(0.0, |task| against(now, &task, near_s));
     let lost = other.lost(&other.fit(&fit.model)) - board.lost(fit) + denied;
+    // What was taken for another task may have been what was found since.
+    if lost < SURE {
+        return None;
+    }
     let held = now.record.held.len();
     let shown = shown(&now.record, task, near_s, held, now.record.seconds());
     let numbers = [

@@ -352,4 +352,12 @@ fn friction_of_a_shaft_that_a_stiff_drive_turns_round_is_told_from_a_load_and_me
         assert!((measured.value / truth - 1.0).abs() < 5e-3, "{measured:?}");
         assert!(high - low < 1e-2 * truth, "{measured:?}");
     }
+    // How stiffly the drive holds the shaft and viscous friction show as their sum.
+    let given = real.replace("viscous_n_m_s = 1e-4\n", "");
+    let answer = against(real, &given).diagnosis;
+    assert_eq!(answer.verdict, Verdict::Ambiguous);
+    assert!(answer.findings[0].confidence < 0.6);
+    assert_eq!(answer.findings[0].look_alikes, [Mechanism::Friction]);
+    let next = answer.next_recording.unwrap();
+    assert!(next.text.contains("run-down"), "{}", next.text);
 }
