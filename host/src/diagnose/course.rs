@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::plant::Motion;
 use super::record::Record;
 
-/// Part of the speed by which it changes at the most where it hardly changes.
+/// Part of the speed by which it changes from turn to turn at the most where it hardly changes.
 const SAME: f64 = 0.02;
 
 /// Angles and speeds along a recording.
@@ -142,11 +142,8 @@ impl Course {
             let slope = (after - before) / (after_s - before_s).max(f64::MIN_POSITIVE);
             let known = 0.5 * (known[last][1] + known[at][1]);
             let (after, ahead) = (known + after, known + after + slope * (now_s - after_s));
-            // It does not turn round before it does. What changes more from then on is no noise, but the drive's.
-            let ahead = if ahead * after > 0.0 { ahead } else { after };
-            if (ahead - *steady).abs() < SAME * steady.abs() {
-                *steady = ahead;
-            }
+            // It does not turn round before it does.
+            *steady = if ahead * after > 0.0 { ahead } else { after };
         }
         steady
     }

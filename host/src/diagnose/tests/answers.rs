@@ -349,8 +349,8 @@ fn friction_of_a_shaft_that_a_stiff_drive_turns_round_is_told_from_a_load_and_me
         assert_eq!(findings[0].mechanism, Mechanism::Friction);
         let measured = &findings[0].parameters[name];
         let [low, high] = measured.ci95.unwrap();
-        assert!((measured.value / truth - 1.0).abs() < 5e-3, "{measured:?}");
-        assert!(high - low < 1e-2 * truth, "{measured:?}");
+        assert!((measured.value / truth - 1.0).abs() < 2e-2, "{measured:?}");
+        assert!(high - low < 2e-2 * truth, "{measured:?}");
     }
     // How stiffly the drive holds the shaft and viscous friction show as their sum.
     let given = real.replace("viscous_n_m_s = 1e-4\n", "");
