@@ -361,3 +361,24 @@ fn friction_of_a_shaft_that_a_stiff_drive_turns_round_is_told_from_a_load_and_me
     let next = answer.next_recording.unwrap();
     assert!(next.text.contains("run-down"), "{}", next.text);
 }
+
+#[test]
+fn a_run_out_beside_delays_goes_by_the_angle_at_which_the_shaft_passed_the_edge() {
+    let rig = "seed = 1\nduration = { seconds = 12 }\n[encoder.hall]\npole_pairs = 7\n[errors]\nseed = 22\n\
+        width_a_rad = 0.008\n[shaft]\ninertia_kg_m2 = 1.5e-4\nstiffness_n_m_s = 1.5e-3\n\
+        [[drive.steps]]\nt_s = 0\nr_min = 400\n[[drive.steps]]\nt_s = 6\nr_min = 1000\n\
+        [noise.speed_wander]\nrms_fraction = 5e-4\n[timer]\nclock_hz = 1000000\njitter_s = 1e-6\n\
+        [[bearing]]\norder = 3.57\nphase_rad = 1.9\nrunout_rad = 2e-3\n\
+        [edge_delay]\na = { rise_s = 4e-5 }\nb = { rise_s = 4e-5 }\nc = { rise_s = 4e-5 }\n";
+    for seed in 2..6 {
+        let real = rig.replace("seed = 1\n", &format!("seed = {seed}\n"));
+        let answer = against(&real, rig);
+        let verdict = answer.diagnosis.verdict;
+        assert_eq!(verdict, Verdict::Complete, "{:?}", said(&answer));
+    }
+    // Which flank is late shows in what goes by the angle then.
+    let given = rig.split("[edge_delay]").next().unwrap();
+    let answer = against(rig, given);
+    assert_eq!(said(&answer).len(), 1, "{:?}", said(&answer));
+    assert!(said(&answer)[0].contains("rising"), "{:?}", said(&answer));
+}
