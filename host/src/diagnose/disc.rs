@@ -37,11 +37,12 @@ pub fn rests(board: &Board, model: &Model) -> Vec<Vec<f64>> {
 #[must_use]
 pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
     let errors = pattern(board, &board.rest(model));
+    let turned = turned_by(board, model);
     let each = board.benches.iter().map(|bench| {
-        let mut off = vec![0.0; bench.record.len()];
+        let mut off = vec![-turned; bench.record.len()];
         if let Some(errors) = &errors {
             let each = off.iter_mut().enumerate();
-            each.for_each(|(at, off)| *off = errors[bench.record.slot(at)]);
+            each.for_each(|(at, off)| *off += errors[bench.record.slot(at)]);
         }
         let shifts = |term: &&Term| {
             matches!(
@@ -57,6 +58,41 @@ pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
         off
     });
     each.collect()
+}
+
+/// What open terms of the disc do to each of its edges, rad: all, or those that are none of classes of edges.
+fn open_terms(board: &Board, model: &Model, classes: bool) -> Vec<f64> {
+    let Some(record) = board.benches.first().map(|bench| &bench.record) else {
+        return Vec::new();
+    };
+    let open = model.terms.iter().filter(|term| term.nuisance);
+    let open = open.filter(|term| term.effect.is_of_disc());
+    let open = open.filter(|term| classes || term.effect.carrier != Carrier::Steady);
+    let mut errors = vec![0.0; record.edges as usize];
+    for term in open {
+        for (slot, error) in errors.iter_mut().enumerate() {
+            let here = Here {
+                time_s: 0.0,
+                inside_s: 0.0,
+                angle: record.angle_of(slot),
+                speed: 1.0,
+                way: 1.0,
+            };
+            let change = record.change_of(slot);
+            *error += term.effect.sized(&term.sizes, here) * term.effect.ahead(change);
+        }
+    }
+    errors
+}
+
+/// By how much a disc that the twins do not give is turned by open terms of it, rad: several may add up to an angle of all edges, which no
+/// recording shows. An unknown disc counts from where its edges are right in the mean; torques go by that angle.
+fn turned_by(board: &Board, model: &Model) -> f64 {
+    if board.disc_given {
+        return 0.0;
+    }
+    let errors = open_terms(board, model, false);
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
 }
 
 /// How late each stamp of a recording is by a model, s.
@@ -80,20 +116,9 @@ pub fn late_s(bench: &Bench, model: &Model) -> Vec<f64> {
 /// Errors of the edges that repeat each turn with all else of the disc that is no finding, rad.
 pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
     let mut errors = pattern(board, &board.rest(model))?;
-    let record = &board.benches.first()?.record;
-    let open = model.terms.iter().filter(|term| term.nuisance);
-    for term in open.filter(|term| term.effect.is_of_disc()) {
-        for (slot, error) in errors.iter_mut().enumerate() {
-            let here = Here {
-                time_s: 0.0,
-                inside_s: 0.0,
-                angle: record.angle_of(slot),
-                speed: 1.0,
-                way: 1.0,
-            };
-            let change = record.change_of(slot);
-            *error += term.effect.sized(&term.sizes, here) * term.effect.ahead(change);
-        }
+    let turned = turned_by(board, model);
+    for (error, open) in errors.iter_mut().zip(open_terms(board, model, true)) {
+        *error += open - turned;
     }
     Some(errors)
 }

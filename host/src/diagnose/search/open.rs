@@ -9,7 +9,7 @@ use crate::diagnose::model::{Board, Model};
 pub const CHANGES: usize = 16;
 
 /// Orders of a disc with many edges that may be as large as they like: what is off the centre, tilted or bent moves all edges of a part of
-/// the turn alike. Of few edges the pattern alone takes that, as its size then is theirs.
+/// the turn alike. Of a disc with few edges the pattern alone takes that, as its size then is theirs.
 const LOW: i64 = 8;
 
 /// What nobody knows of any rig: the mean speed that an open-loop drive holds. Of a disc that the twins do not give, how far edges of a
@@ -20,7 +20,7 @@ pub fn nuisances(board: &Board) -> Model {
     if !board.disc_given {
         model.add_open(&cells::classes(board), usize::MAX);
         let mut benches = board.benches.iter();
-        if benches.all(|bench| bench.record.edges > 16 * LOW) {
+        if benches.all(|bench| bench.record.of_edges > 16 * LOW) {
             let orders = 1..=LOW;
             let orders = orders.map(|order| Carrier::Order(order as f64));
             let low: Vec<Effect> = orders

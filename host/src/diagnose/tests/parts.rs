@@ -4,16 +4,16 @@ use std::f64::consts::TAU;
 
 use super::{PAIR_FAST, WHEEL, board, board_beside, edges, twin};
 use crate::diagnose::bench::Bench;
-use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::filter::{Filter, Noise, State, Whitens};
-use crate::diagnose::model::{Board, Model};
+use crate::diagnose::model::{Board, Model, Term};
 use crate::diagnose::nearby::Left;
 use crate::diagnose::noise::Tails;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::plant::{Law, Plant};
 use crate::diagnose::record::Record;
 use crate::diagnose::spread::Spread;
-use crate::diagnose::{cells, course::Course, declared, judge, jury, lsq, lsq::dot};
+use crate::diagnose::{cells, course::Course, declared, disc, judge, jury, lsq, lsq::dot, search};
 
 #[test]
 fn the_transposed_filter_is_the_filters_adjoint() {
@@ -417,4 +417,33 @@ fn what_a_fit_has_without_a_finding_is_what_the_others_have_alone() {
     let off: Vec<f64> = here.iter().zip(there).map(|(a, b)| a - b).collect();
     assert!(sizes(&off) < 1e-6 * sizes(there), "{here:?} {there:?}");
     assert!((without.rss / alone.rss - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn open_places_of_an_unknown_disc_add_up_to_no_angle_that_torques_go_by() {
+    // Of a disc with 2,000 edges a search looks at some first: its slow waves are open there as well.
+    let begins = PAIR_FAST.find("[errors]").unwrap();
+    let ends = PAIR_FAST.find("[shaft]").unwrap();
+    let given = format!("{}{}", &PAIR_FAST[..begins], &PAIR_FAST[ends..]);
+    let board = board_beside(&twin(PAIR_FAST), &twin(&given));
+    let records = board.benches.iter();
+    let some = records.map(|bench| bench.record.of_some(127)).collect();
+    let board = board.along(some, &Model::default()).unwrap();
+    let mut model = search::nuisances(&board);
+    let slow = |term: &Term| matches!(term.effect.carrier, Carrier::Order(_));
+    assert_eq!(model.terms.iter().filter(|term| slow(term)).count(), 8);
+    // Places all round, of one size.
+    let places = (0..8).map(|at| Carrier::Bump(f64::from(at) * TAU / 8.0, 0.4));
+    let places: Vec<Effect> = places
+        .map(|place| Effect::new(Site::Disc(On::ALL), place))
+        .collect();
+    model.add_open(&places, usize::MAX);
+    let round = model.terms.iter_mut().rev().take(8);
+    round.for_each(|term| term.sizes[0] = -0.05);
+    let shifts = &disc::shifts(&board, &model)[0];
+    let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
+    assert!(mean.abs() < 1e-4, "{mean}");
+    let learned = disc::learned(&board, &model).unwrap();
+    let mean = learned.iter().sum::<f64>() / learned.len() as f64;
+    assert!(mean.abs() < 1e-4, "{mean}");
 }
