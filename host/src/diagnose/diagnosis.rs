@@ -339,6 +339,9 @@ pub struct Sized {
     pub effect: Effect,
     /// Its sizes: one, or of cosine and sine.
     pub sizes: Vec<f64>,
+    /// 95 % intervals: of the size, or of the amplitude where there are two, then of each number of carrier and growth; none of what is not
+    /// fitted.
+    pub ci95: Vec<Option<[f64; 2]>>,
 }
 
 /// The mismatch map: fall of the sum of squares a number, site by carrier; none where a cell can't be.

@@ -267,10 +267,12 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             next_recording: next,
             ..plain
         };
-        let terms = fit.model.terms.iter().filter(|term| term.group == group);
-        let sized = terms.map(|term| Sized {
+        let terms = fit.model.terms.iter().enumerate();
+        let terms = terms.filter(|(_, term)| term.group == group);
+        let sized = terms.map(|(at, term)| Sized {
             effect: term.effect,
             sizes: term.sizes.clone(),
+            ci95: fit.intervals(at, spread),
         });
         Said {
             named,
@@ -459,7 +461,12 @@ fn summary(verdict: Verdict, all: &[Said]) -> String {
     match verdict {
         Verdict::Complete => "The twin explains the recordings; what is left is noise.".to_owned(),
         Verdict::Explained => said,
-        Verdict::Partly => format!("{said} More than noise is left."),
+        Verdict::Partly => match nameless(all) {
+            Some(cell) => {
+                format!("{said} It lacks as well what has no name in the catalogue: {cell}.")
+            }
+            None => format!("{said} More than noise is left."),
+        },
         Verdict::Ambiguous => {
             let mut findings = all.iter().map(|one| &one.finding);
             let first = findings.find(|finding| open(finding)).into_iter();
@@ -468,6 +475,20 @@ fn summary(verdict: Verdict, all: &[Said]) -> String {
             let others = others.join("; ");
             format!("{said} These recordings allow as well: {others}.")
         }
-        Verdict::Unknown => "Something is there that is none of the known mechanisms.".to_owned(),
+        Verdict::Unknown => match nameless(all) {
+            Some(cell) => format!("The twin lacks what has no name in the catalogue: {cell}."),
+            None => "Something is there that is none of the known mechanisms.".to_owned(),
+        },
     }
+}
+
+/// What has no name and yet a model, in words: the first effect, and how many more there are.
+fn nameless(all: &[Said]) -> Option<String> {
+    let (first, more) = all.iter().find(|one| !one.named)?.cells.split_first()?;
+    let first = words(&first.effect);
+    Some(match more.len() {
+        0 => first,
+        1 => format!("{first}, and 1 effect more"),
+        more => format!("{first}, and {more} effects more"),
+    })
 }

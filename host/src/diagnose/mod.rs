@@ -46,6 +46,7 @@ pub mod spread;
 mod square;
 pub mod stamps;
 mod stiffness;
+mod sweep;
 mod task;
 #[cfg(test)]
 mod tests;

@@ -104,6 +104,33 @@ impl Fit {
         each.flatten().collect()
     }
 
+    /// 95 % intervals of a term's size, or of its amplitude, and of its effect's numbers; none of what is not fitted. The residual is so many
+    /// times as large as noise.
+    #[must_use]
+    pub fn intervals(&self, at: usize, spread: f64) -> Vec<Option<[f64; 2]>> {
+        let term = &self.model.terms[at];
+        let column = |number: usize| self.column(at, number);
+        let covariance = self.covariance_of([column(0), column(1)]);
+        let size = match term.sizes[..] {
+            [cos, sin] => (
+                cos.hypot(sin),
+                numbers::wave_errors([cos, sin], &covariance)[0],
+            ),
+            _ => (term.sizes[0], covariance[0][0].max(0.0).sqrt()),
+        };
+        let knobs = term.effect.knobs().into_iter().enumerate();
+        let knobs = knobs.map(|(number, knob)| {
+            let column = column(term.effect.sizes() + number)?;
+            Some((knob, self.covariance[(column, column)].max(0.0).sqrt()))
+        });
+        let each = std::iter::once(Some(size)).chain(knobs);
+        let within = |(value, error): (f64, f64)| {
+            let by = NINETY_FIVE * spread * error;
+            [value - by, value + by]
+        };
+        each.map(|one| one.map(within)).collect()
+    }
+
     fn numbers_of(&self, at: usize, term: &Term) -> Vec<Number> {
         let Effect { site, carrier, .. } = term.effect;
         let mut all = Vec::new();

@@ -7,12 +7,15 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
+use super::bench::Bench;
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::model::{Board, Model};
 use super::nearby::Left;
+use super::sweep;
 
 /// A cell of the map with how much it explains.
 #[derive(Clone, Debug)]
@@ -76,41 +79,8 @@ enum Over {
 #[must_use]
 pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let board = left.board;
-    let each = board.benches.iter().zip(left.scores(Site::Torque));
-    let scores = Scores {
-        push: each
-            .map(|(bench, angle)| bench.plant.sensitivity(&bench.course, angle))
-            .collect(),
-        angle: left.scores(Site::Torque),
-        disc: left.scores(Site::Disc(On::ALL)),
-    };
-    let channels = board
-        .benches
-        .iter()
-        .map(|bench| bench.record.channels())
-        .max()
-        .unwrap_or(1);
-    let two_flanks = board.benches.iter().any(|bench| bench.record.classes > 1);
-    let mut sites = vec![
-        (Site::Disc(On::ALL), Over::Angle),
-        (Site::Torque, Over::Angle),
-        (Site::Torque, Over::Time),
-    ];
-    if two_flanks {
-        sites.push((Site::Level(On::ALL), Over::Time));
-        if channels > 1 {
-            sites.extend((0..channels).map(|channel| {
-                (
-                    Site::Level(On {
-                        channel: Some(channel),
-                        rises: None,
-                    }),
-                    Over::Time,
-                )
-            }));
-        }
-    }
-    use rayon::prelude::*;
+    let scores = Scores::of(left);
+    let sites = sites(board);
     let found: Vec<Vec<(usize, f64, Carrier)>> = sites
         .par_iter()
         .map(|(site, over)| scores.peaks(board, *site, *over))
@@ -166,10 +136,60 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let mut exact: Vec<(f64, Effect)> = exact.collect();
     exact.sort_by(|a, b| b.0.total_cmp(&a.0));
     exact.truncate(REFINED);
-    exact
-        .par_iter()
-        .map(|(gain, effect)| refined(left, effect, *gain))
-        .collect()
+    let lines = exact.par_iter();
+    let lines = lines.map(|(gain, effect)| refined(left, effect, *gain));
+    let sweeps = sweeps(left, &scores, &sites).into_par_iter();
+    let sweeps = sweeps.map(|effect| Candidate {
+        gain: left.gain(&effect),
+        effects: vec![effect],
+    });
+    lines.chain(sweeps).collect()
+}
+
+/// Sites that have a spectrum, along what.
+fn sites(board: &Board) -> Vec<(Site, Over)> {
+    let channels = board.benches.iter().map(|bench| bench.record.channels());
+    let channels = channels.max().unwrap_or(1);
+    let two_flanks = board.benches.iter().any(|bench| bench.record.classes > 1);
+    let mut sites = vec![
+        (Site::Disc(On::ALL), Over::Angle),
+        (Site::Torque, Over::Angle),
+        (Site::Torque, Over::Time),
+    ];
+    let mut level = |channel| {
+        let on = On {
+            channel,
+            rises: None,
+        };
+        sites.push((Site::Level(on), Over::Time));
+    };
+    if two_flanks {
+        level(None);
+        if channels > 1 {
+            (0..channels).for_each(|channel| level(Some(channel)));
+        }
+    }
+    sites
+}
+
+/// Effects whose frequency sweeps with time: each sweep that stands out at a site, at all of them.
+fn sweeps(left: &Left<'_>, scores: &Scores<'_>, sites: &[(Site, Over)]) -> Vec<Effect> {
+    let benches = &left.board.benches;
+    let along_time = sites.iter().filter(|(_, over)| *over == Over::Time);
+    let sites: Vec<Site> = along_time.map(|(site, _)| *site).collect();
+    let each = benches.par_iter().enumerate().flat_map_iter(|(at, bench)| {
+        let shown = sites
+            .iter()
+            .flat_map(move |site| sweep::carriers(&scores.along(bench, at, *site, Over::Time)));
+        let sites = &sites;
+        shown.flat_map(move |carrier| {
+            sites.iter().map(move |site| Effect {
+                only: (benches.len() > 1).then_some(bench.place),
+                ..Effect::new(*site, carrier)
+            })
+        })
+    });
+    each.collect()
 }
 
 /// Band of a share of half the edges' rate.
@@ -232,54 +252,63 @@ fn refined(left: &Left<'_>, effect: &Effect, gain: f64) -> Candidate {
     }
 }
 
-impl Scores<'_> {
+impl<'a> Scores<'a> {
+    fn of(left: &'a Left<'_>) -> Self {
+        let each = left.board.benches.iter().zip(left.scores(Site::Torque));
+        Self {
+            push: each
+                .map(|(bench, angle)| bench.plant.sensitivity(&bench.course, angle))
+                .collect(),
+            angle: left.scores(Site::Torque),
+            disc: left.scores(Site::Disc(On::ALL)),
+        }
+    }
+
+    /// What a unit at a site adds at each edge of a recording, along angle or time.
+    fn along(&self, bench: &Bench, at: usize, site: Site, over: Over) -> Spectrum {
+        let record = &bench.record;
+        let value = |edge: usize| match site {
+            Site::Torque => self.push[at][edge],
+            Site::Level(on) => {
+                let change = record.change(edge);
+                let here = on.channel.is_none_or(|channel| channel == change.channel);
+                let sign = if change.rises { -1.0 } else { 1.0 };
+                if here {
+                    sign * self.angle[at][edge]
+                } else {
+                    0.0
+                }
+            }
+            _ => self.disc[at][edge],
+        };
+        let along: Vec<f64> = match over {
+            Over::Angle => (0..record.len()).map(|at| record.grid_rad(at)).collect(),
+            Over::Time => record.time_s.clone(),
+        };
+        // A torque acts in the middle of its interval.
+        let along: Vec<f64> = if site == Site::Torque {
+            (0..along.len())
+                .map(|at| 0.5 * (along[at] + along[at.saturating_sub(1)]))
+                .collect()
+        } else {
+            along
+        };
+        let unit = match over {
+            Over::Angle => 1.0 / TAU,
+            Over::Time => 1.0,
+        };
+        Spectrum {
+            values: (0..record.len()).map(value).collect(),
+            along,
+            unit,
+        }
+    }
+
     /// The orders or frequencies that stand out, strongest first.
     fn peaks(&self, board: &Board, site: Site, over: Over) -> Vec<(usize, f64, Carrier)> {
-        let each: Vec<Spectrum> = board
-            .benches
-            .iter()
-            .enumerate()
-            .map(|(at, bench)| {
-                let record = &bench.record;
-                let values: Vec<f64> = (0..record.len())
-                    .map(|edge| match site {
-                        Site::Torque => self.push[at][edge],
-                        Site::Level(on) => {
-                            let change = record.change(edge);
-                            let here = on.channel.is_none_or(|channel| channel == change.channel);
-                            let sign = if change.rises { -1.0 } else { 1.0 };
-                            if here {
-                                sign * self.angle[at][edge]
-                            } else {
-                                0.0
-                            }
-                        }
-                        _ => self.disc[at][edge],
-                    })
-                    .collect();
-                let along: Vec<f64> = match over {
-                    Over::Angle => (0..record.len()).map(|at| record.grid_rad(at)).collect(),
-                    Over::Time => record.time_s.clone(),
-                };
-                // A torque acts in the middle of its interval.
-                let along: Vec<f64> = if site == Site::Torque {
-                    (0..along.len())
-                        .map(|at| 0.5 * (along[at] + along[at.saturating_sub(1)]))
-                        .collect()
-                } else {
-                    along
-                };
-                let unit = match over {
-                    Over::Angle => 1.0 / TAU,
-                    Over::Time => 1.0,
-                };
-                Spectrum {
-                    values,
-                    along,
-                    unit,
-                }
-            })
-            .collect();
+        let each = board.benches.iter().enumerate();
+        let each = each.map(|(at, bench)| self.along(bench, at, site, over));
+        let each: Vec<Spectrum> = each.collect();
         let longest = each.iter().map(Spectrum::span).fold(0.0, f64::max);
         let top = each.iter().map(Spectrum::fastest).fold(0.0, f64::max);
         if longest <= 0.0 || top <= 0.0 {
@@ -350,15 +379,15 @@ impl Scores<'_> {
 }
 
 /// Values along angle or time.
-struct Spectrum {
-    values: Vec<f64>,
-    along: Vec<f64>,
+pub(super) struct Spectrum {
+    pub values: Vec<f64>,
+    pub along: Vec<f64>,
     /// What a unit of `along` is in turns or s.
-    unit: f64,
+    pub unit: f64,
 }
 
 impl Spectrum {
-    fn ends(&self) -> (f64, f64) {
+    pub fn ends(&self) -> (f64, f64) {
         let least = self.along.iter().copied().fold(f64::INFINITY, f64::min);
         let most = self.along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         (least, most)
@@ -375,7 +404,7 @@ impl Spectrum {
     }
 
     /// Square of the size at multiples of a frequency step.
-    fn power(&self, step: f64, count: usize) -> Vec<f64> {
+    pub fn power(&self, step: f64, count: usize) -> Vec<f64> {
         // A grid twice as fine as the fastest, onto which each value is spread over its two neighbours.
         let length = (4 * count).next_power_of_two();
         let cell = 1.0 / (step * length as f64);
@@ -407,7 +436,7 @@ impl Spectrum {
 }
 
 /// Median around each value over that of an exponential distribution with mean 1: over more of them, the higher their number.
-fn local_median(power: &[f64]) -> Vec<f64> {
+pub(super) fn local_median(power: &[f64]) -> Vec<f64> {
     let mut out = vec![1.0; power.len()];
     let mut from = 0;
     while from < power.len() {

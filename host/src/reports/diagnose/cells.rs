@@ -1,9 +1,9 @@
 //! The effects of a finding in plain words, with their sizes.
 
-use crate::diagnose::diagnosis::Sized;
+use crate::diagnose::diagnosis::{Parameter, Sized};
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::effect::words::{growth, number, site, words};
-use crate::reports::diagnose::words::value;
+use crate::reports::diagnose::words::with_interval;
 
 /// Effects of one finding that are written out; more are counted.
 const WRITTEN: usize = 4;
@@ -94,7 +94,34 @@ fn speeds(unit: String, power: f64) -> String {
     }
 }
 
-/// Site, cell and size of each effect, for findings that have no numbers of their own.
+/// Names and units of the numbers that carrier and growth of an effect have, in their order.
+fn knobs(effect: &Effect) -> Vec<(&'static str, &'static str)> {
+    let mut all: Vec<(&str, &str)> = match effect.carrier {
+        Carrier::Order(_) => vec![("order", "1")],
+        Carrier::Tone(_) => vec![("frequency", "Hz")],
+        Carrier::Chirp(..) => vec![("frequency at time 0", "Hz"), ("sweep", "Hz/s")],
+        Carrier::Bump(..) => vec![("place", "rad"), ("width (sigma)", "rad")],
+        Carrier::Window(..) => vec![("from", "s"), ("until", "s")],
+        Carrier::Settling(..) => vec![("from", "s"), ("time constant", "s")],
+        Carrier::Stribeck(_) => vec![("Stribeck speed", "rad/s")],
+        Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
+    };
+    match effect.growth {
+        Growth::Constant | Growth::Own => {}
+        Growth::Even(_) => all.push(("growth", "1/s")),
+        Growth::Speed(_) => all.push(("power of the speed", "1")),
+        Growth::Modulated(..) => {
+            all.extend([
+                ("modulation", "Hz"),
+                ("its depth", "1"),
+                ("its phase", "rad"),
+            ]);
+        }
+    }
+    all
+}
+
+/// Size of each effect with the numbers that were fitted, for findings that have no numbers of their own.
 #[must_use]
 pub fn sizes(effects: &[Sized], inertia_known: bool) -> Vec<String> {
     let size = |sized: &Sized| {
@@ -103,14 +130,32 @@ pub fn sizes(effects: &[Sized], inertia_known: bool) -> Vec<String> {
             2 => "amplitude",
             _ => "size",
         };
+        let mut within = sized.ci95.iter().copied();
+        let ci95 = within.next().flatten();
+        let size = amplitude(sized);
         // A prefix before a unit that is divided or raised would be read as part of it.
-        let number = match unit.contains('/') || unit.contains('^') {
-            true => format!("{} {unit}", number(amplitude(sized), "")),
-            false => value(amplitude(sized), &unit),
+        let number = match (unit.contains('/') || unit.contains('^'), ci95) {
+            (true, None) => format!("{} {unit}", number(size, "")),
+            (true, ci95) => format!("{} {unit}", with_interval(&parameter(size, "1", ci95))),
+            (false, ci95) => with_interval(&parameter(size, &unit, ci95)),
         };
-        format!("{what} {number}")
+        let knobs = sized.effect.knobs().into_iter();
+        let knobs = knobs.zip(self::knobs(&sized.effect)).zip(within);
+        let knobs = knobs.filter_map(|((knob, (name, unit)), ci95)| {
+            let number = with_interval(&parameter(knob, unit, Some(ci95?)));
+            Some(format!(", {name} {number}"))
+        });
+        format!("{what} {number}{}", knobs.collect::<String>())
     };
     effects.iter().take(WRITTEN).map(size).collect()
+}
+
+fn parameter(value: f64, unit: &str, ci95: Option<[f64; 2]>) -> Parameter {
+    Parameter {
+        unit: unit.to_owned(),
+        ci95,
+        ..Parameter::exact(value)
+    }
 }
 
 #[cfg(test)]

@@ -141,6 +141,7 @@ pub(crate) fn sized(site: Site, carrier: Carrier, sizes: &[f64]) -> Sized {
     Sized {
         effect: Effect::new(site, carrier),
         sizes: sizes.to_vec(),
+        ci95: Vec::new(),
     }
 }
 
@@ -283,6 +284,7 @@ pub(crate) fn full() -> Answer {
             ..Effect::new(Site::Torque, Carrier::Tone(41.3))
         },
         sizes: vec![3.5e-4, -2.1e-4],
+        ci95: Vec::new(),
     };
     Answer {
         diagnosis,

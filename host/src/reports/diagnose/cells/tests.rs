@@ -200,6 +200,7 @@ fn the_size_of_a_phase_is_its_amplitude_with_a_prefix_only_before_plain_units() 
     let sized = |carrier, sizes: &[f64]| Sized {
         effect: Effect::new(Site::Torque, carrier),
         sizes: sizes.to_vec(),
+        ci95: Vec::new(),
     };
     let all = [
         sized(Carrier::Order(3.0), &[3e-3, 4e-3]),
@@ -208,6 +209,20 @@ fn the_size_of_a_phase_is_its_amplitude_with_a_prefix_only_before_plain_units() 
     assert_eq!(
         sizes(&all, true),
         ["amplitude 5.00 mN m", "size 0.002 N m s/rad"]
+    );
+    let sweep = Sized {
+        ci95: vec![
+            Some([4.9e-3, 5.1e-3]),
+            Some([41.18, 41.42]),
+            Some([-0.26, -0.24]),
+        ],
+        ..sized(Carrier::Chirp(41.3, -0.25), &[3e-3, 4e-3])
+    };
+    assert_eq!(
+        sizes(&[sweep], true),
+        [
+            "amplitude 5.00 ± 0.10 mN m, frequency at time 0 41.30 ± 0.12 Hz, sweep \u{2212}250 ± 10 mHz/s"
+        ]
     );
     // Without an inertia no torque is known, and no motor is said to have thousands of N m.
     assert_eq!(
@@ -230,6 +245,7 @@ fn an_order_and_its_harmonics_are_one_clause() {
     let sized = |order: f64| Sized {
         effect: Effect::new(Site::Torque, Carrier::Order(order)),
         sizes: vec![3e-3, 4e-3],
+        ci95: Vec::new(),
     };
     assert_eq!(
         cell(&[3.0, 6.0, 9.0].map(sized)),
