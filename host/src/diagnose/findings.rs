@@ -434,7 +434,8 @@ fn digits(value: f64) -> String {
 fn summary(verdict: Verdict, all: &[Said]) -> String {
     let list = |start: &str, corrected: bool| {
         let mut names: Vec<(&str, Vec<String>)> = Vec::new();
-        for one in all.iter().filter(|one| one.corrects() == corrected) {
+        let own = all.iter().filter(|one| one.corrects() == corrected);
+        for one in own.filter(|one| one.named) {
             let finding = &one.finding;
             let name = match (corrected, finding.mechanism) {
                 (true, Mechanism::Unknown) => finding.text.as_str(),

@@ -12,6 +12,7 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::bench::Bench;
+use super::cells::SPEEDS;
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::model::{Board, Model};
 use super::nearby::Left;
@@ -85,19 +86,23 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
         .par_iter()
         .map(|(site, over)| scores.peaks(board, *site, *over))
         .collect();
-    let mut peaks: Vec<(usize, f64, Carrier)> = found.into_iter().flatten().collect();
-    peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut carriers: Vec<Carrier> = Vec::new();
+    let each = sites.iter().zip(found);
+    let each = each.flat_map(|((site, _), found)| found.into_iter().map(move |one| (site, one)));
+    let mut peaks: Vec<(&Site, (usize, f64, Carrier))> = each.collect();
+    peaks.sort_by(|(_, a), (_, b)| b.1.total_cmp(&a.1));
+    let mut carriers: Vec<(&Site, Carrier)> = Vec::new();
     let mut of_band = [0; BANDS.len() + 1];
-    for (band, _, carrier) in peaks {
+    for (site, (band, _, carrier)) in peaks {
         let reach = board.reach(&Effect::new(Site::Torque, carrier))[0];
-        if of_band[band] < CARRIERS && carriers.iter().all(|other| !near(*other, carrier, reach)) {
+        let mut others = carriers.iter();
+        let is_new = others.all(|(by, other)| !(alike(by, site) && near(*other, carrier, reach)));
+        if of_band[band] < CARRIERS && is_new {
             of_band[band] += 1;
-            carriers.push(carrier);
+            carriers.push((site, carrier));
         }
     }
-    // Whatever showed it, it may enter at any site.
-    let everywhere = carriers.iter().flat_map(|carrier| {
+    // Whichever of them showed it, it may enter at any site that moves the same edges.
+    let everywhere = carriers.iter().flat_map(|(by, carrier)| {
         let over = if matches!(carrier, Carrier::Order(_)) {
             Over::Angle
         } else {
@@ -105,7 +110,7 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
         };
         sites
             .iter()
-            .filter(move |(_, own)| *own == over)
+            .filter(move |(site, own)| *own == over && alike(by, site))
             .map(move |(site, _)| Effect::new(*site, *carrier))
     });
     let everywhere: Vec<Effect> = everywhere.collect();
@@ -156,36 +161,62 @@ fn sites(board: &Board) -> Vec<(Site, Over)> {
         (Site::Torque, Over::Angle),
         (Site::Torque, Over::Time),
     ];
-    let mut level = |channel| {
-        let on = On {
+    // At one speed what follows an angle follows a frequency.
+    let speeds = board.speed_spread() > SPEEDS;
+    let mut add = |site: fn(On) -> Site, channel| {
+        let site = site(On {
             channel,
             rises: None,
-        };
-        sites.push((Site::Level(on), Over::Time));
+        });
+        sites.push((site, Over::Time));
+        if speeds {
+            sites.push((site, Over::Angle));
+        }
     };
     if two_flanks {
-        level(None);
-        if channels > 1 {
-            (0..channels).for_each(|channel| level(Some(channel)));
+        add(Site::Level, None);
+    }
+    if channels > 1 {
+        for channel in 0..channels {
+            if two_flanks {
+                add(Site::Level, Some(channel));
+            }
+            add(Site::Stamp, Some(channel));
         }
     }
     sites
 }
 
-/// Effects whose frequency sweeps with time: each sweep that stands out at a site, at all of them.
+/// Whether two sites move the same edges, and the same way: what shows at one of them shows at the other.
+fn alike(one: &Site, other: &Site) -> bool {
+    let on = |site: &Site| match site {
+        Site::Level(on) => (on.channel, true),
+        Site::Disc(on) | Site::Stamp(on) => (on.channel, false),
+        Site::Torque | Site::Drive | Site::Declared(_) => (None, false),
+    };
+    on(one) == on(other)
+}
+
+/// Effects whose frequency sweeps with time: each sweep that stands out at a site, at all that are alike.
 fn sweeps(left: &Left<'_>, scores: &Scores<'_>, sites: &[(Site, Over)]) -> Vec<Effect> {
     let benches = &left.board.benches;
     let along_time = sites.iter().filter(|(_, over)| *over == Over::Time);
-    let sites: Vec<Site> = along_time.map(|(site, _)| *site).collect();
+    let along_time = along_time.map(|(site, _)| *site);
+    let sites: Vec<Site> = along_time.chain([Site::Disc(On::ALL)]).collect();
     let each = benches.par_iter().enumerate().flat_map_iter(|(at, bench)| {
-        let shown = sites
-            .iter()
-            .flat_map(move |site| sweep::carriers(&scores.along(bench, at, *site, Over::Time)));
         let sites = &sites;
-        shown.flat_map(move |carrier| {
-            sites.iter().map(move |site| Effect {
-                only: (benches.len() > 1).then_some(bench.place),
-                ..Effect::new(*site, carrier)
+        let shown = sites.iter().flat_map(move |site| {
+            let found = sweep::carriers(&scores.along(bench, at, *site, Over::Time));
+            found.into_iter().map(move |carrier| (site, carrier))
+        });
+        shown.flat_map(move |(by, carrier)| {
+            let sites = sites.iter().filter(move |site| alike(by, site));
+            // It may be the others' as well.
+            let several = (benches.len() > 1).then_some(Some(bench.place));
+            let places = [None].into_iter().chain(several);
+            sites.flat_map(move |site| {
+                let effect = Effect::new(*site, carrier);
+                places.clone().map(move |only| Effect { only, ..effect })
             })
         })
     });
@@ -279,6 +310,8 @@ impl<'a> Scores<'a> {
                     0.0
                 }
             }
+            Site::Stamp(on) if !on.has(record.captured(edge)) => 0.0,
+            Site::Stamp(_) => -bench.course.speed[edge] * self.angle[at][edge],
             _ => self.disc[at][edge],
         };
         let along: Vec<f64> = match over {

@@ -67,7 +67,8 @@ pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> 
 /// The same effect with sizes that go with time or speed, to be fitted in its place.
 pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     let [effect] = own else { return Vec::new() };
-    if effect.sizes() < 2 || effect.growth != Growth::Constant {
+    let place = matches!(effect.carrier, Carrier::Bump(..));
+    if effect.sizes() < 2 && !place || effect.growth != Growth::Constant {
         return Vec::new();
     }
     let rate = 1.0 / board.seconds();

@@ -216,13 +216,21 @@ impl Board {
             && benches.all(|bench| bench.twin.check().is_ok())
     }
 
-    /// Whether what a group of a model corrects is still about what the twins declare.
+    /// Whether what a group of a model corrects is still about what the twins declare, and a twin can have it.
     #[must_use]
     pub fn is_near(&self, model: &Model, group: usize) -> bool {
         let effects = model.effects(group);
         let has = |own: &Correction| own.effects().iter().any(|one| effects.contains(one));
+        let can_be = |own: &Correction, values: &[f64]| {
+            let declares = |bench: &&Bench| !bench.tangents[own.first].is_empty();
+            let mut declaring = self.benches.iter().filter(declares);
+            declaring.all(|bench| {
+                let twin = numbers::changed(&bench.twin, &[(&own.knob, values)]);
+                twin.is_some_and(|twin| twin.check().is_ok())
+            })
+        };
         let mut each = self.corrections.iter().zip(self.values(model));
-        each.all(|(own, values)| !has(own) || own.is_near(&values))
+        each.all(|(own, values)| !has(own) || own.is_near(&values) && can_be(own, &values))
     }
 
     /// Whether the values that a fit wants are those that the twins have.

@@ -13,6 +13,7 @@ use crate::diagnose::model::{Board, Fit};
 use crate::diagnose::nearby::Left;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::scan::{self, Candidate, SURE, evidence};
+use crate::mechanism::Mechanism;
 
 /// Part of what a candidate explains that rounding to ticks alone may make.
 const SPUR: f64 = 0.25;
@@ -203,13 +204,14 @@ impl<'a> Beside<'a> {
         tried
     }
 
-    /// The best of some effects by their evidence. What only shows in a disc that the twins do not give comes after what shows elsewhere
-    /// and is about as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
+    /// The best of some effects by their evidence. What has no name, and what only shows in a disc that the twins do not give, comes after
+    /// what has one or shows elsewhere and is about as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
     fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
         let board = self.board;
         let late = |effects: &[Effect]| {
             let image = effects.iter().any(|effect| board.is_image(effect));
-            let late = image || is_open(board, effects);
+            let nameless = board.mechanism(effects) == Mechanism::Unknown;
+            let late = image || nameless || is_open(board, effects);
             if late { ALIKE } else { 0.0 }
         };
         let worth = |one: &Worthy| one.0 - late(&one.1);

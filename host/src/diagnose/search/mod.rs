@@ -288,7 +288,7 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
     for group in fit.model.groups() {
         let own = fit.model.only(group);
         let worth = evidence(board, fit.loss(group), fit.model.numbers(group));
-        if worth < SURE || !board.can_be(&own) {
+        if worth < SURE || !board.can_be(&own) || !board.is_near(&fit.model, group) {
             return Some(fit.model.without(group));
         }
         let order = |term: &Term| {

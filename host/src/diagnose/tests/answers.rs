@@ -421,3 +421,45 @@ fn a_torque_whose_frequency_sweeps_is_one_effect_with_its_rate() {
         assert!(held_out.reducible_removed.unwrap() > 0.8);
     }
 }
+
+/// A rig whose speed doubles, so that what goes with the time is told from what goes with the angle.
+const RAMP: &str = "duration = { turns = 40 }\n\n[encoder.quadrature]\nlines = 60\nindex = true\n\n[errors]\nwidth_a_rad = 1e-6\n\n[shaft]\n\
+     inertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-4\nstiffness_n_m_s = 3e-4\n\n[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 16\n\n\
+     [noise.white]\npsd_n2_m2_s = 1e-11\n\n[timer]\nclock_hz = 84_000_000\njitter_s = 5e-8\n";
+
+#[test]
+fn what_one_channel_or_one_place_does_is_modelled_there_and_not_by_lines_of_all_edges() {
+    let channel = "site = \"stamp\"\nchannel = \"a\"\n";
+    let swings = |rest: &str| format!("{channel}{rest}phase_rad = 1.0\ndelay_s = 1e-6\n");
+    let cases = [
+        swings("follows = \"frequency\"\nf_hz = 4.7\n"),
+        swings("follows = \"order\"\norder = 3\n"),
+        "site = \"disc\"\nfollows = \"place\"\nangle_rad = 2.0\nwidth_rad = 0.1\nshift_rad = 2e-5\ngrowth_per_s = 0.3\n"
+            .to_owned(),
+    ];
+    for effect in cases {
+        let real = format!("{RAMP}\n[[effect]]\n{effect}");
+        let answer = against(&real, RAMP);
+        let truth = twin(&real).effect[0].effect();
+        let cells: Vec<_> = answer.cells.iter().flatten().collect();
+        let [one] = cells[..] else {
+            panic!("{effect}: {:?}", said(&answer));
+        };
+        assert_eq!(one.effect.site, truth.site, "{:?}", said(&answer));
+        let kind = std::mem::discriminant::<Carrier>;
+        assert_eq!(kind(&one.effect.carrier), kind(&truth.carrier));
+        let knobs = one.effect.knobs().into_iter().zip(truth.knobs());
+        for ((knob, truth), within) in knobs.zip(&one.ci95[1..]) {
+            // A whole order is exact.
+            let [low, high] = within.unwrap_or([knob; 2]);
+            let wide = 0.5 * (high - low);
+            assert!(
+                (low - wide..=high + wide).contains(&truth),
+                "{low} {high} {truth}"
+            );
+            assert!(wide < truth, "{low} {high}");
+        }
+        let held_out = answer.diagnosis.fit.held_out;
+        assert!(held_out.reducible_removed.unwrap() > 0.8);
+    }
+}
