@@ -53,9 +53,11 @@ const SLOWEST: f64 = 0.25;
 const PEAKS: usize = 2;
 /// Bounds of bands, as shares of half the edges' rate: what swings slowly has images at high frequencies, which must not hide it.
 const BANDS: [f64; 2] = [0.02, 0.2];
-/// Carriers of each band that are tried at every site, and candidates whose frequency is looked for closely.
+/// Carriers of each band that are tried at all sites that are alike, and candidates whose frequency is looked for closely.
 const CARRIERS: usize = 4;
 const REFINED: usize = 5;
+/// Edges a turn of which each channel has so few that a wave of its own is told from no other.
+const FEW: i64 = 128;
 /// Share of half of what two frequencies are apart by to which the closer look goes.
 const FINEST: f64 = 0.125;
 
@@ -90,19 +92,17 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let each = each.flat_map(|((site, _), found)| found.into_iter().map(move |one| (site, one)));
     let mut peaks: Vec<(&Site, (usize, f64, Carrier))> = each.collect();
     peaks.sort_by(|(_, a), (_, b)| b.1.total_cmp(&a.1));
-    let mut carriers: Vec<(&Site, Carrier)> = Vec::new();
-    let mut of_band = [0; BANDS.len() + 1];
+    let mut carriers: Vec<(&Site, usize, Carrier)> = Vec::new();
     for (site, (band, _, carrier)) in peaks {
         let reach = board.reach(&Effect::new(Site::Torque, carrier))[0];
-        let mut others = carriers.iter();
-        let is_new = others.all(|(by, other)| !(alike(by, site) && near(*other, carrier, reach)));
-        if of_band[band] < CARRIERS && is_new {
-            of_band[band] += 1;
-            carriers.push((site, carrier));
+        let beside = carriers.iter().filter(|(by, ..)| alike(by, site));
+        let is_new = { beside.clone() }.all(|(.., other)| !near(*other, carrier, reach));
+        if is_new && beside.filter(|(_, of, _)| *of == band).count() < CARRIERS {
+            carriers.push((site, band, carrier));
         }
     }
     // Whichever of them showed it, it may enter at any site that moves the same edges.
-    let everywhere = carriers.iter().flat_map(|(by, carrier)| {
+    let everywhere = carriers.iter().flat_map(|(by, _, carrier)| {
         let over = if matches!(carrier, Carrier::Order(_)) {
             Over::Angle
         } else {
@@ -161,8 +161,10 @@ fn sites(board: &Board) -> Vec<(Site, Over)> {
         (Site::Torque, Over::Angle),
         (Site::Torque, Over::Time),
     ];
-    // At one speed what follows an angle follows a frequency.
-    let speeds = board.speed_spread() > SPEEDS;
+    // At one speed what follows an angle follows a frequency. Of few edges what each channel does along the turn is their own.
+    let mut records = board.benches.iter().map(|bench| &bench.record);
+    let many = records.all(|record| record.of_edges > FEW);
+    let speeds = many && board.speed_spread() > SPEEDS;
     let mut add = |site: fn(On) -> Site, channel| {
         let site = site(On {
             channel,
@@ -181,7 +183,9 @@ fn sites(board: &Board) -> Vec<(Site, Over)> {
             if two_flanks {
                 add(Site::Level, Some(channel));
             }
-            add(Site::Stamp, Some(channel));
+            if many {
+                add(Site::Stamp, Some(channel));
+            }
         }
     }
     sites
