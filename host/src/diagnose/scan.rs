@@ -95,7 +95,7 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let mut carriers: Vec<(&Site, usize, Carrier)> = Vec::new();
     for (site, (band, _, carrier)) in peaks {
         let reach = board.reach(&Effect::new(Site::Torque, carrier))[0];
-        let beside = carriers.iter().filter(|(by, ..)| alike(by, site));
+        let beside = carriers.iter().filter(|(by, ..)| alike(board, by, site));
         let is_new = { beside.clone() }.all(|(.., other)| !near(*other, carrier, reach));
         if is_new && beside.filter(|(_, of, _)| *of == band).count() < CARRIERS {
             carriers.push((site, band, carrier));
@@ -110,7 +110,7 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
         };
         sites
             .iter()
-            .filter(move |(site, own)| *own == over && alike(by, site))
+            .filter(move |(site, own)| *own == over && alike(board, by, site))
             .map(move |(site, _)| Effect::new(*site, *carrier))
     });
     let everywhere: Vec<Effect> = everywhere.collect();
@@ -162,8 +162,7 @@ fn sites(board: &Board) -> Vec<(Site, Over)> {
         (Site::Torque, Over::Time),
     ];
     // At one speed what follows an angle follows a frequency. Of few edges what each channel does along the turn is their own.
-    let mut records = board.benches.iter().map(|bench| &bench.record);
-    let many = records.all(|record| record.of_edges > FEW);
+    let many = has_many(board);
     let speeds = many && board.speed_spread() > SPEEDS;
     let mut add = |site: fn(On) -> Site, channel| {
         let site = site(On {
@@ -191,8 +190,17 @@ fn sites(board: &Board) -> Vec<(Site, Over)> {
     sites
 }
 
-/// Whether two sites move the same edges, and the same way: what shows at one of them shows at the other.
-fn alike(one: &Site, other: &Site) -> bool {
+/// Whether there are so many edges a turn that what channels and flanks do by themselves is told from what all edges do.
+fn has_many(board: &Board) -> bool {
+    let mut records = board.benches.iter().map(|bench| &bench.record);
+    records.all(|record| record.of_edges > FEW)
+}
+
+/// Whether two sites move the same edges, and the same way: what shows at one of them shows at the other. Of few edges it shows anywhere.
+fn alike(board: &Board, one: &Site, other: &Site) -> bool {
+    if !has_many(board) {
+        return true;
+    }
     let on = |site: &Site| match site {
         Site::Level(on) => (on.channel, true),
         Site::Disc(on) | Site::Stamp(on) => (on.channel, false),
@@ -214,7 +222,7 @@ fn sweeps(left: &Left<'_>, scores: &Scores<'_>, sites: &[(Site, Over)]) -> Vec<E
             found.into_iter().map(move |carrier| (site, carrier))
         });
         shown.flat_map(move |(by, carrier)| {
-            let sites = sites.iter().filter(move |site| alike(by, site));
+            let sites = sites.iter().filter(move |site| alike(left.board, by, site));
             // It may be the others' as well.
             let several = (benches.len() > 1).then_some(Some(bench.place));
             let places = [None].into_iter().chain(several);
