@@ -7,7 +7,7 @@ use quadcal::hall::state_of;
 
 use super::follow::{Seen, follow};
 use super::grid::{Grid, Sight};
-use super::{CountEvent, CountKind, Edges};
+use super::{CountEvent, CountKind, Edges, Stretch, Unused};
 use crate::recording::Row;
 
 /// How levels stand for sectors.
@@ -46,10 +46,48 @@ impl Code {
     }
 }
 
+/// Rows at the start that a capture may have held from before, at the most.
+const HELD: usize = 16;
+/// How many times as long as theirs each of as many intervals after them is: no shaft slows down so from one edge to the next.
+const SLOWER: u64 = 20;
+
+/// Rows at the start that are no edges of this recording: they come all at once, and then the shaft goes on at its speed. The last of them
+/// says where it is.
+fn held_before(rows: &[Row], mask: u8) -> usize {
+    let changes = rows.windows(2).enumerate().filter(|(_, pair)| {
+        let changed = pair[0].levels.0 ^ pair[1].levels.0;
+        changed & mask != 0
+    });
+    let changes: Vec<(usize, u64)> = changes
+        .take(3 * HELD)
+        .map(|(at, pair)| (at, pair[1].ticks))
+        .collect();
+    let apart: Vec<u64> = changes.windows(2).map(|two| two[1].1 - two[0].1).collect();
+    let ends = |&last: &usize| {
+        let (before, after) = apart.split_at(last);
+        let longest = before.iter().max().map_or(0, |most| SLOWER * most);
+        let mut after = after.iter().take(HELD);
+        after.len() == HELD && after.all(|apart| *apart > longest)
+    };
+    // A single interval may be short by a glitch or a reversal.
+    let last = (2..HELD.min(apart.len())).rev().find(ends);
+    last.map_or(0, |last| changes[last].0 + 1)
+}
+
 /// Places the edges of a quadrature encoder or of Hall sensors.
 pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges: &mut Edges) {
     let mask = code.mask();
     let class = |row: &Row| code.class(row.levels.0 & mask);
+    let held = held_before(rows, mask);
+    if held > 0 {
+        edges.unused.push(Stretch {
+            from_s: edges.seconds(rows[0].ticks),
+            until_s: edges.seconds(rows[held].ticks),
+            rows: held,
+            why: Unused::Bounces,
+        });
+    }
+    let rows = &rows[held..];
     let Some(first) = rows.iter().position(|row| class(row).is_some()) else {
         return;
     };

@@ -427,6 +427,30 @@ fn a_shaft_that_rocks_about_an_edge_where_it_stands_makes_no_pulse_too_many() {
 }
 
 #[test]
+fn edges_that_a_capture_held_from_before_are_not_used() {
+    let mut steps = vec![(1, 1e-6); 7];
+    steps.extend([(1, 5e-3); 100]);
+    let sensor = Sensor::Quadrature {
+        lines: 200,
+        index: None,
+    };
+    let edges = place(&sensor, CLOCK_HZ, &stepped(&steps)).unwrap();
+    assert_eq!((edges.len(), edges.events.len()), (100, 0));
+    let [one] = edges.unused[..] else {
+        panic!("{:?}", edges.unused);
+    };
+    assert_eq!((one.rows, one.why), (6, Unused::Bounces));
+    // A shaft that starts from rest, or slows down to it, is used from its first edge on.
+    let fall = |edge: i32| 0.01 * (f64::from(edge + 1).sqrt() - f64::from(edge).sqrt());
+    let start: Vec<(i64, f64)> = (0..100).map(|edge| (1, fall(edge))).collect();
+    let stop: Vec<(i64, f64)> = start.iter().rev().copied().collect();
+    for steps in [start, stop] {
+        let edges = place(&sensor, CLOCK_HZ, &stepped(&steps)).unwrap();
+        assert_eq!((edges.len(), edges.unused.len()), (99, 0));
+    }
+}
+
+#[test]
 fn a_swing_of_the_speed_is_no_stop() {
     for seed in 0..5 {
         let present = vec![true; 36];
