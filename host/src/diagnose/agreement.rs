@@ -27,15 +27,6 @@ pub const LEFT: f64 = 0.03;
 /// Probability of whiteness below which something is left.
 pub const NOT_WHITE: f64 = 1e-6;
 
-/// Residual angles as given and with the model, rad.
-pub fn rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
-    let mut rests = disc::rests(board, &fit.model);
-    for (bench, rest) in board.benches.iter().zip(&mut rests) {
-        bench.less_start(rest);
-    }
-    rests
-}
-
 /// How well twins and recordings agree before and after.
 pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let before = as_given(given, board);
@@ -45,7 +36,10 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
     let scales = board.benches.iter().flat_map(|bench| &bench.scales);
     let deviation = rms(scales.copied().filter(|scale| *scale > 0.0)).map(f64::recip);
     let scale = deviation.unwrap_or(0.0);
-    let rest = [rests(&before, &plain), rests(board, fit)];
+    let rest = [
+        disc::rests(&before, &plain.model),
+        disc::rests(board, &fit.model),
+    ];
     let to_rad = |square: f64, count: f64| Some(scale * (square / count.max(1.0)).sqrt());
     let [mut none, mut early, late] = Parts::held_out(board, fit).judged(fit);
     let mut found = !fit.model.groups().is_empty();
@@ -105,8 +99,9 @@ fn early_rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
 }
 
 /// Twins as given, in the noise that was found: so that only the model differs.
-fn as_given(given: &Board, board: &Board) -> Board {
+pub fn as_given(given: &Board, board: &Board) -> Board {
     let mut before = given.clone();
+    (before.free, before.levels, before.rounds) = (board.free, board.levels, board.rounds);
     before.set_noise(board.noise);
     for (bench, now) in before.benches.iter_mut().zip(&board.benches) {
         bench.weights.clone_from(&now.weights);
@@ -135,7 +130,7 @@ fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
 /// Whether what a fit leaves may be noise.
 #[must_use]
 pub fn is_white(board: &Board, fit: &Fit) -> bool {
-    whiteness(board, &rests(board, fit)) >= NOT_WHITE
+    whiteness(board, &disc::rests(board, &fit.model)) >= NOT_WHITE
 }
 
 /// Whether innovations are far out more often than normal noise lets them be, and not at one place alone.
@@ -304,7 +299,10 @@ fn other_speed(one: &Recorded, bench: &Bench) -> Option<[f64; 2]> {
 pub fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<Curve> {
     let before = as_given(given, board);
     let plain = before.fit(&of_drive(fit));
-    let (one, other) = (rests(&before, &plain), rests(board, fit));
+    let (one, other) = (
+        disc::rests(&before, &plain.model),
+        disc::rests(board, &fit.model),
+    );
     let pairs = rig.iter().zip(&board.benches).enumerate();
     pairs
         .map(|(at, (recorded, bench))| {

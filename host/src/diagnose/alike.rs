@@ -1,7 +1,7 @@
 //! Look-alikes: what else a finding may be, fitted in its place beside everything else.
 
 use super::cells::{self, Bank};
-use super::effect::Effect;
+use super::effect::{Carrier, Effect, Site};
 use super::model::{Board, Fit};
 use super::name;
 use super::search::{self, ALIKE, SURE, evidence};
@@ -48,7 +48,9 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
             if !near || rivals.len() == RIVALS {
                 break;
             }
-            let is_same = corrects && board.same_columns(fit, group, &candidate.effects);
+            let is_same = corrects
+                && (shows_in_sum(board, &own, &candidate.effects)
+                    || board.same_columns(fit, group, &candidate.effects));
             // A number of the shaft or its drive is the name of no mechanism: what has the same columns is one.
             if is_same && mechanism == Mechanism::Unknown && !same.contains(&named) {
                 same.push(named);
@@ -114,4 +116,16 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
     *fit = board.fit_in_noise(&fit.model);
     search::prune(board, fit);
     all
+}
+
+/// Whether a correction is how stiffly an open-loop drive holds the shaft, and effects are viscous friction: while the drive is on only their
+/// sum shows.
+fn shows_in_sum(board: &Board, own: &[Effect], effects: &[Effect]) -> bool {
+    let viscous = Effect::new(Site::Torque, Carrier::Power(1.0));
+    let corrects = own.iter().filter_map(|effect| board.correction(effect));
+    let mut paths = corrects.flat_map(|(correction, _)| correction.knob.paths());
+    let mut benches = board.benches.iter();
+    effects == [viscous]
+        && paths.any(|path| path.to_string() == "shaft.stiffness_n_m_s")
+        && benches.all(|bench| bench.plant.law.off_s.is_infinite())
 }

@@ -322,7 +322,7 @@ fn left_over(board: &Board, fit: &Fit, said: &[Said], fitted: &diagnosis::Fit) -
         return None;
     }
     // Rounding to ticks hangs together where the course is quiet, and counts as far as it is what is left.
-    let (rounded, rests) = (board.rounded(&fit.model), agreement::rests(board, fit));
+    let (rounded, rests) = (board.rounded(&fit.model), disc::rests(board, &fit.model));
     let square = |angles: &[Vec<f64>]| {
         let white = board.with_pattern(angles);
         dot(&white, &white).max(f64::MIN_POSITIVE)

@@ -83,6 +83,9 @@ pub fn diagnose(
     if jury::bear_out(&mut board, &mut found.fit, &mut found.worth) {
         map = mapped(&board, &found);
     }
+    if search::needless(&given, &mut board, &mut found) {
+        map = mapped(&board, &found);
+    }
     let search::Found {
         fit, worth, noise, ..
     } = &found;

@@ -3,6 +3,7 @@
 use super::agreement::{self, LEFT};
 use super::bench;
 use super::course::Course;
+use super::disc;
 use super::filter::Noise;
 use super::model::{Board, Fit};
 use super::name::NINETY_FIVE;
@@ -50,7 +51,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     let left = if agreement::is_white(board, fit) {
         0.0
     } else {
-        agreement::correlated(board, &agreement::rests(board, fit))
+        agreement::correlated(board, &disc::rests(board, &fit.model))
     };
     if left > LEFT {
         return None;

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::model::Board;
+use crate::effect::STEEPEST;
 
 /// Spread of the speed, as a share of it, from which on a size that grows with it can be told from one that does not.
 pub const SPEEDS: f64 = 0.05;
@@ -106,6 +107,12 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     if benches.any(|bench| bench.is_held() && bench.twin.speed_loop().is_none()) {
         all.push(one(Site::Drive, Carrier::Time));
         all.extend([0.03, 0.08, 0.2, 0.5].map(|share| one(Site::Drive, settling(0.0, share))));
+        if board.speed_spread() > SPEEDS {
+            // A load that the drive knows nothing of.
+            let load = Effect::new(Site::Torque, Carrier::Steady);
+            let powers = (1..=STEEPEST as u32).map(f64::from).map(Growth::Speed);
+            all.extend(powers.map(|growth| vec![Effect { growth, ..load }]));
+        }
     }
     if has_classes {
         for channel in all_and_each(board) {

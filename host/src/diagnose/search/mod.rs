@@ -230,6 +230,22 @@ impl Found {
     }
 }
 
+/// Takes off all that was found where the twins as they are given explain the recordings about as well: two findings may each be what the
+/// other one asks for. Whether they do.
+pub fn needless(given: &Board, board: &mut Board, found: &mut Found) -> bool {
+    if found.fit.model.groups().is_empty() && disc::other(board, &found.fit).is_none() {
+        return false;
+    }
+    let (plain, fit, lost) = agreement::as_given(given, board).at_its_noise(&nuisances(given));
+    let needless = lost < board.lost(&found.fit) + SURE;
+    if needless {
+        (*board, found.fit) = (plain, fit);
+        found.bank = Bank::new(board);
+        found.worth.clear();
+    }
+    needless
+}
+
 /// How the shaft of each recording answers.
 fn laws(board: &Board) -> Vec<Law> {
     let each = board.benches.iter();
