@@ -67,12 +67,18 @@ impl Board {
             .collect()
     }
 
-    /// Whether an effect is a torque that a lower order looks like.
+    /// Whether an effect is a torque that a lower order looks like, or, the same at each line, edge classes.
     #[must_use]
     pub fn is_image(&self, effect: &Effect) -> bool {
-        let edges = self.benches.iter().map(|bench| bench.record.edges).max();
-        let past = |order: f64| 2.0 * order > edges.unwrap_or(0) as f64;
-        matches!((effect.site, effect.carrier), (Site::Torque, Carrier::Order(order)) if past(order))
+        let (Site::Torque, Carrier::Order(order)) = (effect.site, effect.carrier) else {
+            return false;
+        };
+        let records = self.benches.iter().map(|bench| &bench.record);
+        let edges = records.clone().map(|record| record.edges).max();
+        let mut lines = records
+            .filter(|record| record.classes > 1)
+            .map(|record| (record.of_edges / record.classes) as f64);
+        2.0 * order > edges.unwrap_or(0) as f64 || lines.any(|lines| (order / lines).fract() == 0.0)
     }
 
     /// Whether all friction together, declared and found, takes energy from the shaft at every speed that it has.

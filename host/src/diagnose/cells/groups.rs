@@ -58,6 +58,18 @@ pub fn classes(board: &Board) -> Vec<Effect> {
     all
 }
 
+/// A comparator's level off the middle of its signal: the channel is narrower about its middle, which puts its falls off against its
+/// rises, and these against the other channels.
+fn off_the_middle(channel: u8, channels: u8) -> Vec<Effect> {
+    let others = match channel {
+        0 => 1..channels,
+        own => own..own + 1,
+    };
+    let mut all = steadies(Site::Disc, Some(false), channel..channel + 1);
+    all.extend(steadies(Site::Disc, None, others));
+    all
+}
+
 /// Effects one by one, all but one, and all.
 fn some_of(effects: Vec<Effect>) -> Vec<Vec<Effect>> {
     let mut all = Vec::new();
@@ -94,6 +106,7 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
         all.push(one(Site::Stamp(on(None, Some(true))), Carrier::Steady));
         all.extend(some_of(steadies(Site::Disc, None, 1..channels)));
         all.extend(some_of(steadies(Site::Stamp, None, 1..channels)));
+        all.extend((0..channels).map(|channel| off_the_middle(channel, channels)));
     }
     if turns_round(board) {
         let sites = all_and_each(board).map(|channel| Site::Disc(on(channel, None)));
@@ -119,6 +132,9 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
             for share in [0.05, 0.2, 0.5] {
                 let level = |from| one(Site::Level(on(channel, None)), settling(from, share));
                 all.extend([0.0, 0.25, 0.5].map(level));
+                // A delay of all edges is none that edges show.
+                let stamp = one(Site::Stamp(on(channel, None)), settling(0.0, share));
+                all.extend(channel.map(|_| stamp));
             }
         }
     }

@@ -8,6 +8,15 @@ use crate::mechanism::Mechanism;
 /// Steady effects of edge classes that a finding has in part already are one finding with it, channel by channel: its group, and the model
 /// with all of its effects. Falls of a channel whose rises it has are another one, of the channel; effects of another kind are one as well.
 pub fn joined(model: &Model, effects: &[Effect], channels: u8) -> (usize, Model) {
+    // Classes of two names are two findings.
+    let named = |effect: &Effect| name::mechanism(std::slice::from_ref(effect));
+    let same = |effect: &&Effect| named(effect) == named(&effects[0]);
+    let (own, others): (Vec<&Effect>, Vec<&Effect>) = effects.iter().partition(same);
+    if !others.is_empty() && steady(effects) {
+        let [own, others] = [own, others].map(|all| all.into_iter().copied().collect::<Vec<_>>());
+        let (group, model) = joined(model, &own, channels);
+        return (group, joined(&model, &others, channels).1);
+    }
     let alone = |effects: &[Effect]| (model.unused(), model.with(effects, model.unused()));
     let Some(other) = joins(model, effects) else {
         return alone(effects);
@@ -39,10 +48,6 @@ pub fn joined(model: &Model, effects: &[Effect], channels: u8) -> (usize, Model)
 /// The finding of a model with which steady effects of edge classes are one.
 #[must_use]
 pub fn joins(model: &Model, effects: &[Effect]) -> Option<usize> {
-    let steady = |effects: &[Effect]| {
-        let mut each = effects.iter();
-        each.all(|effect| effect.carrier == Carrier::Steady && effect.growth == Growth::Constant)
-    };
     let named = name::mechanism(effects);
     if !steady(effects) || named == Mechanism::Unknown {
         return None;
@@ -51,6 +56,12 @@ pub fn joins(model: &Model, effects: &[Effect]) -> Option<usize> {
         let own = model.effects(*other);
         steady(&own) && name::mechanism(&own) == named
     })
+}
+
+/// Whether effects are always there as they are.
+fn steady(effects: &[Effect]) -> bool {
+    let mut each = effects.iter();
+    each.all(|effect| effect.carrier == Carrier::Steady && effect.growth == Growth::Constant)
 }
 
 /// The edges that an effect of a class is of.

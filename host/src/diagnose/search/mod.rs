@@ -309,7 +309,8 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
         }
         let order = |term: &Term| {
             let carrier = term.effect.carrier;
-            term.effect.site == Site::Torque && matches!(carrier, Carrier::Order(_))
+            let harmonic = matches!(carrier, Carrier::Order(_) | Carrier::Tone(_));
+            term.effect.site == Site::Torque && harmonic
         };
         if own.terms.len() < 2 || !own.terms.iter().all(order) {
             continue;

@@ -488,3 +488,52 @@ fn what_one_channel_or_one_place_does_is_modelled_there_and_not_by_lines_of_all_
         assert!(held_out.reducible_removed.unwrap() > 0.8);
     }
 }
+
+#[test]
+fn a_comparator_s_level_off_the_middle_is_an_error_of_its_channel_s_width_and_place() {
+    // Errors (-o, 0, o, 0) of each line are a wave of the line's order exactly: once a torque ripple of that order, or a drift of the level
+    // that settles between two edges, over 99.9 %.
+    let level = "[[effect]]\nsite = \"level\"\nchannel = \"a\"\nshift_rad = 4e-5\n";
+    let names = |rig: &str| {
+        let answer = against(&format!("{rig}\n{level}"), rig).diagnosis;
+        let mut names: Vec<Mechanism> = answer.findings.iter().map(|one| one.mechanism).collect();
+        names.sort();
+        (names, answer)
+    };
+    let (of_a_ramp, answer) = names(RAMP);
+    assert_eq!(
+        of_a_ramp,
+        [Mechanism::WidthError, Mechanism::QuadratureError]
+    );
+    for (at, name, truth) in [(0, "width_a_rad", 8e-5), (1, "quadrature_rad", 4e-5)] {
+        let of = |one: &&crate::diagnose::diagnosis::Finding| one.mechanism == of_a_ramp[at];
+        let found = answer.findings.iter().find(of).unwrap();
+        let value = found.parameters[name].value;
+        assert!((value.abs() / truth - 1.0).abs() < 0.1, "{name} {value}");
+    }
+    // One speed does not tell an angle from a delay.
+    let steady = RAMP.replace(
+        "[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 16",
+        "[drive.constant]\nr_min = 150",
+    );
+    let (_, answer) = names(&steady);
+    assert_eq!(answer.verdict, Verdict::Ambiguous);
+}
+
+#[test]
+fn a_delay_of_one_channel_that_settles_is_modelled_as_one() {
+    let delay = "[[effect]]\nsite = \"stamp\"\nchannel = \"b\"\nfollows = \"settling\"\nfrom_s = 0\ntau_s = 4\ndelay_s = 2e-6\n";
+    let answer = against(&format!("{RAMP}\n{delay}"), RAMP);
+    let cells: Vec<_> = answer.cells.iter().flatten().collect();
+    let [one] = cells[..] else {
+        panic!("{:?}", said(&answer));
+    };
+    // Two channels show only how late one is against the other.
+    assert!(matches!(one.effect.site, Site::Stamp(on) if on.channel.is_some()));
+    assert!(matches!(one.effect.carrier, Carrier::Settling(_, tau_s) if (tau_s - 4.0).abs() < 0.4));
+    assert!(
+        (one.sizes[0].abs() / 2e-6 - 1.0).abs() < 0.1,
+        "{:?}",
+        one.sizes
+    );
+}
