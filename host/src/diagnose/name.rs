@@ -93,15 +93,12 @@ impl Fit {
         let own = terms.filter(|(_, term)| term.group == group);
         let each = own.enumerate().map(|(nth, (at, term))| {
             let mut numbers = self.numbers_of(at, term);
-            // Harmonics go by their orders or frequencies.
-            let (own, harmonic) = match (nth, term.effect.carrier) {
-                (1.., Carrier::Order(order)) => ("order", format!("order_{order}")),
-                (1.., Carrier::Tone(f_hz)) => ("f_hz", format!("tone_{f_hz:.3}")),
-                _ => return numbers,
-            };
-            numbers.retain(|number| number.name != own);
-            let named = numbers.iter_mut();
-            named.for_each(|number| number.name = format!("{harmonic}.{}", number.name));
+            // Harmonics go by their orders.
+            if let (1.., Carrier::Order(order)) = (nth, term.effect.carrier) {
+                numbers.retain(|number| number.name != "order");
+                let named = numbers.iter_mut();
+                named.for_each(|number| number.name = format!("order_{order}.{}", number.name));
+            }
             numbers
         });
         each.flatten().collect()

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::model::Board;
 use crate::effect::STEEPEST;
+use crate::twin::Drive;
 
 /// Spread of the speed, as a share of it, from which on a size that grows with it can be told from one that does not.
 pub const SPEEDS: f64 = 0.05;
@@ -120,8 +122,9 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     if benches.any(|bench| bench.is_held() && bench.twin.speed_loop().is_none()) {
         all.push(one(Site::Drive, Carrier::Time));
         all.extend([0.03, 0.08, 0.2, 0.5].map(|share| one(Site::Drive, settling(0.0, share))));
-        if board.speed_spread() > SPEEDS {
-            // A load that the drive knows nothing of.
+        let keeps_one = |bench: &Bench| matches!(bench.twin.drive, Drive::Constant { .. });
+        if board.speed_spread() > SPEEDS && !board.benches.iter().all(keeps_one) {
+            // A load that the drive knows nothing of. Of recordings at one speed each it is a drive that is off by a part of its speed.
             let load = Effect::new(Site::Torque, Carrier::Steady);
             let powers = (1..=STEEPEST as u32).map(f64::from).map(Growth::Speed);
             all.extend(powers.map(|growth| vec![Effect { growth, ..load }]));

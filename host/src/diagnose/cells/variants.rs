@@ -83,33 +83,32 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
         .collect()
 }
 
-/// The same effect with harmonics of its order or frequency: what pushes once in a part of a turn, of two turns or of a while is no sine.
+/// The same effect with harmonics of its order: what pushes once in a part of a turn, or of two turns, is no sine.
 pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
-    let [effect] = *own else { return Vec::new() };
-    if (effect.site, effect.growth) != (Site::Torque, Growth::Constant) {
+    let [
+        Effect {
+            site: Site::Torque,
+            carrier: Carrier::Order(order),
+            growth: Growth::Constant,
+            ..
+        },
+    ] = own
+    else {
         return Vec::new();
-    }
-    let edges = board.benches.iter().map(|bench| bench.record.edges as f64);
-    let most = 0.5 * edges.fold(0.0, f64::max);
-    let speeds = board.benches.iter().map(|bench| bench.course.mean());
-    let turns_a_s = speeds.fold(0.0, f64::max) / TAU;
-    let (carrier, first, most): (fn(f64) -> Carrier, f64, f64) = match effect.carrier {
-        Carrier::Order(order) => (Carrier::Order, order, most),
-        Carrier::Tone(f_hz) => (Carrier::Tone, f_hz, most * turns_a_s),
-        _ => return Vec::new(),
     };
+    let effect = own[0];
     // What comes every two turns has all odd halves.
-    let half = first.floor() + 0.5;
-    let of_two_turns = matches!(effect.carrier, Carrier::Order(_))
-        && (first - half).abs() < board.reach(&effect)[0]
-        && first.fract() != 0.0;
+    let half = order.floor() + 0.5;
+    let of_two_turns = (order - half).abs() < board.reach(&effect)[0] && order.fract() != 0.0;
     let nth = |nth: u32| match of_two_turns {
         true => f64::from(nth) - 0.5,
-        false => first * f64::from(nth),
+        false => order * f64::from(nth),
     };
+    let each = board.benches.iter().map(|bench| bench.record.edges as f64);
+    let most = 0.5 * each.fold(0.0, f64::max);
     let of = |count: u32| {
         let each = (1..=count).map(|times| Effect {
-            carrier: carrier(nth(times)),
+            carrier: Carrier::Order(nth(times)),
             ..effect
         });
         each.collect()

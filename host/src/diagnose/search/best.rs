@@ -6,7 +6,7 @@ use super::classes::joined;
 use super::open::{is_course, is_open, left_open, own_errors};
 use crate::diagnose::cells::{self, Bank};
 use crate::diagnose::correct::{self, Slopes};
-use crate::diagnose::effect::{Carrier, Effect, Site, is_exact};
+use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::judge;
 use crate::diagnose::lsq::Basis;
 use crate::diagnose::model::{Board, Fit};
@@ -208,19 +208,8 @@ impl<'a> Beside<'a> {
     /// what has one or shows elsewhere and is about as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
     fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
         let board = self.board;
-        let most = tried.iter().map(|one| one.0).fold(0.0, f64::max);
-        let is_order = |effects: &[Effect]| {
-            let exact =
-                |one: &Effect| matches!(one.carrier, Carrier::Order(order) if is_exact(order));
-            effects.iter().all(exact)
-        };
-        let ordered = tried.iter().filter(|one| is_order(&one.1));
-        let ordered = ordered.map(|one| one.0).fold(f64::NEG_INFINITY, f64::max);
         let late = |effects: &[Effect]| {
-            // At one speed a frequency is any order: a whole one is what a machine has.
-            let tone = |one: &Effect| matches!(one.carrier, Carrier::Tone(_));
-            let image = effects.iter().any(|effect| board.is_image(effect))
-                || effects.iter().any(tone) && ordered > NEARLY * most;
+            let image = effects.iter().any(|effect| board.is_image(effect));
             let nameless = board.mechanism(effects) == Mechanism::Unknown;
             let late = image || nameless || is_open(board, effects);
             if late { ALIKE } else { 0.0 }

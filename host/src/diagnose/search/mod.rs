@@ -309,8 +309,7 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
         }
         let order = |term: &Term| {
             let carrier = term.effect.carrier;
-            let harmonic = matches!(carrier, Carrier::Order(_) | Carrier::Tone(_));
-            term.effect.site == Site::Torque && harmonic
+            term.effect.site == Site::Torque && matches!(carrier, Carrier::Order(_))
         };
         if own.terms.len() < 2 || !own.terms.iter().all(order) {
             continue;

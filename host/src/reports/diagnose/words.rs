@@ -123,9 +123,7 @@ pub fn size(finding: &Finding) -> String {
     const NO_SIZE: [&str; 5] = ["phase_rad", "at_s", "from_s", "until_s", "phase_s"];
     let place = |name: &str| {
         let local = finding.mechanism == Mechanism::LocalDefect;
-        NO_SIZE.contains(&name)
-            || numbers::harmonic(name).is_some()
-            || (local && name == "angle_rad")
+        NO_SIZE.contains(&name) || name.starts_with("order_") || (local && name == "angle_rad")
     };
     let sizes = finding.parameters.iter().filter(|(name, _)| !place(name));
     let text = |(name, parameter): (&String, &Parameter)| {

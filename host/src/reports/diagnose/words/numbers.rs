@@ -54,19 +54,11 @@ pub fn with_interval(parameter: &Parameter) -> String {
     }
 }
 
-/// The order or frequency that a parameter's name has as a harmonic, and whether it is a frequency.
-#[must_use]
-pub fn harmonic(name: &str) -> Option<(&str, bool)> {
-    let (harmonic, _) = name.rsplit_once('.')?;
-    let order = harmonic.strip_prefix("order_").map(|order| (order, false));
-    order.or_else(|| harmonic.strip_prefix("tone_").map(|f_hz| (f_hz, true)))
-}
-
-/// Parameters as they are read: harmonics by their orders or frequencies, after what has none.
+/// Parameters as they are read: harmonics by their orders, after what has none.
 #[must_use]
 pub fn in_order(parameters: &BTreeMap<String, Parameter>) -> Vec<(&String, &Parameter)> {
     let order = |name: &str| {
-        let (order, _) = harmonic(name)?;
+        let (order, _) = name.strip_prefix("order_")?.rsplit_once('.')?;
         order.parse::<f64>().ok()
     };
     let mut all: Vec<_> = parameters.iter().collect();
@@ -101,14 +93,10 @@ pub fn parameter_name(name: &str, unit: &str) -> String {
             "rad/s" => "Stribeck speed".to_owned(),
             _ => "Stribeck friction".to_owned(),
         },
-        Some((first, rest)) => {
-            let of = match harmonic(bare) {
-                Some((order, false)) => format!("order {order}"),
-                Some((f_hz, true)) => format!("{f_hz} Hz"),
-                None => first.to_uppercase(),
-            };
-            format!("{of}: {}", rest.replace('_', " "))
+        Some((order, rest)) if order.starts_with("order_") => {
+            format!("{}: {}", order.replace('_', " "), rest.replace('_', " "))
         }
+        Some((channel, rest)) => format!("{}: {}", channel.to_uppercase(), rest.replace('_', " ")),
         None => bare.replace('_', " "),
     }
 }
@@ -165,7 +153,6 @@ mod tests {
             ("fraction_per_s", "1/s", "fraction"),
             ("order", "1", "order"),
             ("order_1.5.torque_n_m", "N m", "order 1.5: torque"),
-            ("tone_1.82.torque_n_m", "N m", "1.82 Hz: torque"),
             ("torque_n_m", "N m/(kg m^2)", "torque"),
             ("s", "s", "s"),
         ] {
