@@ -1,6 +1,7 @@
 //! Whole diagnoses of simulated recordings, and the parts that they go by held against what they are to be.
 
 mod answers;
+mod cells;
 mod parts;
 
 use super::bench::Bench;
