@@ -13,6 +13,8 @@ use super::grid::{Grid, Interval, Sight, Speed, broad};
 /// Price in log likelihood of what befalls few edges: some are lost, one came too many on one channel, the wheel is lost sight of. It is
 /// the log of its odds, one in 3,000 edges.
 const RARE: f64 = 8.0;
+/// Price in log likelihood of a level that is not seen because its edge was lost.
+const LEVEL: f64 = 2.5;
 /// Price in log likelihood of a reversal of a shaft that was slowing down.
 const REVERSAL: f64 = 3.0;
 /// Change of the log speed an edge of a shaft that will stand still before the next one: braked evenly it is 0.2 two edges before.
@@ -254,6 +256,7 @@ impl Follower<'_> {
         self.onward(from, sight, ahead, from.forward);
         if self.grid.reversible {
             self.onward(from, sight, ahead, !from.forward);
+            self.miss_pulse(from, sight, ahead);
         }
         let mut extra = *from;
         extra.disturb(self.sort.extra, 0.0);
@@ -290,6 +293,25 @@ impl Follower<'_> {
                     self.move_by(from, sight, nearest + rounds * classes, forward);
                 }
             }
+        }
+    }
+
+    /// Where a whole pulse of one channel is missing the other one goes on alone, which looks like a step back and one forward: two edges
+    /// on, if the interval is that long, whatever the missing channel's level.
+    fn miss_pulse(&mut self, from: &Hypothesis, sight: Sight, ahead: i64) {
+        let back = if from.forward {
+            self.grid.classes() - 1
+        } else {
+            1
+        };
+        let (Some(speed), true) = (from.speed, ahead == back && self.grid.classes() == 4) else {
+            return;
+        };
+        let asked = (speed.log + from.log_interval(sight)).exp();
+        if (1.5..2.5).contains(&asked) {
+            let mut from = *from;
+            from.score -= LEVEL;
+            self.move_by(&from, sight, 2, from.forward);
         }
     }
 

@@ -451,6 +451,42 @@ fn edges_that_a_capture_held_from_before_are_not_used() {
 }
 
 #[test]
+fn a_pulse_of_one_channel_that_is_missing_is_lost_and_no_reversal() {
+    let twin = rig(
+        3,
+        Encoder::Quadrature {
+            lines: 60,
+            index: true,
+        },
+        600.0,
+        6.0,
+    );
+    let sensor = indexed(60);
+    let whole = rows(&run(&twin));
+    let all = place(&sensor, CLOCK_HZ, &whole).unwrap();
+    for channel in [Levels::A, Levels::B] {
+        // A pulse of the channel, none of whose rows came: the others show its level as it was before.
+        let high = |row: &Row| row.levels.0 & channel != 0;
+        let rises = (400..)
+            .find(|at| !high(&whole[at - 1]) && high(&whole[*at]))
+            .unwrap();
+        let falls = (rises..).find(|at| !high(&whole[*at])).unwrap();
+        let mut rows = whole.clone();
+        for row in &mut rows[rises..falls] {
+            row.levels = Levels(row.levels.0 & !channel);
+        }
+        rows.remove(falls);
+        rows.remove(rises);
+        let edges = place(&sensor, CLOCK_HZ, &rows).unwrap();
+        assert_eq!(edges.place.last(), all.place.last());
+        let lost = super::events(&edges, CountKind::Lost, f64::INFINITY);
+        assert_eq!(lost.iter().map(|event| event.edges).sum::<i32>(), 2);
+        assert_eq!(edges.events.len(), lost.len(), "{:?}", edges.events);
+        assert!(edges.forward.iter().all(|forward| *forward));
+    }
+}
+
+#[test]
 fn a_swing_of_the_speed_is_no_stop() {
     for seed in 0..5 {
         let present = vec![true; 36];
