@@ -21,6 +21,8 @@ use crate::effect::words::words;
 use crate::mechanism::Mechanism;
 use crate::report::si;
 
+/// How far what is said by a name has to stand out of the lines beside it: less would be a name that is hardly ever right.
+const NAMED: f64 = 0.1;
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
 
@@ -179,9 +181,16 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         let foretold = judge::foretold(board, fit, group);
         let corrected = correct::measured(board, fit, group);
         let mut mechanism = board.mechanism(&effects);
+        // What is left beside it may have such lines by chance: of so many the largest is so large.
+        let floors = effects.iter().filter_map(|effect| left.floor(effect));
+        let floor = floors.min_by(f64::total_cmp);
+        let chance = (floor.unwrap_or(1.0) - 1.0) * 2.0 * (board.edges() as f64).ln();
+        let shown = foretold.as_ref().map_or(loss, |it| it.fall.min(loss));
+        let stands_out = shown / (shown + chance);
         let sideband = judge::sideband_of(board, fit, group);
         let recurs = |it: &Foretold| !worse && judge::foretells(it.fall, it.shown);
-        if sideband.is_some() || !foretold.as_ref().is_none_or(recurs) {
+        let hidden = stands_out < NAMED;
+        if sideband.is_some() || hidden || !foretold.as_ref().is_none_or(recurs) {
             mechanism = Mechanism::Unknown;
         }
         let alike = alike.iter().find(|one| one.group == group);
@@ -215,12 +224,6 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             .iter()
             .map(|(_, apart)| (-0.5 * apart.max(0.0)).exp())
             .sum();
-        // What is left beside it may have such lines by chance: of so many the largest is so large.
-        let floors = effects.iter().filter_map(|effect| left.floor(effect));
-        let floor = floors.min_by(f64::total_cmp);
-        let chance = (floor.unwrap_or(1.0) - 1.0) * 2.0 * (board.edges() as f64).ln();
-        let shown = foretold.as_ref().map_or(loss, |it| it.fall.min(loss));
-        let stands_out = shown / (shown + chance);
         let told = |one: &Mechanism| card.told_by_rig.contains(one);
         // A number of the shaft or its drive has no card of its own.
         let telling = look_alikes
