@@ -246,7 +246,9 @@ fn passes(edges: &Edges, zs: &[(f64, bool)]) -> Vec<Pass> {
             let there = |n: usize| Some((*edges.time_s.get(n)?, *edges.place.get(n)? as f64));
             let ((from_s, from), (until_s, until)) = (there(last)?, there(next)?);
             let part = (time_s - from_s) / (until_s - from_s).max(f64::MIN_POSITIVE);
-            Some((from + (until - from) * part, *edges.forward.get(next)?))
+            // Where it turns round between two edges, nothing says how far it went.
+            let way = edges.forward[next];
+            (edges.forward[last] == way).then_some((from + (until - from) * part, way))
         });
         if level {
             risen = at;
