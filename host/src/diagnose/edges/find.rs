@@ -66,7 +66,7 @@ pub fn find_wheel(rows: &[Row], both_edges: bool) -> Option<WheelFound> {
     let mut tried = tried.into_iter().map(|(_, wheel)| wheel);
     let (present, confidence) = tried.next()?;
     Some(WheelFound {
-        present,
+        present: once(&present).to_vec(),
         confidence,
         alternatives: tried.collect(),
     })
@@ -192,6 +192,15 @@ fn canonical(steps: &[usize]) -> Vec<usize> {
     let turns = rotations.map(|start| [&steps[start..], &steps[..start]].concat());
     let first = turns.min().unwrap_or_default();
     first.iter().map(|step| step / common).collect()
+}
+
+/// A turn whose gaps come again and again within it, once: an engine of four strokes makes two turns of a wheel look like one.
+fn once(present: &[bool]) -> &[bool] {
+    let has_gap = |turn: &&[bool]| turn.contains(&false);
+    let again = |turn: &&[bool]| present.chunks(turn.len()).all(|part| part == *turn);
+    let whole = (1..=present.len()).filter(|places| present.len().is_multiple_of(*places));
+    let mut turns = whole.map(|places| &present[..places]).filter(has_gap);
+    turns.find(again).unwrap_or(present)
 }
 
 /// Tooth places of steps.

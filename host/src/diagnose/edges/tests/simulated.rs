@@ -84,6 +84,11 @@ fn gapped(draw: &mut Draw) -> Vec<bool> {
 
 /// A wheel whose speed swings by a fraction twice a turn, without one tooth of one turn.
 fn swinging(seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Event> {
+    swinging_at(2.0, seed, present, swing, lost_turn)
+}
+
+/// The same of a swing that comes so often a turn.
+fn swinging_at(order: f64, seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Event> {
     let places = present.len();
     let encoder = Encoder::Wheel {
         gaps: Vec::new(),
@@ -92,7 +97,7 @@ fn swinging(seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Even
     };
     let mut twin = rig(seed, encoder, 600.0, 12.0);
     twin.ripple.push(Ripple {
-        order: 2.0,
+        order,
         phase_rad: seed as f64,
         torque_n_m: None,
         speed_fraction: Some(swing),
@@ -158,6 +163,17 @@ fn wheels_of_any_gaps_are_found() {
         };
         let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
         assert!(!edges.inverted, "seed {seed}");
+    }
+}
+
+#[test]
+fn two_turns_of_a_wheel_on_a_four_stroke_engine_are_two() {
+    // What the gap leaves of the speed repeats after two turns alone.
+    for seed in 0..8 {
+        let present = teeth(&[vec![1; 57], vec![3]].concat());
+        let events = swinging_at(1.5, seed, &present, 0.1, i64::MAX);
+        let found = find_wheel(&rows(&events), true).unwrap();
+        assert_eq!(found.present, present, "seed {seed}");
     }
 }
 
@@ -307,6 +323,28 @@ fn an_index_that_slips_is_an_event_and_moves_no_place() {
     };
     assert_eq!((slip.kind, slip.edges), (CountKind::IndexSlip, 3));
     assert!((2.5..3.6).contains(&slip.time_s), "{slip:?}");
+}
+
+#[test]
+fn an_index_in_which_the_shaft_turns_round_has_not_slipped() {
+    let encoder = Encoder::Quadrature {
+        lines: 60,
+        index: true,
+    };
+    // Ten turns on, and back, from places within two lines before the index.
+    for part in 0..32 {
+        let mut twin = rig(4, encoder.clone(), 300.0, 1.0);
+        twin.duration = Duration::Seconds(5.0);
+        twin.shaft.initial_angle_rad = -TAU * f64::from(part) / (16.0 * 60.0);
+        let (on, back) = (300.0, -300.0);
+        let points = [(0.0, 0.0), (0.3, on), (2.0, on), (2.3, 0.0), (2.5, 0.0)]
+            .into_iter()
+            .chain([(2.8, back), (4.5, back), (4.8, 0.0)]);
+        let points = points.map(|(t_s, r_min)| Step { t_s, r_min });
+        twin.drive = Drive::Profile(SpeedProfile::new(points.collect()));
+        let edges = place(&indexed(60), CLOCK_HZ, &rows(&run(&twin))).unwrap();
+        assert_eq!(edges.events, [], "{part}");
+    }
 }
 
 #[test]
