@@ -2,6 +2,7 @@
 
 mod real;
 mod simulated;
+mod wheels;
 
 use super::*;
 

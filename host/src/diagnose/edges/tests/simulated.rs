@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::sim::{Event, Simulation};
-use crate::twin::{Drive, Duration, Encoder, Errors, Faults, Ripple, SpeedProfile, Step, Twin};
+use crate::twin::{Drive, Duration, Encoder, Errors, Faults, SpeedProfile, Step, Twin};
 
-const CLOCK_HZ: u64 = 10_000_000;
+pub(super) const CLOCK_HZ: u64 = 10_000_000;
 
 /// Random numbers below `below`, of a seed (splitmix64).
-struct Draw(u64);
+pub(super) struct Draw(pub(super) u64);
 
 impl Draw {
-    fn below(&mut self, below: usize) -> usize {
+    pub(super) fn below(&mut self, below: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,7 +21,7 @@ impl Draw {
     }
 }
 
-fn rig(seed: u64, encoder: Encoder, r_min: f64, turns: f64) -> Twin {
+pub(super) fn rig(seed: u64, encoder: Encoder, r_min: f64, turns: f64) -> Twin {
     let mut twin = Twin::paper();
     twin.seed = seed;
     twin.encoder = encoder;
@@ -33,17 +33,17 @@ fn rig(seed: u64, encoder: Encoder, r_min: f64, turns: f64) -> Twin {
     twin
 }
 
-fn run(twin: &Twin) -> Vec<Event> {
+pub(super) fn run(twin: &Twin) -> Vec<Event> {
     Simulation::new(twin).unwrap().collect()
 }
 
-fn rows(events: &[Event]) -> Vec<Row> {
+pub(super) fn rows(events: &[Event]) -> Vec<Row> {
     events.iter().map(|event| event.row).collect()
 }
 
 /// Number of edges whose place is not the true one, but for a shift of all by some multiple of `whole` edges: turns, or lines and pole
 /// pairs where nothing tells them apart.
-fn wrong(edges: &Edges, events: &[Event], whole: i64) -> usize {
+pub(super) fn wrong(edges: &Edges, events: &[Event], whole: i64) -> usize {
     let n = i64::from(edges.grid_edges);
     let mut true_places = std::collections::HashMap::new();
     for event in events {
@@ -65,143 +65,6 @@ fn wrong(edges: &Edges, events: &[Event], whole: i64) -> usize {
 }
 
 /// A wheel of some gaps that no rotation maps on itself.
-fn gapped(draw: &mut Draw) -> Vec<bool> {
-    loop {
-        let places = 12 + draw.below(49);
-        let mut present = vec![true; places];
-        for _ in 0..=draw.below(3) {
-            let start = draw.below(places);
-            for place in start..=start + draw.below(2) {
-                present[place % places] = false;
-            }
-        }
-        let rotated = |by: usize| (0..places).all(|n| present[n] == present[(n + by) % places]);
-        if !(1..places).any(rotated) {
-            return present;
-        }
-    }
-}
-
-/// A wheel whose speed swings by a fraction twice a turn, without one tooth of one turn.
-fn swinging(seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Event> {
-    swinging_at(2.0, seed, present, swing, lost_turn)
-}
-
-/// The same of a swing that comes so often a turn.
-fn swinging_at(order: f64, seed: u64, present: &[bool], swing: f64, lost_turn: i64) -> Vec<Event> {
-    let places = present.len();
-    let encoder = Encoder::Wheel {
-        gaps: Vec::new(),
-        teeth: places as u32,
-        missing: 0,
-    };
-    let mut twin = rig(seed, encoder, 600.0, 12.0);
-    twin.ripple.push(Ripple {
-        order,
-        phase_rad: seed as f64,
-        torque_n_m: None,
-        speed_fraction: Some(swing),
-    });
-    twin.errors.position = Some(crate::twin::Position::Uniform {
-        amplitude_rad: 0.03 * TAU / places as f64,
-        per: crate::twin::Per::Edge,
-    });
-    let lost = present.iter().rposition(|&there| there);
-    let mut events = run(&twin);
-    events.retain(|event| {
-        let Some(k) = event.truth.edge else {
-            return true;
-        };
-        let tooth = k as usize / 2;
-        let turn = (event.truth.angle_rad / TAU).floor() as i64;
-        present[tooth] && !(turn == lost_turn && Some(tooth) == lost)
-    });
-    events
-}
-
-#[test]
-fn wheels_of_any_gaps_are_placed_in_a_swinging_speed_and_a_lost_tooth_is_named() {
-    for seed in 0..20 {
-        let present = gapped(&mut Draw(seed));
-        let events_seen = swinging(seed, &present, 0.3, 5);
-        let sensor = Sensor::Wheel {
-            present: present.clone(),
-            both_edges: true,
-        };
-        let edges = place(&sensor, CLOCK_HZ, &rows(&events_seen)).unwrap();
-        assert!(edges.anchored, "seed {seed}");
-        let turn = i64::from(edges.grid_edges);
-        assert_eq!(wrong(&edges, &events_seen, turn), 0, "seed {seed}");
-        // The first row is a level and no edge; an edge of a tooth whose other one is outside is left out.
-        assert!(edges.len() + 3 >= events_seen.len(), "seed {seed}");
-        let lost: i32 = edges.events.iter().map(|event| event.edges).sum();
-        let kinds = edges.events.iter().map(|event| event.kind);
-        assert!(
-            kinds.eq([CountKind::Lost]),
-            "seed {seed}: {:?}",
-            edges.events
-        );
-        assert_eq!(lost, 2, "seed {seed}");
-    }
-}
-
-#[test]
-fn wheels_of_any_gaps_are_found() {
-    for seed in 0..20 {
-        let present = gapped(&mut Draw(seed));
-        let events = swinging(seed, &present, 0.1, i64::MAX);
-        let found = find_wheel(&rows(&events), true).unwrap();
-        let places = present.len();
-        let same = |by: usize| (0..places).all(|n| found.present[n] == present[(n + by) % places]);
-        assert!(
-            found.present.len() == places && (0..places).any(same),
-            "seed {seed}: {present:?} but {found:?}"
-        );
-        let sensor = Sensor::Wheel {
-            present: found.present,
-            both_edges: true,
-        };
-        let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
-        assert!(!edges.inverted, "seed {seed}");
-    }
-}
-
-#[test]
-fn two_turns_of_a_wheel_on_a_four_stroke_engine_are_two() {
-    // What the gap leaves of the speed repeats after two turns alone.
-    for seed in 0..8 {
-        let present = teeth(&[vec![1; 57], vec![3]].concat());
-        let events = swinging_at(1.5, seed, &present, 0.1, i64::MAX);
-        let found = find_wheel(&rows(&events), true).unwrap();
-        assert_eq!(found.present, present, "seed {seed}");
-    }
-}
-
-#[test]
-fn gaps_may_be_high() {
-    let present = teeth(&[1, 1, 1, 1, 1, 1, 1, 3]);
-    let mut events = swinging(3, &present, 0.1, i64::MAX);
-    for event in &mut events {
-        event.row.levels.0 ^= Levels::A;
-    }
-    let found = find_wheel(&rows(&events), true).unwrap();
-    assert_eq!(found.present, present);
-    let sensor = Sensor::Wheel {
-        present,
-        both_edges: true,
-    };
-    let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
-    assert!(edges.inverted && edges.anchored);
-    // A tooth that is low falls at edge 2i + 1 and rises at 2i + 2.
-    assert_eq!(wrong_by_one(&edges, &events), 0);
-}
-
-/// As [`wrong`], of places that are one more than those of teeth that are high.
-fn wrong_by_one(edges: &Edges, events: &[Event]) -> usize {
-    let mut shifted = edges.clone();
-    shifted.place.iter_mut().for_each(|place| *place -= 1);
-    wrong(&shifted, events, i64::from(edges.grid_edges))
-}
 
 #[test]
 fn one_pulse_and_three_edges_a_turn_are_placed() {
@@ -521,30 +384,6 @@ fn a_pulse_of_one_channel_that_is_missing_is_lost_and_no_reversal() {
         assert_eq!(lost.iter().map(|event| event.edges).sum::<i32>(), 2);
         assert_eq!(edges.events.len(), lost.len(), "{:?}", edges.events);
         assert!(edges.forward.iter().all(|forward| *forward));
-    }
-}
-
-#[test]
-fn a_swing_of_the_speed_is_no_stop() {
-    for seed in 0..5 {
-        let present = vec![true; 36];
-        let events = swinging(seed, &present, 0.3, -1);
-        let sensor = Sensor::Wheel {
-            present,
-            both_edges: true,
-        };
-        let edges = place(&sensor, CLOCK_HZ, &rows(&events)).unwrap();
-        let mut twin = rig(
-            seed,
-            Encoder::Quadrature {
-                lines: 1,
-                index: false,
-            },
-            600.0,
-            1.0,
-        );
-        twin.drive = Drive::Unknown;
-        assert_eq!(turned(edges.clone(), &twin).unwrap(), edges);
     }
 }
 
