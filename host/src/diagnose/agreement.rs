@@ -104,6 +104,7 @@ pub fn as_given(given: &Board, board: &Board) -> Board {
     (before.free, before.levels, before.rounds) = (board.free, board.levels, board.rounds);
     before.set_noise(board.noise);
     for (bench, now) in before.benches.iter_mut().zip(&board.benches) {
+        bench.bend(now.found.corners.clone());
         bench.weights.clone_from(&now.weights);
         bench.tails.clone_from(&now.tails);
     }

@@ -11,6 +11,7 @@ mod alike;
 pub mod bench;
 pub mod cells;
 mod columns;
+mod corners;
 pub mod correct;
 pub mod course;
 pub mod declared;

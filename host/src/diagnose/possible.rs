@@ -22,16 +22,22 @@ impl Board {
     }
 
     /// Whether an order of the disc is another effect's: past half of the edges it is that of a lower one, and what is the same at each line
-    /// is that of edge classes.
+    /// is that of edge classes. Torques past it and above those of motors and gears show nowhere but where the shaft hardly moves, as
+    /// anything does that happens there.
     #[must_use]
     pub fn is_alias(&self, effect: &Effect) -> bool {
-        let (Site::Disc(_), Carrier::Order(order)) = (effect.site, effect.carrier) else {
+        let Carrier::Order(order) = effect.carrier else {
             return false;
         };
         self.benches.iter().any(|bench| {
             let record = &bench.record;
             let lines = (record.of_edges / record.classes) as f64;
-            order > 0.5 * record.edges as f64 || (order / lines).fract() == 0.0
+            let fast = order > 0.5 * record.edges as f64;
+            match effect.site {
+                Site::Disc(_) => fast || (order / lines).fract() == 0.0,
+                Site::Torque => fast && order > HIGHEST,
+                _ => false,
+            }
         })
     }
 

@@ -12,7 +12,7 @@ use super::filter::Noise;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
-use super::plant::{Gains, Law, Leaps, Motion, Plant};
+use super::plant::{Corner, Gains, Law, Leaps, Motion, Plant};
 use super::record::Record;
 use super::speed_loop::Unsaid;
 use super::spread::Spread;
@@ -35,6 +35,8 @@ pub struct Found {
     pub speed_loop: Option<Unsaid>,
     /// Torques once or several times a turn, with their sizes.
     pub torques: Torques,
+    /// Corners of the speed of a drive of which the twin says nothing.
+    pub corners: Vec<Corner>,
 }
 
 /// One recording with its twin.
@@ -169,6 +171,14 @@ impl Bench {
     pub fn hold_noise(&mut self, hold_s: f64) {
         self.plant.law.hold_s = hold_s;
         self.leaps = leaps(&self.twin, &self.found, &self.course, &self.plant);
+    }
+
+    /// Goes by a drive whose speed has these corners.
+    pub fn bend(&mut self, corners: Vec<Corner>) {
+        self.found.corners = corners;
+        self.leaps = leaps(&self.twin, &self.found, &self.course, &self.plant);
+        let noise = self.noise;
+        self.set_noise(&noise);
     }
 
     /// Goes by another noise.
@@ -447,6 +457,7 @@ fn jolts(twin: &Twin, found: &Torques, course: &Course, plant: &Plant) -> Vec<(u
 fn leaps(twin: &Twin, found: &Found, course: &Course, plant: &Plant) -> Arc<Leaps> {
     let mut leaps = Leaps::of(plant, course);
     leaps.jolt(&jolts(twin, &found.torques, course, plant));
+    leaps.bend(&found.corners, &course.time_s);
     Arc::new(leaps)
 }
 

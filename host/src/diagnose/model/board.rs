@@ -130,6 +130,7 @@ impl Board {
         if self.pattern.is_some() {
             self.size_up(&none);
         }
+        self.find_corners(&none);
         for _ in 0..BOTH {
             if self.is_looped() || !self.hold(&none) {
                 break;
@@ -153,6 +154,7 @@ impl Board {
         }
         board.go_by(model);
         board.set_noise(self.noise);
+        board.find_corners(model);
         Some(board)
     }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::corner::Corner;
 use super::law::Mode;
 use super::response::{Motion, Plant, parts, reach, swept};
 use crate::diagnose::course::Course;
@@ -42,6 +43,7 @@ impl Plant {
                 jolt: [0.0; 2],
                 speed: course.speed[at],
                 doubt_s: course.doubt_s[at],
+                corner: [0.0; 2],
                 kept,
             }
         };
@@ -157,6 +159,7 @@ pub fn free<const N: usize>(h: f64) -> Leap<N> {
         jolt: [0.0; 2],
         speed: 1.0,
         doubt_s: 0.0,
+        corner: [0.0; 2],
         kept: false,
     }
 }
@@ -255,6 +258,34 @@ impl Leaps {
                 Self::Stiff(leaps) => leaps[*at].jolt = *jolt,
                 Self::Sprung(leaps) => leaps[*at].jolt = *jolt,
             }
+        }
+    }
+
+    /// Leaves the course open by corners, and by no others: the interval of each as far as it jumps.
+    pub fn bend(&mut self, corners: &[Corner], time_s: &[f64]) {
+        fn bent<const N: usize>(leaps: &mut [Leap<N>], corners: &[Corner], time_s: &[f64]) {
+            leaps.iter_mut().for_each(|leap| leap.corner = [0.0; 2]);
+            for corner in corners {
+                let at = time_s.partition_point(|time| *time < corner.time_s);
+                if let Some(leap) = leaps.get_mut(at).filter(|_| at > 0) {
+                    let h = time_s[at] - time_s[at - 1];
+                    leap.corner[0] += corner.jump * corner.jump / h;
+                    leap.corner[1] += corner.kick * corner.kick;
+                }
+            }
+        }
+        match self {
+            Self::Stiff(leaps) => bent(leaps, corners, time_s),
+            Self::Sprung(leaps) => bent(leaps, corners, time_s),
+        }
+    }
+
+    /// Those of a range of edges.
+    #[must_use]
+    pub fn part(&self, range: Range<usize>) -> Self {
+        match self {
+            Self::Stiff(leaps) => Self::Stiff(leaps[range].to_vec()),
+            Self::Sprung(leaps) => Self::Sprung(leaps[range].to_vec()),
         }
     }
 

@@ -193,7 +193,7 @@ impl Found {
     /// Works out the course anew beside what was found, and how stiffly the shaft is held. Whether that is anything else than before.
     fn bend(&mut self, board: &mut Board) -> bool {
         for round in 0..COURSES {
-            let shifted = board.go_by(&self.fit.model);
+            let shifted = board.go_by(&self.fit.model) | board.settle_corners(&self.fit.model);
             if !board.hold(&self.fit.model) && !shifted {
                 return round > 0;
             }

@@ -2,6 +2,7 @@
 
 mod answers;
 mod cells;
+mod corners;
 mod parts;
 
 use super::bench::Bench;

@@ -1,0 +1,166 @@
+//! Corners of the speed of drives that nobody declared: open like the noise, and found with it.
+
+use super::bench::{self, Bench};
+use super::disc;
+use super::effect::{Carrier, Effect, Site};
+use super::filter::Noise;
+use super::lsq;
+use super::model::{Board, Model};
+use super::noise::FAR;
+use super::plant::{Angles, Corner, White};
+use super::scan::SURE;
+
+/// Rounds in which corners and the noise are found at the most, as each bears on the other.
+const ROUNDS: usize = 8;
+/// Part of a noise beside corners, of that in which they are none.
+const LESS: f64 = 1e-3;
+/// Whole orders of a torque that may make what looks like corners.
+const ORDERS: u32 = 32;
+
+impl Board {
+    /// Finds the corners of drives that nobody declared in what a model leaves, and the noise beside them.
+    pub fn find_corners(&mut self, model: &Model) {
+        if !self.undriven || self.is_looped() {
+            return;
+        }
+        // Of other edges they are between others.
+        let before = (self.free, self.levels, self.rounds, self.noise);
+        let again = self.has_corners();
+        if again {
+            *self = self.in_plain_noise();
+            let each = self.benches.iter_mut();
+            each.for_each(|bench| bench.bend(Vec::new()));
+            self.fit_noise(model);
+        }
+        if self.show_corners(&disc::rests(self, model)) {
+            self.find_beside_torques(model);
+        } else if !again {
+            return;
+        }
+        if again {
+            (self.free, self.levels, self.rounds, self.noise) = before;
+            self.set_noise(self.noise);
+        }
+        self.fit_noise(model);
+    }
+
+    /// Finds corners in what a model and torques that the twins may lack leave: those come again, and are no drive's.
+    fn find_beside_torques(&mut self, model: &Model) {
+        let each = self.benches.iter();
+        let torques: Vec<Vec<Vec<f64>>> = each.map(torques).collect();
+        for _ in 0..ROUNDS {
+            let mut rests = disc::rests(self, model);
+            for ((bench, rest), torques) in self.benches.iter().zip(&mut rests).zip(&torques) {
+                less(bench, rest, torques);
+            }
+            self.set_noise(self.noise_beside(&rests));
+            if !self.show_corners(&rests) {
+                break;
+            }
+            for (bench, rest) in self.benches.iter_mut().zip(&rests) {
+                let known = bench.found.corners.clone();
+                bench.bend([known, corners(bench, rest)].concat());
+            }
+        }
+    }
+
+    /// Whether residual angles of any recording show corners.
+    fn show_corners(&self, rests: &[Vec<f64>]) -> bool {
+        let mut each = self.benches.iter().zip(rests);
+        each.any(|(bench, rest)| !corners(bench, rest).is_empty())
+    }
+
+    /// Takes off corners that a model makes superfluous. Whether there were any.
+    pub fn settle_corners(&mut self, model: &Model) -> bool {
+        if !self.has_corners() {
+            return false;
+        }
+        let rests = disc::rests(self, model);
+        let mut fewer = false;
+        for (bench, rest) in self.benches.iter_mut().zip(&rests) {
+            let angles = Angles {
+                leaps: &bench.leaps,
+                noise: &bench.noise(),
+                angles: rest,
+                weights: &bench.weights,
+                time_s: &bench.record.time_s,
+            };
+            let needed = angles.needed(&bench.found.corners, worth(bench));
+            if needed.len() < bench.found.corners.len() {
+                bench.bend(needed);
+                fewer = true;
+            }
+        }
+        if fewer {
+            self.set_noise(self.noise);
+        }
+        fewer
+    }
+
+    /// The noise that residual angles have: the best of where the present one leads, and one with far less of what corners made dense.
+    fn noise_beside(&self, rests: &[Vec<f64>]) -> Noise {
+        let less = Noise {
+            torque: LESS * self.noise.torque,
+            drift: LESS * self.noise.drift,
+            stamp_s: 3.0 * self.noise.stamp_s,
+            ..self.noise
+        };
+        let fitted = [self.noise, less];
+        let fitted = fitted.map(|start| bench::fit_noise(&self.benches, rests, start, self.free));
+        let [one, other] = fitted;
+        if other.1 < one.1 { other.0 } else { one.0 }
+    }
+
+    fn has_corners(&self) -> bool {
+        let mut benches = self.benches.iter();
+        benches.any(|bench| !bench.found.corners.is_empty())
+    }
+}
+
+/// Evidence below which a corner is none: it may be in any interval, and of any size.
+fn worth(bench: &Bench) -> f64 {
+    3.0 * (bench.record.len() as f64).ln() + SURE
+}
+
+/// Corners that residual angles of a recording show.
+fn corners(bench: &Bench, rest: &[f64]) -> Vec<Corner> {
+    let weights = bench.weights.iter().zip(&bench.tails);
+    let weights: Vec<f64> = weights.map(|(level, tail)| level * tail).collect();
+    let innovations = bench.white(rest);
+    // A stamp that is far out is no corner, which all edges after it show.
+    let near = innovations.iter().map(|white| white.clamp(-FAR, FAR));
+    let near: Vec<f64> = near.collect();
+    let white = White {
+        gains: &bench.gains,
+        innovations: &innovations,
+        near: &near,
+        weights: &weights,
+        time_s: &bench.record.time_s,
+    };
+    white.corners(worth(bench))
+}
+
+/// What torques that a twin may lack make of each edge for unit of each, rad: friction, and waves that come again every turn. Halves of an order
+/// are those of an engine, which does not turn round.
+fn torques(bench: &Bench) -> Vec<Vec<f64>> {
+    let turns_round = !bench.course.reversals_s.is_empty();
+    let most = f64::from(ORDERS).min(0.5 * bench.record.of_edges as f64);
+    let orders = (1..=2 * ORDERS).map(|half| 0.5 * f64::from(half));
+    let orders = orders.filter(|order| *order <= most && (order.fract() == 0.0 || !turns_round));
+    let friction = turns_round.then_some(Carrier::Power(0.0));
+    let carriers = friction.into_iter().chain(orders.map(Carrier::Order));
+    let each =
+        carriers.flat_map(|carrier| bench.columns(&Effect::new(Site::Torque, carrier)).to_vec());
+    each.collect()
+}
+
+/// Takes what columns make of residual angles off them.
+fn less(bench: &Bench, rest: &mut [f64], columns: &[Vec<f64>]) {
+    let mut white = bench.white_rows(columns.to_vec());
+    let target = bench.white(rest);
+    let solved = lsq::solve(&white, &target);
+    white.clear();
+    for (column, size) in columns.iter().zip(&solved.sizes) {
+        lsq::add(rest, -size, column);
+    }
+}

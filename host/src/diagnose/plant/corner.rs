@@ -1,0 +1,122 @@
+//! Corners of the speed of a drive that nobody declared: where its acceleration jumps.
+//!
+//! Such a drive is a slow drift of the acceleration, as dense all along. A profile of ramps and holds is none: spread over the whole
+//! recording, its corners would make that noise many times too dense. So the drift is open by the size of the jump where one is sure.
+
+use super::leaps::{Gains, Leaps};
+use crate::diagnose::filter::{Noise, Pull};
+
+/// A corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// When, s.
+    pub time_s: f64,
+    /// By how much the acceleration changes, rad/s^2.
+    pub jump: f64,
+    /// By how much the speed does, rad/s: where the shaft rests for a while, both go on from there.
+    pub kick: f64,
+}
+
+/// Edges to either side of a corner that show it.
+const ABOUT: usize = 256;
+/// Corners of a recording at the most.
+const MOST: usize = 256;
+
+/// Innovations of a recording over their deviations, with what corners of it are found by.
+#[derive(Clone, Copy, Debug)]
+pub struct White<'a> {
+    /// The filter.
+    pub gains: &'a Gains,
+    /// The innovations, weighed.
+    pub innovations: &'a [f64],
+    /// The same, those that are far out brought near.
+    pub near: &'a [f64],
+    /// Weight of each edge.
+    pub weights: &'a [f64],
+    /// Time of each edge, s.
+    pub time_s: &'a [f64],
+}
+
+impl White<'_> {
+    /// Corners that are worth so much at the least, each the best of its neighbours; one at which the speed jumps too has to be worth so much
+    /// more.
+    #[must_use]
+    pub fn corners(&self, worth: f64) -> Vec<Corner> {
+        let pulls = |innovations: &[f64]| self.gains.pulls(innovations, self.weights);
+        let sizes = pulls(self.innovations);
+        let near = pulls(self.near);
+        let gain = |pull: &Pull| pull.of_drift().0.max(pull.of_both().0 - worth);
+        let gains: Vec<f64> = near.iter().map(gain).collect();
+        let mut found: Vec<(f64, Corner)> = Vec::new();
+        let mut first = 0;
+        for stretch in gains.chunk_by(|a, b| (*a > worth) == (*b > worth)) {
+            let each = stretch.iter().enumerate();
+            let best = each.max_by(|a, b| a.1.total_cmp(b.1));
+            if let Some((best, gain)) = best.filter(|(_, gain)| **gain > worth) {
+                let at = first + best;
+                let rests = near[at].of_both().0 - worth > near[at].of_drift().0;
+                let [jump, kick] = match rests {
+                    true => sizes[at].of_both().1,
+                    false => [sizes[at].of_drift().1, 0.0],
+                };
+                let time_s = 0.5 * (self.time_s[at.saturating_sub(1)] + self.time_s[at]);
+                found.push((*gain, Corner { time_s, jump, kick }));
+            }
+            first += stretch.len();
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found.truncate(MOST);
+        found.into_iter().map(|(_, corner)| corner).collect()
+    }
+}
+
+/// Angles of a recording beside the steps of its filter.
+#[derive(Clone, Copy, Debug)]
+pub struct Angles<'a> {
+    /// The steps, with no corner.
+    pub leaps: &'a Leaps,
+    /// The noise.
+    pub noise: &'a Noise,
+    /// The angles, rad.
+    pub angles: &'a [f64],
+    /// Weight of each edge.
+    pub weights: &'a [f64],
+    /// Time of each edge, s.
+    pub time_s: &'a [f64],
+}
+
+impl Angles<'_> {
+    /// Those of some corners without which the angles are less likely, by more than so much.
+    #[must_use]
+    pub fn needed(&self, corners: &[Corner], worth: f64) -> Vec<Corner> {
+        let mut left = corners.to_vec();
+        left.sort_by(|a, b| a.jump.abs().total_cmp(&b.jump.abs()));
+        let mut at = 0;
+        while at < left.len() {
+            let corner = left.remove(at);
+            let lost = self.cost(&corner, &left);
+            let mut with = left.clone();
+            with.insert(at, corner);
+            if lost - self.cost(&corner, &with) > worth {
+                left = with;
+                at += 1;
+            }
+        }
+        left
+    }
+
+    /// Twice the negative logarithm of the likelihood about a corner, beside corners.
+    fn cost(&self, about: &Corner, corners: &[Corner]) -> f64 {
+        let at = self.time_s.partition_point(|time| *time < about.time_s);
+        let range = at.saturating_sub(ABOUT)..(at + ABOUT).min(self.time_s.len());
+        let mut leaps = self.leaps.part(range.clone());
+        leaps.bend(corners, &self.time_s[range.clone()]);
+        let gains = leaps.filter(0..range.len(), self.noise);
+        let mut white = self.angles[range.clone()].to_vec();
+        gains.whiten(&mut white);
+        let each = white.iter().zip(&self.weights[range]).zip(gains.scales());
+        each.filter(|(_, scale)| *scale > 0.0)
+            .map(|((white, weight), scale)| (white * weight).powi(2) - 2.0 * scale.ln())
+            .sum()
+    }
+}
