@@ -14,6 +14,8 @@ use super::scan::SURE;
 const ROUNDS: usize = 8;
 /// Part of a noise beside corners, of that in which they are none.
 const LESS: f64 = 1e-3;
+/// Edges of all recordings up to which such torques are seen beside corners: of more, a model has those that show.
+const SEEN: usize = 72_000;
 /// Whole orders of a torque that may make what looks like corners.
 const ORDERS: u32 = 32;
 
@@ -26,6 +28,9 @@ impl Board {
         // Of other edges they are between others.
         let before = (self.free, self.levels, self.rounds, self.noise);
         let again = self.has_corners();
+        if !again && self.edges() > SEEN {
+            return;
+        }
         if again {
             *self = self.in_plain_noise();
             let each = self.benches.iter_mut();
@@ -46,7 +51,8 @@ impl Board {
 
     /// Finds corners in what a model and torques that the twins may lack leave: those come again, and are no drive's.
     fn find_beside_torques(&mut self, model: &Model) {
-        let each = self.benches.iter();
+        let seen = self.edges() <= SEEN;
+        let each = self.benches.iter().filter(|_| seen);
         let torques: Vec<Vec<Vec<f64>>> = each.map(torques).collect();
         for _ in 0..ROUNDS {
             let mut rests = disc::rests(self, model);
@@ -156,10 +162,8 @@ fn torques(bench: &Bench) -> Vec<Vec<f64>> {
 
 /// Takes what columns make of residual angles off them.
 fn less(bench: &Bench, rest: &mut [f64], columns: &[Vec<f64>]) {
-    let mut white = bench.white_rows(columns.to_vec());
-    let target = bench.white(rest);
-    let solved = lsq::solve(&white, &target);
-    white.clear();
+    let white = bench.white_rows(columns.to_vec());
+    let solved = lsq::solve(&white, &bench.white(rest));
     for (column, size) in columns.iter().zip(&solved.sizes) {
         lsq::add(rest, -size, column);
     }

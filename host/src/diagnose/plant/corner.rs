@@ -19,7 +19,7 @@ pub struct Corner {
 
 /// Edges to either side of a corner that show it.
 const ABOUT: usize = 256;
-/// Corners of a recording at the most.
+/// Corners that are found at once at the most.
 const MOST: usize = 256;
 
 /// Innovations of a recording over their deviations, with what corners of it are found by.
@@ -73,7 +73,7 @@ impl White<'_> {
 /// Angles of a recording beside the steps of its filter.
 #[derive(Clone, Copy, Debug)]
 pub struct Angles<'a> {
-    /// The steps, with no corner.
+    /// The steps, whatever corners they have.
     pub leaps: &'a Leaps,
     /// The noise.
     pub noise: &'a Noise,
