@@ -33,6 +33,7 @@ impl Board {
         }
         if again {
             *self = self.in_plain_noise();
+            self.loosen(true);
             let each = self.benches.iter_mut();
             each.for_each(|bench| bench.bend(Vec::new()));
             self.fit_noise(model);
@@ -43,6 +44,7 @@ impl Board {
             return;
         }
         if again {
+            self.loosen(false);
             (self.free, self.levels, self.rounds, self.noise) = before;
             self.set_noise(self.noise);
         }
@@ -108,6 +110,7 @@ impl Board {
         let less = Noise {
             torque: LESS * self.noise.torque,
             drift: LESS * self.noise.drift,
+            unseen: LESS.sqrt() * self.noise.unseen,
             stamp_s: 3.0 * self.noise.stamp_s,
             ..self.noise
         };

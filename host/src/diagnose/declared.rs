@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::course::Course;
 use super::effect::{Carrier, Effect, On, Scene, Site, along_time};
 use super::lsq::add;
-use super::plant::{Here, Law, Motion, Plant, Swing, sign};
+use super::plant::{Here, Jolt, Law, Motion, Plant, Swing, sign};
 use super::record::Record;
 use super::speed_loop::{self, Unsaid};
 use crate::twin::{Channel, Drive, Twin};
@@ -283,10 +283,9 @@ fn mean_late_s(twin: &Twin) -> f64 {
     latency.and_then(|latency| latency.mean_s).unwrap_or(0.0)
 }
 
-/// Way from a standstill within which ripples that nobody has found yet may hold a shaft that an unknown drive turns, rad, and part of the
-/// speed that they leave open there, and their order: some times what takes a motor through a standstill.
+/// Way from a standstill within which ripples that nobody has found yet may hold a shaft that an unknown drive turns, rad, and their order:
+/// some times what takes a motor through a standstill.
 const NEAR: f64 = TAU;
-const UNSEEN: f64 = 0.1;
 const MOTOR: f64 = 6.0;
 
 /// Part of the speed by which it changes over an interval from which on its course within is in doubt, and part of a torque that is open
@@ -315,7 +314,7 @@ pub fn wave(effect: &Effect, sizes: &[f64], law: &Law) -> Option<(f64, f64)> {
 /// Changes of angle and speed that the size of waves leaves open where the course within an interval is not known: at a reversal, and
 /// wherever the speed changes much from edge to edge.
 #[must_use]
-pub fn jolts(waves: &[(f64, f64)], course: &Course, plant: &Plant) -> Vec<(usize, Motion)> {
+pub fn jolts(waves: &[(f64, f64)], course: &Course, plant: &Plant) -> Vec<Jolt> {
     let law = &plant.law;
     let slow = law.undriven.then(|| near_standstills(course));
     let mut jolts = Vec::new();
@@ -337,9 +336,12 @@ pub fn jolts(waves: &[(f64, f64)], course: &Course, plant: &Plant) -> Vec<(usize
         if held || slow {
             let part = |open: bool| f64::from(u8::from(open));
             let known = part(held) * OPEN * unknown(|_, size| size) * h;
-            let unseen = part(slow) * UNSEEN * missed(MOTOR) * top;
-            let jolt = known.max(unseen);
-            jolts.push((at, [0.5 * jolt * h, jolt]));
+            let unseen = part(slow) * missed(MOTOR) * top;
+            jolts.push(Jolt {
+                at,
+                known: [0.5 * known * h, known],
+                unseen,
+            });
             continue;
         }
         if (v1 - v0).abs() < OPEN * top {
@@ -362,7 +364,11 @@ pub fn jolts(waves: &[(f64, f64)], course: &Course, plant: &Plant) -> Vec<(usize
             });
             let left_s = still_s.map_or(0.5 * h, |still_s| course.time_s[at] - still_s);
             let jolt = (waves + friction) * h;
-            jolts.push((at, [jolt * left_s, jolt]));
+            jolts.push(Jolt {
+                at,
+                known: [jolt * left_s, jolt],
+                unseen: 0.0,
+            });
         }
     }
     jolts

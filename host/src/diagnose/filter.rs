@@ -60,6 +60,8 @@ pub struct Noise {
     pub fade: f64,
     /// RMS error of an edge's angle that is none of the others, rad.
     pub angle_rad: f64,
+    /// Part of the speed that torques which nobody has found yet leave open near a standstill of an unknown drive.
+    pub unseen: f64,
 }
 
 /// From one edge to the next: what stays of the state, and what noise of unit size adds.
@@ -75,6 +77,8 @@ pub struct Leap<const N: usize> {
     pub load: Option<Box<Square<N>>>,
     /// RMS change of angle, rad, and speed, rad/s, that the course within the interval leaves open.
     pub jolt: [f64; 2],
+    /// The same of the speed alone, for unit of what is unseen, rad/s.
+    pub unseen: f64,
     /// Speed at the edge, rad/s.
     pub speed: f64,
     /// RMS error of this stamp beside the others', s.
@@ -97,11 +101,17 @@ impl<const N: usize> Leap<N> {
             drift: part(&self.drift),
             load: self.load.as_deref().map(|load| Box::new(part(load))),
             jolt: self.jolt,
+            unseen: self.unseen,
             speed: self.speed,
             doubt_s: self.doubt_s,
             corner: self.corner,
             kept: self.kept,
         }
+    }
+
+    /// The speed that a drive changes.
+    const fn driven(&self) -> State {
+        if self.kept { Held } else { Speed }
     }
 
     /// The transition where the drift fades, and what scales its covariance (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
@@ -131,6 +141,8 @@ impl Leap<{ Held.and_before() }> {
 #[derive(Clone, Debug)]
 struct Gain<const N: usize> {
     way: Square<N>,
+    /// The speed that a drive changes.
+    driven: State,
     gain: [f64; N],
     /// 1 / deviation of the innovation; 0 where the edge only sets the filter.
     scale: f64,
@@ -249,11 +261,17 @@ impl<const N: usize> Filter<N> {
                 p.add(noise.torque, &leap.torque);
                 let [drift, kick] = leap.corner;
                 p.add(drift_size + drift, &leap.drift);
-                let half_s = 0.5 * leap.way[(Angle, Speed)];
-                p[(Angle, Angle)] += half_s * half_s * kick;
-                p[(Angle, Speed)] += half_s * kick;
-                p[(Speed, Angle)] += half_s * kick;
-                p[(Speed, Speed)] += kick;
+                let kicks = [
+                    (leap.driven(), kick),
+                    (Speed, (noise.unseen * leap.unseen).powi(2)),
+                ];
+                for (speed, kick) in kicks {
+                    let half_s = 0.5 * leap.way[(Angle, speed)];
+                    p[(Angle, Angle)] += half_s * half_s * kick;
+                    p[(Angle, speed)] += half_s * kick;
+                    p[(speed, Angle)] += half_s * kick;
+                    p[(speed, speed)] += kick;
+                }
                 if let Some(load) = &leap.load {
                     p.add(1.0, load);
                 }
@@ -281,7 +299,13 @@ impl<const N: usize> Filter<N> {
             }
             // Edges that only set the filter, as many with a drift as without: likelihoods of both are compared.
             let scale = if at < DRIFTING { 0.0 } else { inverse.sqrt() };
-            Gain { way, gain, scale }
+            let driven = leap.driven();
+            Gain {
+                way,
+                driven,
+                gain,
+                scale,
+            }
         });
         Self {
             gains: gains.collect(),

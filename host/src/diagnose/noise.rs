@@ -18,6 +18,9 @@ const STRETCH: usize = 64;
 const STRETCHES: usize = 32;
 const LEAST: f64 = 1e-6;
 
+/// Part of the speed that torques which nobody has found yet leave open near a standstill, before the noise is fitted, and at the most.
+pub const UNSEEN: f64 = 0.1;
+
 /// Which sizes of the noise are free, and how far out it comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Free {
@@ -31,6 +34,8 @@ pub struct Free {
     pub fade: bool,
     /// Stamps.
     pub stamp: bool,
+    /// What torques that nobody has found yet leave open near a standstill.
+    pub unseen: bool,
     /// How far out innovations come.
     pub tails: Tails,
 }
@@ -159,6 +164,7 @@ impl Problem<'_> {
             noise.fade = next(true, noise.fade);
             noise.drift *= noise.fade * noise.fade;
         }
+        noise.unseen = next(self.free.unseen, noise.unseen).min(UNSEEN);
         noise
     }
 
@@ -228,6 +234,10 @@ pub fn fit(rests: &[Rest<'_>], least_stamp_s: f64, start: Noise, free: Free) -> 
             .into_iter()
             .map(move |range| (bench, range))
     });
+    let free = Free {
+        unseen: free.unseen && rests.iter().any(|rest| rest.leaps.has_unseen()),
+        ..free
+    };
     let problem = Problem {
         rests,
         parts: parts.collect(),
@@ -246,6 +256,7 @@ pub fn fit(rests: &[Rest<'_>], least_stamp_s: f64, start: Noise, free: Free) -> 
         (free.stamp, over),
         (free.drift, (start.drift / slow).max(1e-30)),
         (free.fade, start.fade),
+        (free.unseen, start.unseen.max(1e-30)),
     ];
     let first: Vec<f64> = (first.iter().filter(|(free, _)| *free))
         .map(|(_, size)| size.ln())

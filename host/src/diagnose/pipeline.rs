@@ -8,6 +8,7 @@ use super::edges::{Undecided, Unused, turned};
 use super::filter::Noise;
 use super::findings::answer;
 use super::model::Board;
+use super::noise::UNSEEN;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
 use super::spread::Spread;
@@ -177,6 +178,7 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
         drift: 0.0,
         fade: 0.0,
         angle_rad: 0.0,
+        unseen: UNSEEN,
     };
     let mut bench = Bench::new(record, &one.twin, &errors, &noise);
     if let Some(record) = whole_turns(&bench) {

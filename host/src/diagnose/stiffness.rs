@@ -1,15 +1,23 @@
 //! How stiffly a drive that nobody declared holds the shaft, where no speed loop shows: open like the noise, and fitted like it.
 //!
 //! The course is free, so what such a drive does to the mean speed says nothing. A torque that is known, declared or found, moves the shaft
-//! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it.
+//! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it. Torque noise shows it too: a held shaft forgets what that made
+//! of its speed (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
 
 use super::disc;
 use super::lsq;
 use super::model::{Board, Fit, Model};
+use super::pattern::Pattern;
 use super::scan::{SURE, evidence};
 
 /// Fall of twice the negative logarithm of a likelihood that is none.
 const NOTHING: f64 = 0.5;
+
+/// Rates at which a held shaft forgets what torque noise made of its speed that are tried, of the edges' rate.
+const FORGETS: [f64; 5] = [0.004, 0.016, 0.06, 0.25, 1.0];
+
+/// Rates between them that are tried about the one that fits best.
+const NEARER: usize = 2;
 
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
@@ -26,8 +34,10 @@ impl Board {
         let before = self.fit(model);
         let cost = self.held_cost(&before);
         let mut best = (self.clone(), before, cost);
-        // Where waves of one speed alone show it, it is as good as any torque's phase.
-        let sure = |fall: f64| evidence(self, fall, 1) > SURE;
+        // Where waves of one speed alone show it, it is as good as any torque's phase; what is held is held as it fits.
+        let mut benches = self.benches.iter();
+        let is_held = benches.any(|bench| bench.found.stiffness != 0.0);
+        let sure = |fall: f64| (is_held && fall > NOTHING) || evidence(self, fall, 1) > SURE;
         for _ in 0..lsq::ROUNDS {
             let hopes = |more: f64| sure(cost - best.2 + 2.0 * more) && more > NOTHING;
             let Some(better) = best.0.held_better(&best.1, hopes) else {
@@ -40,6 +50,55 @@ impl Board {
             *self = best.0;
         }
         sure
+    }
+
+    /// Sets how stiffly an unknown drive holds the shaft to what its noise shows beside a model, where that is sure.
+    pub fn hold_by_noise(&mut self, model: &Model) {
+        if !self.undriven || self.is_looped() {
+            return;
+        }
+        let each = self.benches.iter();
+        let seconds: f64 = each.map(|bench| bench.record.seconds()).sum();
+        let rate = self.edges() as f64 / seconds;
+        let mut plain = self.clone();
+        plain.rounds = 1;
+        let held = |share: f64| {
+            let mut board = plain.stiffer(share * rate)?;
+            let fit = board.fit_in_noise(model);
+            let volume = board.pattern.as_ref().map_or(0.0, Pattern::log_volume);
+            let cost = board.held_cost(&fit) + volume;
+            Some((share, board, cost))
+        };
+        let Some((_, _, loose)) = held(0.0) else {
+            return;
+        };
+        let mut tried: Vec<(f64, Self, f64)> = FORGETS.into_iter().filter_map(held).collect();
+        for _ in 0..NEARER {
+            let between = least(&tried).and_then(held);
+            tried.extend(between);
+            tried.sort_by(|one, other| one.0.total_cmp(&other.0));
+        }
+        let best = tried
+            .into_iter()
+            .min_by(|one, other| one.2.total_cmp(&other.2));
+        if let Some((_, board, cost)) = best
+            && evidence(self, loose - cost, 1) > SURE
+        {
+            let rounds = self.rounds;
+            *self = board;
+            self.rounds = rounds;
+        }
+    }
+
+    /// Whether the noise of an unknown drive goes as if nothing held the shaft.
+    pub fn loosen(&mut self, loose: bool) {
+        let mut board = self.clone();
+        for bench in &mut board.benches {
+            bench.found.loose = loose;
+        }
+        if let Some(board) = board.found_anew() {
+            *self = board;
+        }
     }
 
     /// Twice the negative logarithm of the likelihood, but for a constant: how stiffly a shaft is held bears on what noise makes as well.
@@ -112,4 +171,22 @@ impl Board {
         }
         board.found_anew()
     }
+}
+
+/// Where the cost of shares, ever larger, is least by the parabola of its least one and those beside it.
+fn least(tried: &[(f64, Board, f64)]) -> Option<f64> {
+    let costs = tried.iter().map(|(_, _, cost)| *cost);
+    let at = costs
+        .enumerate()
+        .min_by(|one, other| one.1.total_cmp(&other.1))?
+        .0;
+    let [one, two, three] = tried.get(at.checked_sub(1)?..at + 2)? else {
+        return None;
+    };
+    let [one, two, three] = [one, two, three].map(|(share, _, cost)| (share.ln(), *cost));
+    let slope = |a: (f64, f64), b: (f64, f64)| (b.1 - a.1) / (b.0 - a.0);
+    let (before, after) = (slope(one, two), slope(two, three));
+    let middle = |a: (f64, f64), b: (f64, f64)| 0.5 * (a.0 + b.0);
+    let (from, until) = (middle(one, two), middle(two, three));
+    Some((from - before * (until - from) / (after - before)).exp())
 }

@@ -14,6 +14,7 @@ use crate::diagnose::edges::Edges;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::Noise;
 use crate::diagnose::model::{Board, Fit, Model};
+use crate::diagnose::noise::UNSEEN;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::pipeline::EDGES_LEAST;
 use crate::diagnose::record::Record;
@@ -187,6 +188,7 @@ fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
             drift: 0.0,
             fade: 0.0,
             angle_rad: 0.0,
+            unseen: UNSEEN,
         };
         Bench::new(record.clone(), twin, &[], &noise)
     });

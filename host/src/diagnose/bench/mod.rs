@@ -12,7 +12,7 @@ use super::filter::Noise;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
-use super::plant::{Corner, Gains, Law, Leaps, Motion, Plant};
+use super::plant::{Corner, Gains, Jolt, Law, Leaps, Motion, Plant};
 use super::record::Record;
 use super::speed_loop::Unsaid;
 use super::spread::Spread;
@@ -31,6 +31,8 @@ pub struct Found {
     pub late_s: Vec<f64>,
     /// How much more stiffly the shaft is held than the twin says, over the inertia, 1/s.
     pub stiffness: f64,
+    /// Whether its noise goes all the same as if nothing held it.
+    pub loose: bool,
     /// The speed loop that drives it, where the twin says nothing of a drive.
     pub speed_loop: Option<Unsaid>,
     /// Torques once or several times a turn, with their sizes.
@@ -100,7 +102,7 @@ impl Bench {
         noise: &Noise,
     ) -> Self {
         let disc = record.pick(errors);
-        let law = Law::of(twin).held(found.stiffness);
+        let law = Law::of(twin).held(found.stiffness, found.loose);
         let more = |at: usize| found.off.get(at).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
             .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0) + more(at))
@@ -244,7 +246,10 @@ impl Bench {
     #[must_use]
     pub fn open(&self, torques: &Torques) -> f64 {
         let jolts = jolts(&self.twin, torques, &self.course, &self.plant);
-        jolts.iter().map(|(_, [_, speed])| speed.abs()).sum()
+        let unseen = self.noise.unseen;
+        let each = jolts.iter();
+        each.map(|jolt| jolt.known[1].abs().max(unseen * jolt.unseen))
+            .sum()
     }
 
     /// Angles that torques which are held from sample to sample make of a shaft that nothing else pushes, rad.
@@ -335,7 +340,7 @@ impl Bench {
         } else {
             self.record.pick(&sim::true_errors(twin).ok()?)
         };
-        let law = Law::of(twin).held(self.found.stiffness);
+        let law = Law::of(twin).held(self.found.stiffness, self.found.loose);
         let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
         let plant = other.as_ref().unwrap_or(&self.plant);
         let looped = self.found.speed_loop.as_ref();
@@ -442,7 +447,7 @@ fn bent(scene: &Scene<'_>, found: &Found, declared: &[Motion]) -> Vec<Motion> {
 }
 
 /// What torques leave open of the course within intervals: those that the twin declares and those that were found.
-fn jolts(twin: &Twin, found: &Torques, course: &Course, plant: &Plant) -> Vec<(usize, Motion)> {
+fn jolts(twin: &Twin, found: &Torques, course: &Course, plant: &Plant) -> Vec<Jolt> {
     let law = &plant.law;
     let found = found.iter();
     let found = found.filter_map(|(effect, sizes)| declared::wave(effect, sizes, law));

@@ -47,6 +47,7 @@ fn bench(real: &Twin, given: &Twin) -> Option<Bench> {
         drift: 0.0,
         fade: 0.0,
         angle_rad: 0.0,
+        unseen: 0.0,
     };
     edges
         .events

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use super::State::{Angle, Drift, Speed};
+use super::State::{Angle, Drift};
 use super::{DRIFTING, Filter};
 use crate::diagnose::square::{Square, identity, through, times};
 
@@ -14,6 +14,8 @@ pub struct Pull {
     pub score: [f64; 2],
     /// Sum of products of what they do: of the drift's, of both, of the speed's.
     pub information: [f64; 3],
+    /// By how much an error of the edge's stamp alone makes the sum of squares less.
+    pub of_stamp: f64,
 }
 
 impl Pull {
@@ -57,6 +59,18 @@ impl<const N: usize> Filter<N> {
         let each = innovations.iter().zip(weights).zip(&mut pulls);
         for (((innovation, weight), pull), step) in each.zip(&self.gains).rev() {
             let scale = step.scale * weight;
+            // Later edges go by what an error of this one makes of the state.
+            let along = |push: &[f64; N], of: &[f64; N]| -> f64 {
+                push.iter().zip(of).map(|(push, of)| push * of).sum()
+            };
+            let of_gain = information.0.map(|row| along(&step.gain, &row));
+            let error = scale * innovation - along(&step.gain, &score);
+            let shows = scale * scale + along(&step.gain, &of_gain);
+            pull.of_stamp = if shows > 0.0 {
+                error * error / shows
+            } else {
+                0.0
+            };
             let mut after = identity::<N>();
             for (row, gain) in after.0.iter_mut().zip(&step.gain) {
                 row[Angle as usize] -= gain;
@@ -67,14 +81,11 @@ impl<const N: usize> Filter<N> {
             score[Angle as usize] += scale * innovation;
             information[(Angle, Angle)] += scale * scale;
             // In the mean of the interval's ends.
-            let pushes = [Drift, Speed].map(|state| {
+            let pushes = [Drift, step.driven].map(|state| {
                 let mut push = step.way.0.map(|row| 0.5 * row[state as usize]);
                 push[state as usize] += 0.5;
                 push
             });
-            let along = |push: &[f64; N], of: &[f64; N]| -> f64 {
-                push.iter().zip(of).map(|(push, of)| push * of).sum()
-            };
             pull.score = pushes.map(|push| along(&push, &score));
             let [drift, speed] = pushes;
             let [of_drift, of_speed] =

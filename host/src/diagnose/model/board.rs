@@ -12,7 +12,7 @@ use crate::diagnose::disc;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::{Noise, SIDE_BY_SIDE};
 use crate::diagnose::lsq;
-use crate::diagnose::noise::{Free, Tails};
+use crate::diagnose::noise::{Free, Tails, UNSEEN};
 use crate::diagnose::numbers::Knob;
 use crate::diagnose::pattern::{Pattern, SMALL, SMALLER};
 use crate::diagnose::record::Record;
@@ -91,6 +91,7 @@ impl Board {
                 drift: if undriven { 1.0 } else { 0.0 },
                 fade: 0.0,
                 angle_rad: 0.0,
+                unseen: if undriven { UNSEEN } else { 0.0 },
             },
             free: Free {
                 torque: true,
@@ -98,6 +99,7 @@ impl Board {
                 fast: false,
                 fade: false,
                 stamp: true,
+                unseen: undriven,
                 tails: Tails::Normal,
             },
             undriven,
@@ -131,6 +133,7 @@ impl Board {
             self.size_up(&none);
         }
         self.find_corners(&none);
+        self.hold_by_noise(&none);
         for _ in 0..BOTH {
             if self.is_looped() || !self.hold(&none) {
                 break;

@@ -19,6 +19,8 @@ pub struct Corner {
 
 /// Edges to either side of a corner that show it.
 const ABOUT: usize = 256;
+/// Edges to either side of a corner whose stamps may make what looks like it.
+const SHOWN: usize = 4;
 /// Corners that are found at once at the most.
 const MOST: usize = 256;
 
@@ -46,21 +48,34 @@ impl White<'_> {
         let sizes = pulls(self.innovations);
         let near = pulls(self.near);
         let gain = |pull: &Pull| pull.of_drift().0.max(pull.of_both().0 - worth);
-        let gains: Vec<f64> = near.iter().map(gain).collect();
+        // A stamp that is far out is no corner: what is worth more than the error of any stamp that shows it is one.
+        let beyond = |at: usize| {
+            let about = at.saturating_sub(SHOWN)..(at + SHOWN).min(sizes.len());
+            let stamps = sizes[about].iter().map(|pull| pull.of_stamp);
+            gain(&sizes[at]) - stamps.fold(0.0, f64::max)
+        };
+        let gains: Vec<f64> = (0..near.len())
+            .map(|at| gain(&near[at]).max(beyond(at)))
+            .collect();
         let mut found: Vec<(f64, Corner)> = Vec::new();
         let mut first = 0;
         for stretch in gains.chunk_by(|a, b| (*a > worth) == (*b > worth)) {
             let each = stretch.iter().enumerate();
             let best = each.max_by(|a, b| a.1.total_cmp(b.1));
-            if let Some((best, gain)) = best.filter(|(_, gain)| **gain > worth) {
+            if let Some((best, most)) = best.filter(|(_, gain)| **gain > worth) {
                 let at = first + best;
-                let rests = near[at].of_both().0 - worth > near[at].of_drift().0;
+                let here = if gain(&near[at]) > worth {
+                    &near[at]
+                } else {
+                    &sizes[at]
+                };
+                let rests = here.of_both().0 - worth > here.of_drift().0;
                 let [jump, kick] = match rests {
                     true => sizes[at].of_both().1,
                     false => [sizes[at].of_drift().1, 0.0],
                 };
                 let time_s = 0.5 * (self.time_s[at.saturating_sub(1)] + self.time_s[at]);
-                found.push((*gain, Corner { time_s, jump, kick }));
+                found.push((*most, Corner { time_s, jump, kick }));
             }
             first += stretch.len();
         }

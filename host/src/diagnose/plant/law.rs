@@ -76,6 +76,8 @@ pub struct Law {
     pub hold_s: f64,
     /// Whether nobody knows what drives it.
     pub undriven: bool,
+    /// Whether its noise goes as if nothing held the shaft.
+    pub loose: bool,
 }
 
 impl Law {
@@ -114,14 +116,16 @@ impl Law {
             }),
             hold_s: hold_s.unwrap_or(0.0),
             undriven: false,
+            loose: false,
         }
     }
 
-    /// The same of a shaft that is held more stiffly, 1/s.
+    /// The same of a shaft that is held more stiffly, 1/s, and whether its noise is `loose`.
     #[must_use]
-    pub fn held(self, stiffness: f64) -> Self {
+    pub fn held(self, stiffness: f64, loose: bool) -> Self {
         Self {
             stiffness: self.stiffness + stiffness,
+            loose,
             ..self
         }
     }

@@ -19,7 +19,8 @@ impl Plant {
     #[must_use]
     pub fn leaps<const N: usize>(&self, course: &Course) -> Vec<Leap<N>> {
         let law = &self.law;
-        let kept = law.undriven && law.hold_s <= 0.0 && law.viscous + law.stiffness > 0.0;
+        let kept =
+            law.undriven && !law.loose && law.hold_s <= 0.0 && law.viscous + law.stiffness > 0.0;
         let leap = |at: usize| {
             let before = at.saturating_sub(1);
             let h = (course.time_s[at] - course.time_s[before]).max(0.0);
@@ -41,6 +42,7 @@ impl Plant {
                 drift: drift_noise(drifts, h),
                 load,
                 jolt: [0.0; 2],
+                unseen: 0.0,
                 speed: course.speed[at],
                 doubt_s: course.doubt_s[at],
                 corner: [0.0; 2],
@@ -157,6 +159,7 @@ pub fn free<const N: usize>(h: f64) -> Leap<N> {
         drift: drift_noise(Speed, h),
         load: None,
         jolt: [0.0; 2],
+        unseen: 0.0,
         speed: 1.0,
         doubt_s: 0.0,
         corner: [0.0; 2],
@@ -232,6 +235,17 @@ fn stir(x: f64) -> [f64; 3] {
     ]
 }
 
+/// Change of angle, rad, and speed, rad/s, that the course within an interval leaves open.
+#[derive(Clone, Copy, Debug)]
+pub struct Jolt {
+    /// Edge that ends the interval.
+    pub at: usize,
+    /// By torques that are known.
+    pub known: Motion,
+    /// Of the speed by torques that nobody has found yet, for unit of [`Noise::unseen`].
+    pub unseen: f64,
+}
+
 /// The leaps of either shaft.
 #[derive(Clone, Debug)]
 pub enum Leaps {
@@ -252,12 +266,24 @@ impl Leaps {
     }
 
     /// Leaves open how angle and speed changed within intervals.
-    pub fn jolt(&mut self, jolts: &[(usize, Motion)]) {
-        for (at, jolt) in jolts {
+    pub fn jolt(&mut self, jolts: &[Jolt]) {
+        fn opened<const N: usize>(leap: &mut Leap<N>, jolt: &Jolt) {
+            (leap.jolt, leap.unseen) = (jolt.known, jolt.unseen);
+        }
+        for jolt in jolts {
             match self {
-                Self::Stiff(leaps) => leaps[*at].jolt = *jolt,
-                Self::Sprung(leaps) => leaps[*at].jolt = *jolt,
+                Self::Stiff(leaps) => opened(&mut leaps[jolt.at], jolt),
+                Self::Sprung(leaps) => opened(&mut leaps[jolt.at], jolt),
             }
+        }
+    }
+
+    /// Whether torques that nobody has found yet leave any interval open.
+    #[must_use]
+    pub fn has_unseen(&self) -> bool {
+        match self {
+            Self::Stiff(leaps) => leaps.iter().any(|leap| leap.unseen > 0.0),
+            Self::Sprung(leaps) => leaps.iter().any(|leap| leap.unseen > 0.0),
         }
     }
 

@@ -12,5 +12,5 @@ mod response;
 pub use crate::effect::Here;
 pub use corner::{Angles, Corner, White};
 pub use law::{Law, Mode, Swing, sign};
-pub use leaps::{Gains, Leaps, free};
+pub use leaps::{Gains, Jolt, Leaps, free};
 pub use response::{Motion, Plant};

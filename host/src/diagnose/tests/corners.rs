@@ -1,6 +1,6 @@
 //! Corners of the speed of drives that nobody declared.
 
-use super::{board_beside, twin};
+use super::{board_beside, board_of, edges, twin};
 use crate::diagnose::model::{Board, Model};
 
 /// An axis that goes to and fro by 10 turns, and what its twin knows of it.
@@ -54,4 +54,60 @@ fn a_corner_that_a_model_makes_superfluous_is_taken_off() {
     assert!(board.settle_corners(&Model::default()));
     assert_eq!(jump(&board, 0.61), 0.0);
     assert!(jump(&board, 1.6) > 200.0);
+}
+
+/// A short axis: it turns round after less than three turns, and rests for a tenth of a second there.
+const SHORT: &str = "seed = 4\nduration = { seconds = 6 }\n\n[encoder.quadrature]\nlines = 125\nindex = true\n\n[shaft]\ninertia_kg_m2 = 1e-4\n\
+    stiffness_n_m_s = 0.02\n\n[drive.profile]\npoints = [{ t_s = 0, r_min = 0 }, { t_s = 0.3, r_min = 120 }, { t_s = 1.1, r_min = 120 }, \
+    { t_s = 1.4, r_min = 0 }, { t_s = 1.5, r_min = 0 }, { t_s = 1.8, r_min = -120 }, { t_s = 2.6, r_min = -120 }, { t_s = 2.9, r_min = 0 }, \
+    { t_s = 3, r_min = 0 }, { t_s = 3.3, r_min = 120 }, { t_s = 4.1, r_min = 120 }, { t_s = 4.4, r_min = 0 }, { t_s = 4.5, r_min = 0 }, \
+    { t_s = 4.8, r_min = -120 }, { t_s = 5.6, r_min = -120 }, { t_s = 5.9, r_min = 0 }]\n\n[noise.white]\npsd_n2_m2_s = 1e-11\n\n[timer]\n\
+    clock_hz = 84000000\njitter_s = 2e-8\n";
+
+/// The board of the short axis beside what is known of it.
+fn short() -> Board {
+    board_beside(&twin(SHORT), &twin(&THIN.replace("32", "125")))
+}
+
+#[test]
+fn the_noise_near_standstills_is_no_more_than_elsewhere_where_nothing_pushes() {
+    let board = short();
+    assert!(board.noise.unseen < 1e-3, "{:?}", board.noise);
+    let rests = crate::diagnose::disc::rests(&board, &Model::default());
+    let white = board.benches[0].white(&rests[0]);
+    let slow = |(white, speed): (&f64, &f64)| (speed.abs() < 4.0).then_some(white * white);
+    let each = white.iter().zip(&board.benches[0].course.speed);
+    let squares: Vec<f64> = each.filter_map(slow).collect();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    assert!((0.5..2.0).contains(&mean), "{mean} of {}", squares.len());
+}
+
+#[test]
+fn how_stiffly_a_servo_holds_the_shaft_shows_in_its_noise() {
+    let board = short();
+    // 0.02 N m s over the inertia; its torque noise is 1e-3 (rad/s^2)^2 s.
+    let stiffness = board.benches[0].found.stiffness;
+    assert!((120.0..320.0).contains(&stiffness), "{stiffness}");
+    let torque = board.noise.torque;
+    assert!((6e-4..1.6e-3).contains(&torque), "{torque}");
+}
+
+#[test]
+fn a_stop_that_one_edge_shows_is_a_corner_and_a_stamp_that_is_far_out_is_none() {
+    let (rig, given) = (twin(SHORT), twin(&THIN.replace("32", "125")));
+    let mut edges = edges(&rig);
+    let at = edges.time_s.partition_point(|time_s| *time_s < 0.7);
+    // A hundred deviations of the others.
+    edges.time_s[at] += 2e-6;
+    let board = board_of(&edges, &given);
+    let corners = board.benches[0].found.corners.iter();
+    let there: Vec<_> = corners
+        .filter(|corner| (corner.time_s - 0.7).abs() < 0.1)
+        .collect();
+    assert!(there.is_empty(), "{there:?}");
+    for stop_s in [1.45, 2.95, 4.45] {
+        let corners = board.benches[0].found.corners.iter();
+        let near = corners.filter(|corner| (corner.time_s - stop_s).abs() < 0.1);
+        assert!(near.count() > 0, "{stop_s}");
+    }
 }

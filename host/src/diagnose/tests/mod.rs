@@ -63,7 +63,12 @@ fn board(text: &str) -> Board {
 
 /// The recording of one twin beside another.
 fn board_beside(real: &Twin, given: &Twin) -> Board {
-    let record = Record::of(&edges(real), given);
+    board_of(&edges(real), given)
+}
+
+/// Edges beside a twin.
+fn board_of(edges: &Edges, given: &Twin) -> Board {
+    let record = Record::of(edges, given);
     let errors = crate::sim::true_errors(given).unwrap();
     let noise = Noise {
         torque: 1.0,
