@@ -74,8 +74,11 @@ impl Board {
         };
         let mut tried: Vec<(f64, Self, f64)> = FORGETS.into_iter().filter_map(held).collect();
         for _ in 0..NEARER {
-            let between = least(&tried).and_then(held);
-            tried.extend(between);
+            // Best at the end of all rates is what does not move as a shaft does.
+            let Some(between) = least(&tried).and_then(held) else {
+                return;
+            };
+            tried.push(between);
             tried.sort_by(|one, other| one.0.total_cmp(&other.0));
         }
         let best = tried

@@ -139,6 +139,7 @@ impl Board {
                 break;
             }
             self.fit_noise(&none);
+            self.find_corners(&none);
         }
         self
     }

@@ -111,3 +111,38 @@ fn a_stop_that_one_edge_shows_is_a_corner_and_a_stamp_that_is_far_out_is_none() 
         assert!(near.count() > 0, "{stop_s}");
     }
 }
+
+#[test]
+fn edges_that_come_late_by_class_are_no_shaft_that_is_held() {
+    let rig = "seed = 4\nduration = { turns = 400 }\n\n[encoder.hall]\npole_pairs = 2\n\n[shaft]\ninertia_kg_m2 = 1e-5\n\n[drive.profile]\n\
+        points = [{ t_s = 0, r_min = 600 }, { t_s = 10, r_min = 3600 }]\n\n[edge_delay]\na = { rise_s = 270e-6, fall_s = 0 }\nb = { rise_s = 270e-6, fall_s = 0 }\nc = { rise_s = 270e-6, fall_s = 0 }\n\n\
+        [timer]\nclock_hz = 30000\n";
+    let sensor =
+        "duration = { turns = 1 }\n[encoder.hall]\npole_pairs = 2\n[timer]\nclock_hz = 30000\n";
+    let board = board_beside(&twin(rig), &twin(sensor));
+    assert!(board.undriven);
+    assert_eq!(board.benches[0].found.stiffness, 0.0);
+}
+
+#[test]
+fn corners_are_looked_for_again_once_it_is_known_how_stiffly_the_drive_holds() {
+    let sensor = "seed = 5\nduration = { turns = 60 }\n\n[encoder.hall]\npole_pairs = 5\n\n[[ripple]]\norder = 14\nphase_rad = 1.4\n\
+        torque_n_m = 7.5e-3\n\n[timer]\nclock_hz = 72000000\njitter_s = 2.7e-7\n\n[noise.white]\npsd_n2_m2_s = 5.9e-10\n\n\
+        [shaft]\ninertia_kg_m2 = 7e-4\nviscous_n_m_s = 1.6e-3\n";
+    let rig = format!(
+        "{sensor}stiffness_n_m_s = 8e-3\n\n[drive.profile]\npoints = [{{ t_s = 0, r_min = 182 }}, {{ t_s = 2.2, r_min = 182 }}, \
+        {{ t_s = 5.6, r_min = 70 }}, {{ t_s = 9.2, r_min = 70 }}, {{ t_s = 17.9, r_min = -142 }}, {{ t_s = 27.8, r_min = -142 }}, \
+        {{ t_s = 30.2, r_min = 156 }}, {{ t_s = 40, r_min = 156 }}]\n"
+    );
+    let board = board_beside(&twin(&rig), &twin(sensor));
+    let rests = crate::diagnose::disc::rests(&board, &Model::default());
+    let white = board.benches[0].white(&rests[0]);
+    let most = white
+        .iter()
+        .fold(0.0_f64, |most, white| most.max(white.abs()));
+    assert!(
+        most < 8.0,
+        "{most} beside {:?}",
+        board.benches[0].found.corners
+    );
+}
