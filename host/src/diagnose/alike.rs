@@ -72,6 +72,12 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 rivals.push((Mechanism::Unknown, fitted, effects));
             }
         }
+        // An exact order is no number.
+        if let Some(exact) = cells::synchronous(board, &own) {
+            let gain = basis.gain(&board.columns(&exact), &rest.left);
+            let named = name::mechanism(&[exact]);
+            rivals.push((named, evidence(board, gain, exact.sizes()), vec![exact]));
+        }
         let images = match own.as_slice() {
             [one] => board.images(one),
             _ => Vec::new(),

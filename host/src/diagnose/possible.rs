@@ -23,7 +23,7 @@ impl Board {
 
     /// Whether an order of the disc is another effect's: past half of the edges it is that of a lower one, and what is the same at each line
     /// is that of edge classes. Torques past it and above those of motors and gears show nowhere but where the shaft hardly moves, as
-    /// anything does that happens there.
+    /// anything does that happens there; so do those that edges show as less than once a turn, where the drive is unknown.
     #[must_use]
     pub fn is_alias(&self, effect: &Effect) -> bool {
         let Carrier::Order(order) = effect.carrier else {
@@ -35,7 +35,11 @@ impl Board {
             let fast = order > 0.5 * record.edges as f64;
             match effect.site {
                 Site::Disc(_) => fast || (order / lines).fract() == 0.0,
-                Site::Torque => fast && order > HIGHEST,
+                Site::Torque => {
+                    let edges = record.edges as f64;
+                    let off = order - edges * (order / edges).round();
+                    fast && (order > HIGHEST || self.undriven && off.abs() < 1.0)
+                }
                 _ => false,
             }
         })

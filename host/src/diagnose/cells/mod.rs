@@ -7,7 +7,7 @@ mod variants;
 use rayon::prelude::*;
 
 pub use groups::{SPEEDS, channels, classes, numbers, steady};
-pub use variants::{elsewhere, grown, harmonics};
+pub use variants::{elsewhere, grown, harmonics, synchronous};
 
 use super::effect::Effect;
 use super::lsq::{Basis, dot};

@@ -83,6 +83,20 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
         .collect()
 }
 
+/// The same along the angle, where a frequency is that of whole turns or of every two of them: what is so by chance is no pick-up.
+pub fn synchronous(board: &Board, own: &[Effect]) -> Option<Effect> {
+    let [effect] = own else { return None };
+    let Carrier::Tone(tone) = effect.carrier else {
+        return None;
+    };
+    let speed = board.benches.iter().map(|bench| bench.course.mean());
+    let order = tone * TAU / speed.fold(0.0, f64::max);
+    let exact = 0.5 * (2.0 * order).round();
+    let carrier = Carrier::Order(exact);
+    let reach = board.reach(&Effect { carrier, ..*effect })[0];
+    (exact > 0.0 && (order - exact).abs() < reach).then_some(Effect { carrier, ..*effect })
+}
+
 /// The same effect with harmonics of its order: what pushes once in a part of a turn, or of two turns, is no sine.
 pub fn harmonics(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     let [
