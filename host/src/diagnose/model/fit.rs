@@ -12,6 +12,9 @@ use crate::diagnose::effect::{Carrier, Effect, Growth, Site, is_exact};
 use crate::diagnose::lsq::{self, Basis};
 use crate::diagnose::record::Record;
 
+/// Step by which a knob's slope is taken, of what hardly changes its effect: far above the error of sums over an interval.
+const STEP: f64 = 4e-3;
+
 /// A fit.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -128,20 +131,17 @@ impl Fit {
 impl Board {
     /// What a small change of a knob of a term does to the edges of each recording, rad.
     fn slope(&self, term: &Term, knob: usize) -> Raw<'_> {
-        let step = 0.02 * self.reach(&term.effect)[knob];
-        let moved = |by: f64| {
-            let mut knobs = term.effect.knobs();
-            knobs[knob] += by;
-            term.effect.with_knobs(&knobs)
-        };
-        let (above, below) = (moved(step), moved(-step));
+        let step = STEP * self.reach(&term.effect)[knob];
+        let mut knobs = term.effect.knobs();
+        knobs[knob] += step;
+        let moved = term.effect.with_knobs(&knobs);
         let each = self.benches.iter().map(|bench| {
-            let (above, below) = (bench.columns(&above), bench.columns(&below));
+            let (now, moved) = (bench.columns(&term.effect), bench.columns(&moved));
             let mut sum = vec![0.0; bench.record.len()];
-            for (size, (above, below)) in term.sizes.iter().zip(above.iter().zip(below.iter())) {
-                let by = size / (2.0 * step);
-                let each = sum.iter_mut().zip(above.iter().zip(below));
-                each.for_each(|(sum, (above, below))| *sum += by * (above - below));
+            for (size, (now, moved)) in term.sizes.iter().zip(now.iter().zip(moved.iter())) {
+                let by = size / step;
+                let each = sum.iter_mut().zip(now.iter().zip(moved));
+                each.for_each(|(sum, (now, moved))| *sum += by * (moved - now));
             }
             Cow::Owned(sum)
         });

@@ -18,7 +18,7 @@ use super::agreement;
 use super::cells::{self, Bank};
 use super::correct::{self, Slopes};
 use super::disc;
-use super::effect::{Carrier, Effect, Site};
+use super::effect::{Carrier, Effect, Growth, Site};
 use super::identify;
 use super::jury;
 use super::model::{Board, Fit, Model, Term};
@@ -307,6 +307,12 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
         if worth < SURE || !board.can_be(&own) || !board.is_near(&fit.model, group) {
             return Some(fit.model.without(group));
         }
+        let own_terms = (0..terms.len()).filter(|at| terms[*at].group == group);
+        if let Some(at) = own_terms.clone().find(|at| is_flat(board, fit, *at)) {
+            let mut model = fit.model.clone();
+            model.terms[at].effect.growth = Growth::Constant;
+            return Some(model);
+        }
         let order = |term: &Term| {
             let carrier = term.effect.carrier;
             term.effect.site == Site::Torque && matches!(carrier, Carrier::Order(_))
@@ -315,8 +321,7 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
             continue;
         }
         // A family has the orders that show, and not those between them.
-        let places = (0..terms.len()).filter(|at| terms[*at].group == group);
-        let losses = places.map(|at| (fit.loss_of(&|term| term == at), at));
+        let losses = own_terms.map(|at| (fit.loss_of(&|term| term == at), at));
         let least = losses.min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((loss, at)) = least
             && evidence(board, loss, terms[at].effect.sizes()) < 0.0
@@ -327,4 +332,15 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
         }
     }
     None
+}
+
+/// Whether how a term's size goes with time or speed is not worth its number.
+fn is_flat(board: &Board, fit: &Fit, at: usize) -> bool {
+    let effect = &fit.model.terms[at].effect;
+    let (Growth::Even(rate) | Growth::Speed(rate)) = effect.growth else {
+        return false;
+    };
+    let number = effect.sizes() + effect.knobs().len() - 1;
+    let column = fit.column(at, number);
+    column.is_some_and(|at| evidence(board, rate.powi(2) / fit.covariance[(at, at)], 1) < 0.0)
 }
