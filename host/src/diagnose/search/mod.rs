@@ -197,7 +197,6 @@ impl Found {
             if !board.hold(&self.fit.model) && !shifted {
                 return round > 0;
             }
-            self.fit = board.fit(&self.fit.model);
             self.fit = board.fit_in_noise(&self.fit.model);
         }
         true
@@ -272,11 +271,14 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
                     model.add(&effects, group);
                 }
                 let here = evidence(board, gain, cells::numbers(&effects));
-                (here / worth, model)
+                // What is no large part of the noise leaves it as it is.
+                let least = if loud { NEARLY } else { 1.0 };
+                (here / worth, least, model)
             });
             fitted.collect::<Vec<_>>()
         });
-        let mut near: Vec<(f64, Model)> = each.filter(|(share, _)| *share > NEARLY).collect();
+        let near = each.filter(|(share, least, _)| share > least);
+        let mut near: Vec<(f64, Model)> = near.map(|(share, _, model)| (share, model)).collect();
         near.sort_by(|a, b| b.0.total_cmp(&a.0));
         near.truncate(TRIED);
         let now = board.lost(fit);
