@@ -1,5 +1,7 @@
 //! Corners of the speed of drives that nobody declared: open like the noise, and found with it.
 
+use std::collections::BTreeSet;
+
 use super::bench::{self, Bench};
 use super::disc;
 use super::effect::{Carrier, Effect, Site};
@@ -7,7 +9,7 @@ use super::filter::Noise;
 use super::lsq;
 use super::model::{Board, Model};
 use super::noise::FAR;
-use super::plant::{Angles, Corner, White};
+use super::plant::{Corner, White};
 use super::scan::SURE;
 
 /// Rounds in which corners and the noise are found at the most, as each bears on the other.
@@ -20,11 +22,22 @@ const SEEN: usize = 72_000;
 const ORDERS: u32 = 32;
 
 impl Board {
-    /// Finds the corners of drives that nobody declared in what a model leaves, and the noise beside them.
-    pub fn find_corners(&mut self, model: &Model) {
+    /// Finds the corners of drives that nobody declared in what a model leaves, and the noise beside them. Whether they are between other
+    /// edges than before: where not, nothing changes.
+    pub fn find_corners(&mut self, model: &Model) -> bool {
         if !self.undriven || self.is_looped() {
-            return;
+            return false;
         }
+        let mut board = self.clone();
+        board.find_corners_anew(model);
+        let other = board.bent() != self.bent();
+        if other {
+            *self = board;
+        }
+        other
+    }
+
+    fn find_corners_anew(&mut self, model: &Model) {
         // Of other edges they are between others.
         let before = (self.free, self.levels, self.rounds, self.noise);
         let again = self.has_corners();
@@ -78,33 +91,6 @@ impl Board {
         each.any(|(bench, rest)| !corners(bench, rest).is_empty())
     }
 
-    /// Takes off corners that a model makes superfluous. Whether there were any.
-    pub fn settle_corners(&mut self, model: &Model) -> bool {
-        if !self.has_corners() {
-            return false;
-        }
-        let rests = disc::rests(self, model);
-        let mut fewer = false;
-        for (bench, rest) in self.benches.iter_mut().zip(&rests) {
-            let angles = Angles {
-                leaps: &bench.leaps,
-                noise: &bench.noise(),
-                angles: rest,
-                weights: &bench.weights,
-                time_s: &bench.record.time_s,
-            };
-            let needed = angles.needed(&bench.found.corners, worth(bench));
-            if needed.len() < bench.found.corners.len() {
-                bench.bend(needed);
-                fewer = true;
-            }
-        }
-        if fewer {
-            self.set_noise(self.noise);
-        }
-        fewer
-    }
-
     /// The noise that residual angles have: the best of where the present one leads, and one with far less of what corners made dense.
     fn noise_beside(&self, rests: &[Vec<f64>]) -> Noise {
         let less = Noise {
@@ -118,6 +104,18 @@ impl Board {
         let fitted = fitted.map(|start| bench::fit_noise(&self.benches, rests, start, self.free));
         let [one, other] = fitted;
         if other.1 < one.1 { other.0 } else { one.0 }
+    }
+
+    /// Intervals that have a corner, of each recording.
+    fn bent(&self) -> Vec<BTreeSet<usize>> {
+        let each = self.benches.iter().map(|bench| {
+            let times = &bench.record.time_s;
+            let corners = bench.found.corners.iter();
+            corners
+                .map(|corner| times.partition_point(|time_s| *time_s < corner.time_s))
+                .collect()
+        });
+        each.collect()
     }
 
     fn has_corners(&self) -> bool {

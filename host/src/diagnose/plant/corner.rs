@@ -3,8 +3,8 @@
 //! Such a drive is a slow drift of the acceleration, as dense all along. A profile of ramps and holds is none: spread over the whole
 //! recording, its corners would make that noise many times too dense. So the drift is open by the size of the jump where one is sure.
 
-use super::leaps::{Gains, Leaps};
-use crate::diagnose::filter::{Noise, Pull};
+use super::leaps::Gains;
+use crate::diagnose::filter::Pull;
 
 /// A corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +17,6 @@ pub struct Corner {
     pub kick: f64,
 }
 
-/// Edges to either side of a corner that show it.
-const ABOUT: usize = 256;
 /// Edges to either side of a corner whose stamps may make what looks like it.
 const SHOWN: usize = 4;
 /// Corners that are found at once at the most.
@@ -82,56 +80,5 @@ impl White<'_> {
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         found.truncate(MOST);
         found.into_iter().map(|(_, corner)| corner).collect()
-    }
-}
-
-/// Angles of a recording beside the steps of its filter.
-#[derive(Clone, Copy, Debug)]
-pub struct Angles<'a> {
-    /// The steps, whatever corners they have.
-    pub leaps: &'a Leaps,
-    /// The noise.
-    pub noise: &'a Noise,
-    /// The angles, rad.
-    pub angles: &'a [f64],
-    /// Weight of each edge.
-    pub weights: &'a [f64],
-    /// Time of each edge, s.
-    pub time_s: &'a [f64],
-}
-
-impl Angles<'_> {
-    /// Those of some corners without which the angles are less likely, by more than so much.
-    #[must_use]
-    pub fn needed(&self, corners: &[Corner], worth: f64) -> Vec<Corner> {
-        let mut left = corners.to_vec();
-        left.sort_by(|a, b| a.jump.abs().total_cmp(&b.jump.abs()));
-        let mut at = 0;
-        while at < left.len() {
-            let corner = left.remove(at);
-            let lost = self.cost(&corner, &left);
-            let mut with = left.clone();
-            with.insert(at, corner);
-            if lost - self.cost(&corner, &with) > worth {
-                left = with;
-                at += 1;
-            }
-        }
-        left
-    }
-
-    /// Twice the negative logarithm of the likelihood about a corner, beside corners.
-    fn cost(&self, about: &Corner, corners: &[Corner]) -> f64 {
-        let at = self.time_s.partition_point(|time| *time < about.time_s);
-        let range = at.saturating_sub(ABOUT)..(at + ABOUT).min(self.time_s.len());
-        let mut leaps = self.leaps.part(range.clone());
-        leaps.bend(corners, &self.time_s[range.clone()]);
-        let gains = leaps.filter(0..range.len(), self.noise);
-        let mut white = self.angles[range.clone()].to_vec();
-        gains.whiten(&mut white);
-        let each = white.iter().zip(&self.weights[range]).zip(gains.scales());
-        each.filter(|(_, scale)| *scale > 0.0)
-            .map(|((white, weight), scale)| (white * weight).powi(2) - 2.0 * scale.ln())
-            .sum()
     }
 }

@@ -306,15 +306,6 @@ impl Leaps {
         }
     }
 
-    /// Those of a range of edges.
-    #[must_use]
-    pub fn part(&self, range: Range<usize>) -> Self {
-        match self {
-            Self::Stiff(leaps) => Self::Stiff(leaps[range].to_vec()),
-            Self::Sprung(leaps) => Self::Sprung(leaps[range].to_vec()),
-        }
-    }
-
     /// Mean of the speed's size over the edges, rad/s.
     #[must_use]
     pub fn speed(&self) -> f64 {

@@ -10,7 +10,7 @@ mod leaps;
 mod response;
 
 pub use crate::effect::Here;
-pub use corner::{Angles, Corner, White};
+pub use corner::{Corner, White};
 pub use law::{Law, Mode, Swing, sign};
 pub use leaps::{Gains, Jolt, Leaps, free};
 pub use response::{Motion, Plant};

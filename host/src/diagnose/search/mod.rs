@@ -193,7 +193,11 @@ impl Found {
     /// Works out the course anew beside what was found, and how stiffly the shaft is held. Whether that is anything else than before.
     fn bend(&mut self, board: &mut Board) -> bool {
         for round in 0..COURSES {
-            let shifted = board.go_by(&self.fit.model) | board.settle_corners(&self.fit.model);
+            let bent = board.find_corners(&self.fit.model);
+            if bent {
+                board.hold_by_noise(&self.fit.model);
+            }
+            let shifted = board.go_by(&self.fit.model) | bent;
             if !board.hold(&self.fit.model) && !shifted {
                 return round > 0;
             }

@@ -51,7 +51,7 @@ fn a_corner_that_a_model_makes_superfluous_is_taken_off() {
         kick: 0.0,
     });
     board.benches[0].bend(more);
-    assert!(board.settle_corners(&Model::default()));
+    assert!(board.find_corners(&Model::default()));
     assert_eq!(jump(&board, 0.61), 0.0);
     assert!(jump(&board, 1.6) > 200.0);
 }
