@@ -135,3 +135,21 @@ fn a_delay_of_one_channel_that_settles_is_modelled_as_one() {
         one.sizes
     );
 }
+
+#[test]
+fn a_level_that_swings_once_in_every_two_turns_is_no_pick_up() {
+    let rig = RAMP.replace(
+        "[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 16",
+        "[drive.constant]\nr_min = 150",
+    );
+    let level = "site = \"level\"\nphase_rad = 1.0\nshift_rad = 2e-5\n";
+    let mechanisms = |follows: &str| -> Vec<Mechanism> {
+        let real = format!("{rig}\n[[effect]]\n{follows}{level}");
+        let answer = against(&real, &rig).diagnosis;
+        answer.findings.iter().map(|one| one.mechanism).collect()
+    };
+    let two_turns = mechanisms("follows = \"order\"\norder = 1.5\n");
+    assert_eq!(two_turns, [Mechanism::Unknown]);
+    let other = mechanisms("follows = \"frequency\"\nf_hz = 4.7\n");
+    assert_eq!(other, [Mechanism::ThresholdRipple]);
+}

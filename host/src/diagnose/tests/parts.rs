@@ -448,3 +448,39 @@ fn open_places_of_an_unknown_disc_add_up_to_no_angle_that_torques_go_by() {
     let mean = learned.iter().sum::<f64>() / learned.len() as f64;
     assert!(mean.abs() < 1e-4, "{mean}");
 }
+
+#[test]
+fn torques_that_edges_show_as_less_than_once_a_turn_are_none_beside_an_unknown_drive() {
+    let thin = "duration = { turns = 20 }\n[encoder.hall]\npole_pairs = 5\n[shaft]\ninertia_kg_m2 = 1e-3\n[timer]\nclock_hz = 72000000\n";
+    let driven = format!("{thin}[drive.constant]\nr_min = 300\n");
+    let torque = |order: f64| {
+        let effect = Effect::new(Site::Torque, Carrier::Order(order));
+        Model::default().with(&[effect], 0)
+    };
+    let given = [thin, &*driven].map(|given| board_beside(&twin(&driven), &twin(given)));
+    for (order, beside_unknown) in [(12.0, true), (18.0, true), (29.4, false), (30.5, false)] {
+        let possible = given.each_ref().map(|board| board.can_be(&torque(order)));
+        assert_eq!(possible, [beside_unknown, true], "{order}");
+    }
+}
+
+#[test]
+fn a_size_whose_growth_does_not_show_is_constant() {
+    let rig = "duration = { turns = 40 }\n[encoder.quadrature]\nlines = 60\nindex = true\n[errors]\nwidth_a_rad = 1e-6\n[shaft]\n\
+        inertia_kg_m2 = 1e-4\nviscous_n_m_s = 4e-4\n[drive.ramp]\nfrom_r_min = 100\nto_r_min = 200\nover_s = 16\n[noise.white]\n\
+        psd_n2_m2_s = 1e-11\n[timer]\nclock_hz = 84000000\njitter_s = 5e-8\n";
+    let ripple = "[[ripple]]\norder = 5\nphase_rad = 1.0\ntorque_n_m = 1e-4\n";
+    let board = board_beside(&twin(&format!("{rig}{ripple}")), &twin(rig));
+    let grown = Effect {
+        growth: Growth::Speed(0.1),
+        ..Effect::new(Site::Torque, Carrier::Order(5.0))
+    };
+    let mut fit = board.fit(&Model::default().with(&[grown], 0));
+    assert!(fit.model.terms[0].effect.growth != Growth::Constant);
+    search::prune(&board, &mut fit);
+    let constant = Effect {
+        growth: Growth::Constant,
+        ..grown
+    };
+    assert_eq!(fit.model.effects(0), [constant]);
+}
