@@ -5,7 +5,6 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::bench::Bench;
 use super::diagnosis::Curve;
 use super::disc;
-use super::edges::Unused;
 use super::effect::Site;
 use super::judge::{self, Parts};
 use super::lsq::dot;
@@ -27,8 +26,13 @@ pub const LEFT: f64 = 0.03;
 /// Probability of whiteness below which something is left.
 pub const NOT_WHITE: f64 = 1e-6;
 
-/// How well twins and recordings agree before and after.
-pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
+/// How well twins and recordings agree before and after, as a whole and along each recording.
+pub fn agreement(
+    rig: &[Recorded],
+    given: &Board,
+    board: &Board,
+    fit: &Fit,
+) -> (Agreement, Vec<Curve>) {
     let before = as_given(given, board);
     let plain = before.fit(&of_drive(fit));
     let edges = board.edges() as f64;
@@ -53,7 +57,7 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
         // As a root of squares above what the best leaves.
         1.0 - ((early - late).max(0.0) / (none - late)).sqrt().min(1.0)
     });
-    Agreement {
+    let agreement = Agreement {
         rms_before_rad: to_rad(plain.rss, edges),
         rms_after_rad: to_rad(fit.rss.min(plain.rss), edges),
         floor_rad: deviation,
@@ -67,7 +71,8 @@ pub fn agreement(given: &Board, board: &Board, fit: &Fit) -> Agreement {
             floor_rad: to_rad(held, held),
             reducible_removed: reducible,
         },
-    }
+    };
+    (agreement, curves(rig, board, &rest))
 }
 
 /// Edges of a recording that are held out.
@@ -270,13 +275,7 @@ pub fn facts(one: &Recorded, bench: &Bench, board: &Board) -> RecordingFacts {
         start_rad: one.start_rad(),
         stamp_rms_s: Some(board.noise.stamp_s),
         disturbed_s: one.edges.events.iter().map(|event| event.time_s).collect(),
-        either_way_s: {
-            let unused = one.edges.unused.iter();
-            let either = unused.filter(|stretch| stretch.why == Unused::EitherWay);
-            either
-                .map(|stretch| [stretch.from_s, stretch.until_s])
-                .collect()
-        },
+        left_out: one.edges.unused.clone(),
     }
 }
 
@@ -296,14 +295,8 @@ fn other_speed(one: &Recorded, bench: &Bench) -> Option<[f64; 2]> {
     ((mean - declared).abs() > HOLDS * declared.abs()).then_some([declared, mean])
 }
 
-/// RMS of the innovations in windows along each recording, before and after.
-pub fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<Curve> {
-    let before = as_given(given, board);
-    let plain = before.fit(&of_drive(fit));
-    let (one, other) = (
-        disc::rests(&before, &plain.model),
-        disc::rests(board, &fit.model),
-    );
+/// RMS of the innovations in windows along each recording, of residual angles before and after.
+fn curves(rig: &[Recorded], board: &Board, [before, after]: &[Vec<Vec<f64>>; 2]) -> Vec<Curve> {
     let pairs = rig.iter().zip(&board.benches).enumerate();
     pairs
         .map(|(at, (recorded, bench))| {
@@ -328,8 +321,8 @@ pub fn curves(rig: &[Recorded], given: &Board, board: &Board, fit: &Fit) -> Vec<
                     .copied()
                     .step_by(window)
                     .collect(),
-                before_rad: along(&one[at]),
-                after_rad: along(&other[at]),
+                before_rad: along(&before[at]),
+                after_rad: along(&after[at]),
             }
         })
         .collect()

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::edges::Stretch;
 use super::effect::Effect;
 use super::numbers::Knob;
 use super::spread::Spread;
@@ -73,8 +74,8 @@ pub struct RecordingFacts {
     pub stamp_rms_s: Option<f64>,
     /// Times at which the count of edges was disturbed, s.
     pub disturbed_s: Vec<f64>,
-    /// Starts and ends of what was left out, s, where the shaft stopped and one channel does not show which way it went on.
-    pub either_way_s: Vec<[f64; 2]>,
+    /// What was left out, and why, by time.
+    pub left_out: Vec<Stretch>,
 }
 
 impl RecordingFacts {

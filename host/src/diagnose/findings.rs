@@ -85,7 +85,7 @@ pub fn answer(
     let told = other_noise.or(stamps).into_iter();
     let told = told.chain(tasks).chain(events::findings(rig));
     all.extend(told.map(Said::alone));
-    let fitted = agreement::agreement(given, board, fit);
+    let (fitted, curves) = agreement::agreement(rig, given, board, fit);
     if let Some(left) = left_over(board, fit, &all, &fitted) {
         all.push(Said::alone(left));
     }
@@ -156,7 +156,7 @@ pub fn answer(
         pattern,
         not_identifiable: Vec::new(),
         corrected: board.corrected(&fit.model),
-        curves: agreement::curves(rig, given, board, fit),
+        curves,
     }
 }
 

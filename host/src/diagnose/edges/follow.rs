@@ -76,8 +76,6 @@ pub(super) enum Seen {
 pub(super) struct Way {
     /// One entry an observation.
     pub seen: Vec<Seen>,
-    /// Prediction error of each observation's log interval; not a number where there is none.
-    pub innovations: Vec<f32>,
     /// Log likelihood.
     pub score: f64,
     /// How much better it is than the best one that ends at another place of the turn.
@@ -108,7 +106,6 @@ struct Hypothesis {
 struct Node {
     parent: Option<usize>,
     seen: Seen,
-    innovation: f32,
 }
 
 struct Follower<'a> {
@@ -207,7 +204,7 @@ impl Follower<'_> {
 
     /// One edge on in smooth motion, where nothing else is worth a thought; none where it is.
     #[inline]
-    fn plain(&self, from: &Hypothesis, sight: Sight) -> Option<(Hypothesis, f64)> {
+    fn plain(&self, from: &Hypothesis, sight: Sight) -> Option<Hypothesis> {
         let speed = from.speed.filter(|_| !from.astray && !from.skipped)?;
         let mut to = *from;
         let on = if to.forward { 1 } else { -1 };
@@ -222,7 +219,7 @@ impl Follower<'_> {
         }
         to.glide(&speed, self.sort.spread, interval, off);
         to.ticks = sight.ticks;
-        Some((to, off))
+        Some(to)
     }
 
     fn step(&mut self, sight: Sight) {
@@ -242,8 +239,8 @@ impl Follower<'_> {
 
     /// All that a shaft whose place is known may have done.
     fn moves(&mut self, from: &Hypothesis, sight: Sight) {
-        if let Some((to, off)) = self.plain(from, sight) {
-            return self.push(to, to.seen(false), off);
+        if let Some(to) = self.plain(from, sight) {
+            return self.push(to, to.seen(false));
         }
         let Some(class) = sight.class else {
             return self.no_edge(from, -self.sort.extra);
@@ -266,7 +263,7 @@ impl Follower<'_> {
             to.astray = true;
             to.score += BROAD - RARE;
             to.wander(sight);
-            self.push(to, Seen::Astray, f64::NAN);
+            self.push(to, Seen::Astray);
         }
     }
 
@@ -331,7 +328,6 @@ impl Follower<'_> {
             to.disturb(RARE, self.sort.lost_more * (lost - 1) as f64);
         }
         let interval = self.interval(from, &to, sight);
-        let mut innovation = f64::NAN;
         match from.speed {
             _ if forward != from.forward => {
                 // To turn back, a shaft has to halve its speed first, or to take as long for the way there and back.
@@ -352,10 +348,9 @@ impl Follower<'_> {
                     let mut still = to;
                     still.score += broad(off) - REVERSAL - abrupt(steady, speed.variance);
                     still.speed = None;
-                    self.push(still, still.seen(false), f64::NAN);
+                    self.push(still, still.seen(false));
                 }
                 to.glide(&speed, self.sort.spread, interval, off);
-                innovation = off;
             }
             None => {
                 to.score += BROAD;
@@ -363,28 +358,28 @@ impl Follower<'_> {
                     // It may stand still once more.
                     let mut still = to;
                     still.score += BROAD;
-                    self.push(still, still.seen(lost > 0), f64::NAN);
+                    self.push(still, still.seen(lost > 0));
                     to.speed = Some(Speed::first(self.sort.spread, interval));
                     to.trouble *= CALM;
                 }
             }
         }
         let fresh = !from.timed || lost > 0 && from.speed.is_none();
-        self.push(to, to.seen(fresh), innovation);
+        self.push(to, to.seen(fresh));
     }
 
     fn no_edge(&mut self, from: &Hypothesis, score: f64) {
         let mut to = *from;
         to.skipped = !from.skipped || self.grid.classes() == 1;
         to.score += score;
-        self.push(to, Seen::Extra, f64::NAN);
+        self.push(to, Seen::Extra);
     }
 
     /// Out of sight: it stays so, or this is an edge of any place.
     fn search(&mut self, from: &Hypothesis, sight: Sight, best: bool) {
         let mut astray = *from;
         astray.score += astray.wander(sight);
-        self.push(astray, Seen::Astray, f64::NAN);
+        self.push(astray, Seen::Astray);
         if !best {
             return;
         }
@@ -400,15 +395,14 @@ impl Follower<'_> {
                 score: from.score + 2.0 * BROAD - (starts as f64).ln(),
                 ..*from
             };
-            self.push(to, to.seen(true), f64::NAN);
+            self.push(to, to.seen(true));
         }
     }
 
-    fn push(&mut self, mut to: Hypothesis, seen: Seen, innovation: f64) {
+    fn push(&mut self, mut to: Hypothesis, seen: Seen) {
         self.nodes.push(Node {
             parent: to.node,
             seen,
-            innovation: innovation as f32,
         });
         to.node = Some(self.nodes.len() - 1);
         self.next.push(to);
@@ -444,11 +438,9 @@ impl Follower<'_> {
         let from = self.way.seen.len();
         while let Some(open) = node.map(|node| self.nodes[node]) {
             self.way.seen.push(open.seen);
-            self.way.innovations.push(open.innovation);
             node = open.parent;
         }
         self.way.seen[from..].reverse();
-        self.way.innovations[from..].reverse();
         self.nodes.clear();
     }
 

@@ -13,6 +13,7 @@ mod tests;
 mod wheel;
 
 use quadcal::edge::Levels;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::recording::Row;
@@ -94,10 +95,9 @@ pub struct CountEvent {
 }
 
 /// Why edges were not used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Unused {
-    /// No edge came: the shaft stands.
-    Standing,
     /// Pulses far shorter than those of the wheel at the speed beside them.
     Bounces,
     /// Edges that do not follow the pattern of the wheel, as when it rocks back, which one channel cannot show.
@@ -107,7 +107,7 @@ pub enum Unused {
 }
 
 /// A stretch of the recording that is not used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stretch {
     /// Start, s.
     pub from_s: f64,

@@ -13,8 +13,6 @@ use crate::recording::Row;
 
 /// Intervals of bounces are this much shorter than the pitch beside them.
 const BOUNCE: f64 = 0.125;
-/// An interval this much longer than the pitch beside it is a stop.
-const STOP: f64 = 20.0;
 
 /// The way along the edges that lead the search.
 struct Lead<'a> {
@@ -39,7 +37,7 @@ pub(super) fn place_pulses(present: &[bool], rows: &[Row], edges: &mut Edges) {
     let ticks: Vec<u64> = rows.iter().map(|row| row.ticks).collect();
     let lead = Lead::new(present, &ticks);
     assemble(&lead, None, edges, |tooth, _| tooth);
-    finish(&lead, rows, edges);
+    finish(&lead, edges);
 }
 
 /// Places both edges of teeth.
@@ -58,7 +56,7 @@ pub(super) fn place(present: &[bool], rows: &[Row], edges: &mut Edges) {
             (false, _) => 2 * tooth + 1,
         }
     });
-    finish(&lead, rows, edges);
+    finish(&lead, edges);
 }
 
 /// Times at which the channel falls, and at which it rises.
@@ -271,7 +269,7 @@ fn assemble(
 }
 
 /// Says what was not used, and how good the rest is.
-fn finish(lead: &Lead, rows: &[Row], edges: &mut Edges) {
+fn finish(lead: &Lead, edges: &mut Edges) {
     let (seen, ticks) = (&lead.way.seen, lead.ticks);
     edges.fit = lead.fit();
     let turn = lead.grid.ranks();
@@ -303,17 +301,6 @@ fn finish(lead: &Lead, rows: &[Row], edges: &mut Edges) {
             };
             let ends = [ticks[from], ticks[until - 1]];
             unused.push(stretch(ends, each * run.len(), why));
-        }
-    }
-    if let (Some(row), Some(&first), Some(pitch)) = (rows.first(), ticks.first(), lead.pitch(0))
-        && (first - row.ticks) as f64 > STOP * pitch
-    {
-        unused.push(stretch([row.ticks, first], 0, Unused::Standing));
-    }
-    for (n, innovation) in lead.way.innovations.iter().enumerate() {
-        if f64::from(*innovation) > STOP.ln() {
-            let ends = [ticks[n.saturating_sub(1)], ticks[n]];
-            unused.push(stretch(ends, 0, Unused::Standing));
         }
     }
     unused.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));

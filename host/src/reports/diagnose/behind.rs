@@ -2,6 +2,7 @@
 
 use crate::diagnose::diagnosis::Answer;
 use crate::diagnose::diagnosis::{Diagnosis, Finding, Parameter, RecordingFacts};
+use crate::diagnose::edges::{Stretch, Unused};
 use crate::report::{Body, Cell, si, si_digits};
 use crate::reports::diagnose::recordings::{origin, speed, table};
 use crate::reports::diagnose::words::{in_order, list, probability};
@@ -128,10 +129,12 @@ pub(super) fn recordings(diagnosis: &Diagnosis) -> Body {
     table(&mut body, &diagnosis.recordings);
     for facts in &diagnosis.recordings {
         if !facts.disturbed_s.is_empty() {
+            let times = facts.disturbed_s.iter().map(|t| format!("{t:.4} s"));
+            let times: Vec<String> = times.collect();
             let text = format!(
                 "The count of {} was disturbed at {}.",
                 facts.file,
-                instants(&facts.disturbed_s)
+                first_of(&times)
             );
             body.section("", &[&text]);
         }
@@ -139,17 +142,15 @@ pub(super) fn recordings(diagnosis: &Diagnosis) -> Body {
     body
 }
 
-/// The first of some instants.
-fn instants(all: &[f64]) -> String {
+/// The first of some instants or stretches.
+fn first_of(all: &[String]) -> String {
     const LISTED: usize = 10;
-    let first: Vec<String> = all
-        .iter()
-        .take(LISTED)
-        .map(|t| format!("{t:.4} s"))
-        .collect();
     match all.len().saturating_sub(LISTED) {
-        0 => list(&first),
-        more => format!("{} and {more} more (--json lists all)", first.join(", ")),
+        0 => list(all),
+        more => format!(
+            "{} and {more} more (--json lists all)",
+            all[..LISTED].join(", ")
+        ),
     }
 }
 
@@ -177,16 +178,35 @@ pub(super) fn recording(facts: &RecordingFacts) -> String {
         1 => text += "; count disturbed at 1 instant",
         times => text += &format!("; count disturbed at {times} instants"),
     }
-    let left_out: Vec<String> = facts
-        .either_way_s
-        .iter()
-        .map(|[from, until]| format!("{from:.2} to {until:.2} s"))
-        .collect();
-    if !left_out.is_empty() {
-        text += &format!(
-            "; left out: {}, as it stops and one channel does not show which way it goes on",
-            list(&left_out)
+    for why in [Unused::EitherWay, Unused::OffPattern, Unused::Bounces] {
+        let own = facts.left_out.iter().filter(|stretch| stretch.why == why);
+        let edges: usize = own.clone().map(|stretch| stretch.rows).sum();
+        let each = own.map(
+            |Stretch {
+                 from_s, until_s, ..
+             }| format!("{from_s:.2} to {until_s:.2} s"),
         );
+        let each: Vec<String> = each.collect();
+        if !each.is_empty() {
+            text += &format!("; left out: {}, {}", first_of(&each), because(why, edges));
+        }
     }
     text
+}
+
+/// Why some edges were left out.
+fn because(why: Unused, edges: usize) -> String {
+    match why {
+        Unused::EitherWay => {
+            "as it stops and one channel does not show which way it goes on".to_owned()
+        }
+        Unused::OffPattern => {
+            format!(
+                "as the {edges} edges there do not follow the wheel: it rocks back, or pulses are lost in a row"
+            )
+        }
+        Unused::Bounces => {
+            format!("as the {edges} edges there come far too fast for the speed beside them")
+        }
+    }
 }

@@ -159,7 +159,7 @@ fn recording(file: &str, r_min: f64) -> RecordingFacts {
         start_rad: None,
         stamp_rms_s: Some(3.4e-7),
         disturbed_s: vec![1.25, 2.5],
-        either_way_s: Vec::new(),
+        left_out: Vec::new(),
     }
 }
 

@@ -1,5 +1,6 @@
 use super::example::{complete, full};
 use super::*;
+use crate::diagnose::edges::{Stretch, Unused};
 use crate::mechanism::Mechanism;
 use crate::report::Footer;
 
@@ -193,6 +194,31 @@ fn the_text_says_what_the_page_says() {
         "Recording|slow.csv against rig.toml: 40000 edges in 20.0 turns",
     ] {
         assert!(text.contains(line), "{line}\n{text}");
+    }
+}
+
+#[test]
+fn what_was_left_out_is_said_with_its_reason() {
+    let mut answer = full();
+    let stretch = |from_s: f64, rows, why| Stretch {
+        from_s,
+        until_s: from_s + 0.25,
+        rows,
+        why,
+    };
+    let mut all = vec![
+        stretch(0.0, 7, Unused::EitherWay),
+        stretch(7.5, 40, Unused::OffPattern),
+    ];
+    all.extend((1..=12).map(|at| stretch(f64::from(at), 3, Unused::Bounces)));
+    answer.diagnosis.recordings[0].left_out = all;
+    let said = lines(&answer);
+    for part in [
+        "left out: 0.00 to 0.25 s, as it stops",
+        "left out: 7.50 to 7.75 s, as the 40 edges there do not follow the wheel",
+        "10.00 to 10.25 s and 2 more (--json lists all), as the 36 edges there come far too fast",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
     }
 }
 
