@@ -113,9 +113,9 @@ pub fn answer(
     let total: f64 = all.iter().filter_map(|one| one.loss).sum();
     let share = |one: &Said| one.loss.map(|loss| loss / total.max(f64::MIN_POSITIVE));
     let mut summary = summary(verdict, &all);
-    if verdict == Verdict::Complete && !board.disc_given {
-        summary = "Beside the disc, which it does not give, the twin explains the recordings; what is left is noise."
-            .to_owned();
+    if let (Verdict::Complete, Some(open)) = (verdict, board.not_given()) {
+        let rest = "the twin explains the recordings; what is left is noise.";
+        summary = format!("Beside {open}, which it does not give, {rest}");
     }
     let findings: Vec<Finding> = all.iter().map(|one| one.finding.clone()).collect();
     let facts = rig.iter().zip(&board.benches);

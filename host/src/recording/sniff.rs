@@ -67,6 +67,12 @@ fn by_first_line(head: &[u8], file: &Arc<str>, options: &ReadOptions) -> Result<
         // Header lines and nothing else, which only the native format has.
         return Ok(Format::Native);
     };
+    if is_twin(line) {
+        return Err(ReadError::UnknownFormat {
+            at: Place::line(file, number),
+            found: "a twin".to_owned(),
+        });
+    }
     let names = names(line, delimiter(line));
     let mapped = options.mapped(Signal::Time).map(str::to_lowercase);
     let has = |test: &dyn Fn(&str) -> bool| names.iter().any(|name| test(name));
@@ -97,4 +103,12 @@ fn by_first_line(head: &[u8], file: &Arc<str>, options: &ReadOptions) -> Result<
         at,
         found: format!("found {}", found(names.iter().map(String::as_str))),
     })
+}
+
+/// Whether a line is one of a TOML file: a table, or a bare key with its value.
+fn is_twin(line: &[u8]) -> bool {
+    let bare = |byte: &u8| byte.is_ascii_alphanumeric() || b"_-.".contains(byte);
+    let key = line.split(|byte| *byte == b'=').next().unwrap_or_default();
+    let is_key = key.len() < line.len() && key.trim_ascii().iter().all(bare);
+    is_key || line.starts_with(b"[") && line.ends_with(b"]")
 }

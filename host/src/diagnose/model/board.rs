@@ -162,6 +162,17 @@ impl Board {
         Some(board)
     }
 
+    /// What the twins do not give, in words.
+    #[must_use]
+    pub const fn not_given(&self) -> Option<&'static str> {
+        match (self.disc_given, self.undriven) {
+            (true, false) => None,
+            (false, false) => Some("the disc"),
+            (true, true) => Some("the drive"),
+            (false, true) => Some("the disc and the drive"),
+        }
+    }
+
     /// Errors of the disc as far as the twins that give it leave them open.
     #[must_use]
     pub fn pattern_given(&self) -> Option<Pattern> {

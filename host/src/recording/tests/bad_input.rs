@@ -112,6 +112,14 @@ fn native_headers() {
 
 #[test]
 fn whole_files() {
+    check(
+        "# A motor.\n\nseed = 1\n[shaft]\n",
+        "r.csv:3: a twin, not a known recording; give native CSV",
+    );
+    check(
+        "[encoder.hall]\npole_pairs = 2\n",
+        "r.csv:1: a twin, not a known recording",
+    );
     check("", "r.csv: the file is empty");
     check(" \r\n\n", "r.csv: the file is empty");
     check(
