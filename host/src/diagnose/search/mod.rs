@@ -201,6 +201,8 @@ impl Found {
             if !board.hold(&self.fit.model) && !shifted {
                 return round > 0;
             }
+            // The noise goes by sizes beside the new course.
+            self.fit = board.fit(&self.fit.model);
             self.fit = board.fit_in_noise(&self.fit.model);
         }
         true
