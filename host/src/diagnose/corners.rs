@@ -126,7 +126,7 @@ impl Board {
 
 /// Evidence below which a corner is none: it may be in any interval, and of any size.
 fn worth(bench: &Bench) -> f64 {
-    3.0 * (bench.record.len() as f64).ln() + SURE
+    Corner::NUMBERS as f64 * (bench.record.len() as f64).ln() + SURE
 }
 
 /// Corners that residual angles of a recording show.

@@ -120,8 +120,11 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
         .flat_map(|effect| board.nearest_images(effect))
         .collect();
     let all = everywhere.into_iter().chain(images);
+    // How an unknown drive holds the shaft is open as well, which makes an order's image of it: what was found goes there if that is likelier.
+    let open = |effect: &Effect| board.undriven && board.is_image(effect);
     let everywhere: Vec<Effect> = all
-        .filter(|effect| !board.is_alias(effect) && !taken(board, model, effect))
+        .filter(|effect| !open(effect) && !board.is_alias(effect))
+        .filter(|effect| !taken(board, model, effect))
         .collect();
     let exact = everywhere.par_iter().map(|effect| {
         let rounded = whole(effect, board.reach(effect)[0]);

@@ -10,6 +10,7 @@ use crate::diagnose::filter::Noise;
 use crate::diagnose::lsq;
 use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::pattern::Pattern;
+use crate::diagnose::plant::Corner;
 
 /// Whether a size of the noise has hardly changed.
 fn is_alike(was: f64, is: f64) -> bool {
@@ -17,37 +18,51 @@ fn is_alike(was: f64, is: f64) -> bool {
 }
 
 impl Board {
-    /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave, until neither changes, as
-    /// each bears on the other.
-    pub fn size_up(&mut self, model: &Model) {
-        let mut model = model.clone();
+    /// Sets the disc's pattern to the size of most evidence beside a model, and the noise to what both leave, as long as that makes the
+    /// recordings likelier, as each bears on the other. The model's fit in it.
+    pub fn size_up(&mut self, model: &Model) -> Fit {
+        let mut fit = self.fit(model);
+        let mut lost = self.lost(&fit);
         for _ in 0..self.rounds {
-            let before = self.noise;
-            model = self.fit(&model).model;
-            let Some(mut pattern) = self.pattern.take() else {
-                return;
-            };
-            let mut left = self.rest(&model);
-            let white = self.white(&left);
-            pattern.size_up(&self.benches, &white);
-            let errors = pattern.closest(&self.benches, &white);
-            for (bench, left) in self.benches.iter().zip(&mut left) {
-                bench.less_errors(left, &errors);
+            let mut next = self.clone();
+            next.size_once(&fit.model);
+            let other = next.fit(&fit.model);
+            let less = next.lost(&other);
+            if less >= lost {
+                break;
             }
-            let noise = self.levelled(&left);
-            self.pattern = Some(pattern);
-            self.set_noise(noise);
-            self.go_by(&model);
-            if is_alike(before.torque, noise.torque) && is_alike(before.stamp_s, noise.stamp_s) {
+            let (was, is) = (self.noise, next.noise);
+            (*self, fit, lost) = (next, other, less);
+            if is_alike(was.torque, is.torque) && is_alike(was.stamp_s, is.stamp_s) {
                 break;
             }
         }
+        fit
+    }
+
+    /// The same once.
+    fn size_once(&mut self, model: &Model) {
+        let Some(mut pattern) = self.pattern.take() else {
+            return;
+        };
+        let mut left = self.rest(model);
+        let white = self.white(&left);
+        pattern.size_up(&self.benches, &white);
+        let errors = pattern.closest(&self.benches, &white);
+        for (bench, left) in self.benches.iter().zip(&mut left) {
+            bench.less_errors(left, &errors);
+        }
+        let noise = self.levelled(&left);
+        self.pattern = Some(pattern);
+        self.set_noise(noise);
+        self.go_by(model);
     }
 
     /// Fits the noise to what a model leaves.
     pub fn fit_noise(&mut self, model: &Model) {
         if self.pattern.is_some() {
-            return self.size_up(model);
+            self.size_up(model);
+            return;
         }
         let rest = self.rest(model);
         for _ in 0..BOTH {
@@ -61,6 +76,9 @@ impl Board {
 
     /// Fits the noise to what a model leaves, and the model in it.
     pub fn fit_in_noise(&mut self, model: &Model) -> Fit {
+        if self.pattern.is_some() {
+            return self.size_up(model);
+        }
         self.fit_noise(model);
         self.fit(model)
     }
@@ -92,6 +110,8 @@ impl Board {
         let volume = self.pattern.as_ref().map_or(0.0, Pattern::log_volume);
         let groups = fit.model.groups().into_iter();
         let numbers: usize = groups.map(|group| fit.model.numbers(group)).sum();
+        let corners = self.benches.iter().map(|bench| bench.found.corners.len());
+        let numbers = numbers + Corner::NUMBERS * corners.sum::<usize>();
         let chance = numbers as f64 * (self.edges() as f64).ln();
         let scales: f64 = scales.map(|scale| scale.ln()).sum();
         self.squares(fit) + volume + chance - 2.0 * (scales + weights)

@@ -17,6 +17,11 @@ pub struct Corner {
     pub kick: f64,
 }
 
+impl Corner {
+    /// Numbers of one.
+    pub const NUMBERS: usize = 3;
+}
+
 /// Edges to either side of a corner whose stamps may make what looks like it.
 const SHOWN: usize = 4;
 /// Corners that are found at once at the most.

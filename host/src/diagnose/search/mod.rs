@@ -190,22 +190,40 @@ impl Found {
         self.fit = board.fit_in_noise(&self.fit.model);
     }
 
-    /// Works out the course anew beside what was found, and how stiffly the shaft is held. Whether that is anything else than before.
+    /// Works out the course anew beside what was found, and, as long as that makes the recordings likelier, where an unknown drive has
+    /// corners and how stiffly it holds the shaft. Whether that is anything else than before.
     fn bend(&mut self, board: &mut Board) -> bool {
-        for round in 0..COURSES {
-            let bent = board.find_corners(&self.fit.model);
+        let mut moved = false;
+        for _ in 0..COURSES {
+            let shifted = board.go_by(&self.fit.model);
+            if shifted {
+                self.go_along(board);
+            }
+            moved |= shifted;
+            let mut other = board.clone();
+            let bent = other.find_corners(&self.fit.model);
             if bent {
-                board.hold_by_noise(&self.fit.model);
+                other.hold_by_noise(&self.fit.model);
             }
-            let shifted = board.go_by(&self.fit.model) | bent;
-            if !board.hold(&self.fit.model) && !shifted {
-                return round > 0;
+            if other.hold(&self.fit.model) | bent {
+                let mut found = self.clone();
+                found.go_along(&mut other);
+                if other.lost(&found.fit) >= board.lost(&self.fit) {
+                    break;
+                }
+                (*board, *self) = (other, found);
+                moved = true;
+            } else if !shifted {
+                break;
             }
-            // The noise goes by sizes beside the new course.
-            self.fit = board.fit(&self.fit.model);
-            self.fit = board.fit_in_noise(&self.fit.model);
         }
-        true
+        moved
+    }
+
+    /// Fits all numbers along another course. The noise goes by sizes beside that.
+    fn go_along(&mut self, board: &mut Board) {
+        self.fit = board.fit(&self.fit.model);
+        self.fit = board.fit_in_noise(&self.fit.model);
     }
 
     /// Takes delays of one flank for less delay of the other where that explains more: the edges look the same but for what goes by when
