@@ -102,7 +102,11 @@ pub fn swapped(board: &mut Board, bank: &Bank, fit: &mut Fit) -> Vec<Alike> {
                 rivals.push((mechanism, worth, own));
             }
             (named, worth) = (other, best);
-            *fit = board.fit(&rest.model.with(&effects, group));
+            *fit = board.fit(&search::with(board, &rest.model, &effects, group));
+            // What the twins leave open is no finding.
+            if !fit.model.groups().contains(&group) {
+                continue;
+            }
             images.clear();
         }
         rivals.retain(|(other, ..)| !same.contains(other));

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 
 pub use best::{ALIKE, candidates, torque_orders, worth};
 pub use classes::joins;
-pub use open::nuisances;
+pub use open::{nuisances, with};
 
 use best::{Beside, LOUD, NEARLY, TRIED, another_disc};
-use open::{CHANGES, is_open, left_open};
+use open::CHANGES;
 
 use super::agreement;
 use super::cells::{self, Bank};
@@ -288,12 +288,7 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
             let rivals = cells::elsewhere(board, &fit.model.effects(group), loud);
             let fitted = rivals.into_par_iter().map(|effects| {
                 let (effects, gain) = board.beside(&rest, &basis, &effects);
-                let mut model = rest.model.clone();
-                if is_open(board, &effects) {
-                    model.add_open(&left_open(board, &effects), group);
-                } else {
-                    model.add(&effects, group);
-                }
+                let model = with(board, &rest.model, &effects, group);
                 let here = evidence(board, gain, cells::numbers(&effects));
                 // What is no large part of the noise leaves it as it is.
                 let least = if loud { NEARLY } else { 1.0 };

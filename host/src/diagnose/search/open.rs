@@ -138,3 +138,15 @@ pub fn left_open(board: &Board, effects: &[Effect]) -> Vec<Effect> {
     });
     each.collect()
 }
+
+/// A model with effects as a finding, or as what the twins leave open.
+#[must_use]
+pub fn with(board: &Board, model: &Model, effects: &[Effect], group: usize) -> Model {
+    let mut model = model.clone();
+    if is_open(board, effects) {
+        model.add_open(&left_open(board, effects), group);
+    } else {
+        model.add(effects, group);
+    }
+    model
+}
