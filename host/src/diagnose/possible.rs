@@ -58,6 +58,14 @@ impl Board {
         self.mirrored(effect, 1)
     }
 
+    /// Whether anything but how its size goes with the speed tells a torque from its images: how stiffly an unknown drive holds the shaft is
+    /// open, and makes one of the other. Where the shaft turns round they push other ways.
+    #[must_use]
+    pub fn tells_images(&self) -> bool {
+        let mut ways = self.benches.iter().map(|bench| &bench.record.way);
+        !self.undriven || ways.any(|way| way.windows(2).any(|two| two[0] != two[1]))
+    }
+
     fn mirrored(&self, effect: &Effect, most: u32) -> Vec<Effect> {
         let (Site::Torque, Carrier::Order(order)) = (effect.site, effect.carrier) else {
             return Vec::new();

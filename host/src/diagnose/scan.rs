@@ -114,17 +114,16 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
             .map(move |(site, _)| Effect::new(*site, *carrier))
     });
     let everywhere: Vec<Effect> = everywhere.collect();
+    // Where nothing tells an order from its images, they come after it.
+    let told = board.tells_images();
+    let known = |effect: &&Effect| told || !board.is_image(effect);
     let found = model.terms.iter().map(|term| &term.effect);
-    let images = everywhere.iter().chain(found);
-    let images: Vec<Effect> = images
-        .flat_map(|effect| board.nearest_images(effect))
-        .collect();
-    let all = everywhere.into_iter().chain(images);
-    // How an unknown drive holds the shaft is open as well, which makes an order's image of it: what was found goes there if that is likelier.
-    let open = |effect: &Effect| board.undriven && board.is_image(effect);
+    let images = everywhere.iter().filter(|_| told).chain(found);
+    let images = images.flat_map(|effect| board.nearest_images(effect));
+    let images: Vec<Effect> = images.collect();
+    let all = everywhere.iter().filter(known).chain(&images).copied();
     let everywhere: Vec<Effect> = all
-        .filter(|effect| !open(effect) && !board.is_alias(effect))
-        .filter(|effect| !taken(board, model, effect))
+        .filter(|effect| !board.is_alias(effect) && !taken(board, model, effect))
         .collect();
     let exact = everywhere.par_iter().map(|effect| {
         let rounded = whole(effect, board.reach(effect)[0]);

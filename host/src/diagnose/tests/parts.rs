@@ -484,3 +484,51 @@ fn a_size_whose_growth_does_not_show_is_constant() {
     };
     assert_eq!(fit.model.effects(0), [constant]);
 }
+
+#[test]
+fn beside_an_unknown_drive_an_image_is_looked_for_after_the_order_that_it_is_of() {
+    // 30 edges a turn: 18 is the image of 12.
+    let rig = "seed = 4\nduration = { turns = 60 }\n[encoder.hall]\npole_pairs = 5\n[shaft]\ninertia_kg_m2 = 4.6e-3\n\
+        [drive.constant]\nr_min = 60\n[timer]\nclock_hz = 72_000_000\njitter_s = 1e-6\n\
+        [[ripple]]\norder = 18\nphase_rad = 3.6\ntorque_n_m = 0.043\n";
+    let thin = "[encoder.hall]\npole_pairs = 5\n[shaft]\ninertia_kg_m2 = 4.6e-3\n[timer]\nclock_hz = 72_000_000\n";
+    let board = board_beside(&twin(rig), &twin(thin));
+    let torque = |order| Effect::new(Site::Torque, Carrier::Order(order));
+    let tried = |model: &Model| {
+        let found = search::torque_orders(&board, &board.fit(model));
+        found.contains(&18)
+    };
+    assert!(!tried(&Model::default()));
+    let lower = Model::default().with(&[torque(12.0)], 0);
+    assert!(tried(&lower));
+}
+
+#[test]
+fn noise_and_disc_are_fitted_as_long_as_that_makes_the_recording_likelier() {
+    let thin = "[encoder.wheel]\nteeth = 60\nmissing = 2\n[timer]\nclock_hz = 84e6\n";
+    let (mut board, model) = (board_beside(&twin(WHEEL), &twin(thin)), Model::default());
+    assert!(board.pattern.is_some());
+    // From a noise that is far off, and on from where that leads.
+    for factor in [1e-2, 1e2, 1.0] {
+        board.set_noise(Noise {
+            torque: factor * board.noise.torque,
+            stamp_s: factor * board.noise.stamp_s,
+            ..board.noise
+        });
+        let before = board.lost(&board.fit(&model));
+        let fit = board.fit_in_noise(&model);
+        assert!(board.lost(&fit) <= before, "{factor}");
+    }
+}
+
+#[test]
+fn a_torque_that_comes_and_goes_takes_a_findings_place_as_open_where_nobody_declared_the_drive() {
+    let load = Effect::new(Site::Torque, Carrier::Window(0.1, 0.2));
+    let thin = "[encoder.quadrature]\nlines = 500\n[shaft]\ninertia_kg_m2 = 1e-4\n[timer]\nclock_hz = 84e6\n";
+    let undriven = board_beside(&twin(PAIR_FAST), &twin(thin));
+    let model = search::with(&undriven, &Model::default(), &[load], 3);
+    assert!(model.groups().is_empty(), "{model:?}");
+    let driven = board(PAIR_FAST);
+    let model = search::with(&driven, &Model::default(), &[load], 3);
+    assert_eq!(model.groups(), [3]);
+}
