@@ -197,7 +197,7 @@ impl Found {
         for _ in 0..COURSES {
             let shifted = board.go_by(&self.fit.model);
             if shifted {
-                self.go_along(board);
+                self.fit = along(board, &self.fit.model);
             }
             moved |= shifted;
             let mut other = board.clone();
@@ -206,24 +206,17 @@ impl Found {
                 other.hold_by_noise(&self.fit.model);
             }
             if other.hold(&self.fit.model) | bent {
-                let mut found = self.clone();
-                found.go_along(&mut other);
-                if other.lost(&found.fit) >= board.lost(&self.fit) {
+                let fit = along(&mut other, &self.fit.model);
+                if other.lost(&fit) >= board.lost(&self.fit) {
                     break;
                 }
-                (*board, *self) = (other, found);
+                (*board, self.fit) = (other, fit);
                 moved = true;
             } else if !shifted {
                 break;
             }
         }
         moved
-    }
-
-    /// Fits all numbers along another course. The noise goes by sizes beside that.
-    fn go_along(&mut self, board: &mut Board) {
-        self.fit = board.fit(&self.fit.model);
-        self.fit = board.fit_in_noise(&self.fit.model);
     }
 
     /// Takes delays of one flank for less delay of the other where that explains more: the edges look the same but for what goes by when
@@ -267,6 +260,12 @@ pub fn needless(given: &Board, board: &mut Board, found: &mut Found) -> bool {
         found.worth.clear();
     }
     needless
+}
+
+/// A model's fit along another course, in noise that goes by sizes beside that.
+fn along(board: &mut Board, model: &Model) -> Fit {
+    let fit = board.fit(model);
+    board.fit_in_noise(&fit.model)
 }
 
 /// How the shaft of each recording answers.
