@@ -4,6 +4,7 @@ mod answers;
 mod cells;
 mod corners;
 mod parts;
+mod search;
 
 use super::bench::Bench;
 use super::diagnosis::Answer;
