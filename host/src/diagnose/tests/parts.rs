@@ -291,18 +291,25 @@ fn open_places_of_an_unknown_disc_add_up_to_no_angle_that_torques_go_by() {
 
 #[test]
 fn noise_and_disc_are_fitted_as_long_as_that_makes_the_recording_likelier() {
-    let thin = "[encoder.wheel]\nteeth = 60\nmissing = 2\n[timer]\nclock_hz = 84e6\n";
-    let (mut board, model) = (board_beside(&twin(WHEEL), &twin(thin)), Model::default());
-    assert!(board.pattern.is_some());
-    // From a noise that is far off, and on from where that leads.
-    for factor in [1e-2, 1e2, 1.0] {
-        board.set_noise(Noise {
-            torque: factor * board.noise.torque,
-            stamp_s: factor * board.noise.stamp_s,
-            ..board.noise
-        });
-        let before = board.lost(&board.fit(&model));
-        let fit = board.fit_in_noise(&model);
-        assert!(board.lost(&fit) <= before, "{factor}");
+    for (turns, torque, jitter) in [(6, 20.0, 2e-5), (9, 5.0, 1e-6)] {
+        let thin = "[encoder.wheel]\nteeth = 36\nmissing = 1\n[timer]\nclock_hz = 1e6\n";
+        let rig = format!(
+            "seed = 4\n{thin}jitter_s = {jitter}\n[duration]\nturns = {turns}\n[errors]\nposition = {{ normal = {{ rms_rad = 1e-2 }} }}\n\
+             [shaft]\ninertia_kg_m2 = 0.1\nviscous_n_m_s = 0.5\n[drive.constant]\nr_min = 160\n[noise.white]\npsd_n2_m2_s = 1e-1\n\
+             [[ripple]]\norder = 3\nphase_rad = 1.0\ntorque_n_m = {torque}\n"
+        );
+        let (mut board, model) = (board_beside(&twin(&rig), &twin(thin)), Model::default());
+        assert!(board.pattern.is_some());
+        // From a noise that is far off, and on from where that leads.
+        for factor in [1e-2, 1e2, 1.0] {
+            board.set_noise(Noise {
+                torque: factor * board.noise.torque,
+                stamp_s: factor * board.noise.stamp_s,
+                ..board.noise
+            });
+            let before = board.lost(&board.fit(&model));
+            let fit = board.fit_in_noise(&model);
+            assert!(board.lost(&fit) <= before, "{turns} turns, {factor}");
+        }
     }
 }
