@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
-use super::{Edges, SURE, Stretch, Unused};
+use super::{Edges, SURE, Stretch, Unused, median};
 use crate::diagnose::noise::FAR;
 use crate::twin::{Drive, Twin};
 
@@ -20,6 +20,10 @@ const MAY_STOP: f64 = 0.2;
 const FAST: f64 = 0.3;
 /// Edges that are to be seen again: so many make up for what a few say by chance.
 const AGAIN: usize = 50;
+/// How much slower than two teeth before and after, in logarithms of both together, a shaft may have stopped in between.
+const FALLS: f64 = 0.5;
+/// Turns from which on a place's share in a change of speed is known.
+const TURNS: usize = 5;
 /// How many times as much energy as a ripple can take a shaft is to have: friction takes some as well.
 const OVER: f64 = 3.0;
 
@@ -151,8 +155,8 @@ impl Edges {
     }
 }
 
-/// Edges at which the shaft may have stopped: where it is slow, and the square of its speed, which falls evenly along the angle under a
-/// torque, would be none a few teeth on.
+/// Edges at which the shaft may have stopped: where it is slow, and the square of its speed, which changes evenly along the angle under
+/// a torque, falls to nearly none and rises again. What comes again at a place of each turn is the wheel's or a ripple's.
 fn stops(edges: &Edges) -> Vec<usize> {
     // From each edge on over one tooth, so that teeth and gaps of other widths do not show.
     let tooth = edges.classes as usize;
@@ -169,18 +173,26 @@ fn stops(edges: &Edges) -> Vec<usize> {
         return Vec::new();
     };
     let by = 2 * tooth;
-    let near = |at: usize, beside: Option<&f64>| {
-        let square = speeds[at] * speeds[at];
-        let gained = beside.map_or(0.0, |beside| beside * beside - square);
-        // It would be none within three teeth.
-        gained > 0.0 && square / gained < 1.5
-    };
+    let turn = i64::from(edges.grid_edges);
+    let place = |at: usize| edges.place[at].rem_euclid(turn) as usize;
+    let gains = speeds.windows(by + 1);
+    let gains: Vec<f64> = gains.map(|pair| (pair[by] / pair[0]).ln()).collect();
+    let mut of_place = vec![Vec::new(); turn as usize];
+    for (at, gain) in gains.iter().enumerate() {
+        of_place[place(at)].push(*gain);
+    }
+    let usual = of_place.into_iter().map(|gains| {
+        let comes_again = gains.len() >= TURNS;
+        median(gains).filter(|_| comes_again).unwrap_or(0.0)
+    });
+    let usual: Vec<f64> = usual.collect();
+    // From an edge on, two teeth further, beside what is usual there.
+    let gained = |at: usize| gains.get(at).map_or(0.0, |gain| gain - usual[place(at)]);
     (0..count)
         .filter(|&at| {
-            let before = at.checked_sub(by).and_then(|before| speeds.get(before));
-            let slow = speeds[at] < MAY_STOP * top;
-            speeds[at] < MAY_STOP / 10.0 * top
-                || slow && (near(at, before) || near(at, speeds.get(at + by)))
+            let lost = at.checked_sub(by).map_or(0.0, gained);
+            let falls = speeds[at] < MAY_STOP * top && gained(at) - lost > FALLS;
+            falls || speeds[at] < MAY_STOP / 10.0 * top
         })
         .map(|at| at + tooth / 2)
         .collect()
