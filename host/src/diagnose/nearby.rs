@@ -26,15 +26,15 @@ impl<'a> Left<'a> {
     /// Of a fit that is clear of its basis.
     #[must_use]
     pub fn of(board: &'a Board, fit: &'a Fit, basis: &'a Basis) -> Self {
-        let (mut white, mut of_disc) = (fit.left.clone(), None);
+        let (mut white, mut errors) = (fit.left.clone(), None);
         if let Some(pattern) = board.pattern.as_ref().filter(|one| one.size2 > 0.0) {
             // A product with what the pattern could explain as well is a small difference: it takes the errors as closely as can be.
             let rest = board.rest(&fit.model);
             white = board.with_pattern(&rest);
-            let errors = pattern.closest(&board.benches, &white);
-            let shown = pattern.unfold(&board.benches, &errors);
+            let closest = pattern.closest(&board.benches, &white);
+            let shown = pattern.unfold(&board.benches, &closest);
             add(&mut white, -1.0, &shown);
-            of_disc = Some(pattern.scores(&board.benches, &errors));
+            errors = Some((pattern, closest));
         }
         let mut from = 0;
         let each = board.benches.iter().map(|bench| {
@@ -43,11 +43,14 @@ impl<'a> Left<'a> {
             from = until;
             score
         });
+        let scores: Vec<Vec<f64>> = each.collect();
+        let of_disc =
+            errors.map(|(pattern, errors)| pattern.scores(&board.benches, &errors, &scores));
         Self {
             board,
             basis,
             white: &fit.left,
-            scores: each.collect(),
+            scores,
             of_disc,
         }
     }

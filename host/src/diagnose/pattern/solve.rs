@@ -64,6 +64,14 @@ impl Pattern {
         factor.as_ref()
     }
 
+    /// What is known of each edge of the grid alone, 1/rad^2: less beside a gap; none worked out where there are many.
+    #[must_use]
+    pub fn known_of_each(&self, benches: &[Bench]) -> Option<Vec<f64>> {
+        self.factor(benches)?;
+        let (normal, _) = self.normal.get()?;
+        Some(normal.diagonal().iter().copied().collect())
+    }
+
     /// Score of each edge of the grid: what one rad of its error adds.
     #[must_use]
     pub fn fold(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
@@ -158,21 +166,25 @@ impl Pattern {
         all.into_iter().map(|row| row.errors).collect()
     }
 
-    /// What one rad at each edge adds, as errors of edges say it, to a sum of squares that is least over them: of those of one place
-    /// together each error over the prior.
+    /// What one rad at each edge adds to a sum of squares that is least over errors of edges, from what it is beside these errors. Together,
+    /// edges of one place say each error over the prior, and that exactly: their own sum is a small difference.
     #[must_use]
-    pub fn scores(&self, benches: &[Bench], errors: &[f64]) -> Vec<Vec<f64>> {
+    pub fn scores(&self, benches: &[Bench], errors: &[f64], beside: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut hits = vec![0.0; self.edges];
-        let slots = |bench: &Bench| -> Vec<usize> {
-            let each = 0..bench.record.len();
-            each.map(|at| bench.record.slot(at)).collect()
-        };
-        let all = benches.iter().flat_map(slots);
-        all.for_each(|slot| hits[slot] += 1.0);
-        let over = self.over_prior(errors);
-        let score = |slot: usize| over[slot] / hits[slot];
-        let of_bench = |bench: &Bench| slots(bench).into_iter().map(score).collect();
-        benches.iter().map(of_bench).collect()
+        let mut off = self.over_prior(errors);
+        for (bench, scores) in benches.iter().zip(beside) {
+            for (at, score) in scores.iter().enumerate() {
+                hits[bench.record.slot(at)] += 1.0;
+                off[bench.record.slot(at)] -= score;
+            }
+        }
+        let each = benches.iter().zip(beside).map(|(bench, scores)| {
+            let each = scores.iter().enumerate();
+            let each = each.map(|(at, score)| (bench.record.slot(at), score));
+            each.map(|(slot, score)| score + off[slot] / hits[slot])
+                .collect()
+        });
+        each.collect()
     }
 
     /// A white row without what a pattern explains of it, and the pattern's errors over the prior's root behind it: products of such rows are
