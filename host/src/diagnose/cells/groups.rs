@@ -11,6 +11,16 @@ use crate::twin::Drive;
 /// Spread of the speed, as a share of it, from which on a size that grows with it can be told from one that does not.
 pub const SPEEDS: f64 = 0.05;
 
+/// How a size may go with the speed, where the speed changes; what grows as it falls would be infinite where the shaft turns round.
+pub(super) fn by_speed(board: &Board) -> Vec<Growth> {
+    let mut growths = Vec::new();
+    if board.speed_spread() > SPEEDS {
+        growths.push(Growth::Speed(1.0));
+        growths.extend((!turns_round(board)).then_some(Growth::Speed(-1.0)));
+    }
+    growths
+}
+
 /// Sizes and knobs of effects.
 #[must_use]
 pub fn numbers(effects: &[Effect]) -> usize {
@@ -109,6 +119,14 @@ pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
         all.extend(some_of(steadies(Site::Disc, None, 1..channels)));
         all.extend(some_of(steadies(Site::Stamp, None, 1..channels)));
         all.extend((0..channels).map(|channel| off_the_middle(channel, channels)));
+    }
+    if has_classes && by_speed(board).contains(&Growth::Speed(-1.0)) {
+        // A level beside a signal that is larger the faster the shaft turns, as a pick-up coil's is.
+        let level = |channel| Effect {
+            growth: Growth::Speed(-1.0),
+            ..Effect::new(Site::Level(on(channel, None)), Carrier::Steady)
+        };
+        all.extend(all_and_each(board).map(|channel| vec![level(channel)]));
     }
     if turns_round(board) {
         let sites = all_and_each(board).map(|channel| Site::Disc(on(channel, None)));

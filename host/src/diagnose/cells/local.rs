@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::groups::all_and_each;
+use super::groups::{all_and_each, by_speed};
 use crate::diagnose::bench::Bench;
-use crate::diagnose::effect::{Carrier, Effect, On, Site};
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::lsq::dot;
 use crate::diagnose::model::Board;
 use crate::diagnose::nearby::Left;
@@ -12,6 +12,8 @@ use crate::diagnose::scan::{Candidate, evidence};
 
 /// Instants of a recording at which steps are tried.
 const INSTANTS: usize = 32;
+/// Bumps whose gain is worked out exactly: others beside them share edges with them, which the folded score does not see.
+const EXACT: usize = 12;
 /// Widths of bumps, edges: from a single one on, each about twice the one before.
 const WIDTHS: [f64; 10] = [0.7, 1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0, 192.0, 384.0];
 
@@ -135,10 +137,21 @@ fn loads_of(steps: &[Step], left: &Left<'_>, bench: &Bench, of_edges: &[f64]) ->
     found
 }
 
-/// A kind of bump that is looked for: the edges that it is on, and its width, rad, with the square of a unit one.
-pub type Kind = (On, f64, f64);
+/// A kind of bump that is looked for.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    /// A unit one anywhere.
+    effect: Effect,
+    /// Edges that it is on.
+    on: On,
+    /// Its width, edges.
+    width: f64,
+    /// Square of a unit one at an edge of the grid.
+    square: f64,
+    own: usize,
+}
 
-/// Kinds of bumps that are looked for.
+/// Kinds of bumps that are looked for. Of a disc of which nothing is known, only one that changes with the speed is not the disc's own.
 pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
     let record = board.benches.first().map(|bench| &bench.record);
     let Some(record) = record.filter(|record| record.edges >= 32) else {
@@ -152,19 +165,30 @@ pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
     } else {
         vec![On::ALL]
     };
+    let mut growths = vec![Growth::Constant];
+    growths.extend(by_speed(board));
     let widths = WIDTHS.into_iter().filter(|width| width * 6.0 <= edges);
     let kinds = widths.flat_map(|width| sites.iter().map(move |on| (*on, width)));
-    let kinds: Vec<(On, f64)> = kinds.collect();
-    let kind = |(on, width): (On, f64)| {
-        let width = width * record.step_rad();
+    let kinds = kinds.flat_map(|(on, width)| growths.iter().map(move |&by| (on, width, by)));
+    let kinds: Vec<(On, f64, Growth)> = kinds.collect();
+    let kind = |(on, width, growth): (On, f64, Growth)| {
         // A unit one is worth the same on each of its edges.
         let here = |slot: &usize| on.has(record.change_of(*slot));
         let (middle, last) = (record.edges as usize / 2, record.edges as usize);
         let own = (middle..last).find(here).unwrap_or(middle);
-        let carrier = Carrier::Bump(record.angle_of(own), width);
-        let column = board.columns(&Effect::new(Site::Disc(on), carrier));
-        let column = &column[0];
-        (on, width, dot(column, column))
+        let carrier = Carrier::Bump(record.angle_of(own), width * record.step_rad());
+        let effect = Effect {
+            growth,
+            ..Effect::new(Site::Disc(on), carrier)
+        };
+        let column = board.columns(&effect);
+        Kind {
+            effect,
+            on,
+            width,
+            square: dot(&column[0], &column[0]),
+            own,
+        }
     };
     kinds.into_par_iter().map(kind).collect()
 }
@@ -176,40 +200,72 @@ pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
     };
     let record = &first.record;
     let edges = record.edges;
-    let mut fold = vec![0.0; edges as usize];
-    let scores = left.scores(Site::Disc(On::ALL));
-    for (bench, scores) in left.board.benches.iter().zip(scores) {
-        for (at, score) in scores.iter().enumerate() {
-            fold[bench.record.slot(at)] += score;
+    let mut growths: Vec<Growth> = Vec::new();
+    for kind in kinds {
+        if !growths.contains(&kind.effect.growth) {
+            growths.push(kind.effect.growth);
         }
     }
-    let best = |(on, width, square): &Kind| {
-        let width_edges = width / record.step_rad();
-        let reach = (3.0 * width_edges).ceil() as i64;
-        let stride = (0.5 * width_edges).floor().max(1.0) as usize;
+    let folds = growths.iter().map(|growth| {
+        let mut fold = vec![0.0; edges as usize];
+        let scores = left.scores(Site::Disc(On::ALL));
+        for (bench, scores) in left.board.benches.iter().zip(scores) {
+            for (at, score) in scores.iter().enumerate() {
+                let by = match growth {
+                    Growth::Speed(power) => bench.course.speed[at].abs().powf(*power),
+                    _ => 1.0,
+                };
+                fold[bench.record.slot(at)] += by * score;
+            }
+        }
+        fold
+    });
+    let folds: Vec<Vec<f64>> = folds.collect();
+    let pattern = left.board.pattern.as_ref();
+    let known = pattern.and_then(|pattern| pattern.known_of_each(&left.board.benches));
+    let known = known.unwrap_or_else(|| vec![1.0; edges as usize]);
+    let best = |kind: &Kind| {
+        let of = |growth: &Growth| *growth == kind.effect.growth;
+        let fold = &folds[growths.iter().position(of).unwrap_or(0)];
+        let reach = (3.0 * kind.width).ceil() as i64;
+        let stride = (0.5 * kind.width).floor().max(1.0) as usize;
+        let sums = |middle: i64| {
+            let slots = (-reach..=reach).map(|by| (by, (middle + by).rem_euclid(edges) as usize));
+            let there = slots.filter(|(_, slot)| kind.on.has(record.change_of(*slot)));
+            there.fold((0.0, 0.0), |(score, square), (by, slot)| {
+                let shape = (-0.5 * (by as f64 / kind.width).powi(2)).exp();
+                let own = shape * shape * known[slot];
+                (score + shape * fold[slot], square + own)
+            })
+        };
+        let unit = kind.square / sums(kind.own as i64).1;
         let gains = (0..edges).step_by(stride).map(|middle| {
-            let each = (-reach..=reach).map(|by| {
-                let slot = (middle + by).rem_euclid(edges) as usize;
-                let there = on.has(record.change_of(slot));
-                let shape = || (-0.5 * (by as f64 / width_edges).powi(2)).exp();
-                if there { shape() * fold[slot] } else { 0.0 }
-            });
-            (each.sum::<f64>().powi(2) / square, middle)
+            let (score, square) = sums(middle);
+            let gain = score * score / (unit * square);
+            (if gain.is_finite() { gain } else { 0.0 }, middle)
         });
-        let (gain, middle) = gains.fold(
-            (0.0, 0),
-            |best, one| if one.0 > best.0 { one } else { best },
-        );
-        let carrier = Carrier::Bump(record.angle_of(middle as usize), *width);
-        (gain, Effect::new(Site::Disc(*on), carrier))
+        let best = gains.reduce(|best, one| if one.0 > best.0 { one } else { best });
+        let (gain, middle) = best.unwrap_or_default();
+        let middle_rad = record.angle_of(middle as usize);
+        let carrier = Carrier::Bump(middle_rad, kind.width * record.step_rad());
+        let effect = Effect {
+            carrier,
+            ..kind.effect
+        };
+        (gain, effect)
     };
-    let shown = kinds.par_iter().filter(|(.., square)| *square > 0.0);
-    best_two(shown.map(best).collect())
+    let shown = kinds.par_iter().filter(|kind| kind.square > 0.0);
+    let mut shown: Vec<(f64, Effect)> = shown.map(best).collect();
+    shown.sort_by(|a, b| b.0.total_cmp(&a.0));
+    shown.truncate(EXACT);
+    let exact = shown.into_par_iter();
+    let exact = exact.map(|(_, effect)| (left.gain(&effect), effect));
+    best_two(exact.collect())
         .map(|(gain, effect)| nearest(left, effect, gain, 0.5 * effect.knobs()[1]))
         .collect()
 }
 
-/// An effect with the best knobs near its own, all of one unit, where it may be worth them.
+/// An effect with the best knobs of its carrier near its own, both of one unit, where it may be worth them.
 fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
     let of = |(effect, gain): (Effect, f64)| Candidate {
         effects: vec![effect],
@@ -219,8 +275,7 @@ fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
     if evidence(left.board, gain, as_it_is.numbers()) < 0.0 {
         return as_it_is;
     }
-    let reach = left.board.reach(&effect).into_iter();
+    let reach = left.board.reach(&effect).into_iter().take(2);
     let least = 0.3 * reach.fold(f64::INFINITY, f64::min);
-    let steps = vec![step; effect.knobs().len()];
-    of(left.best_near(&effect, &steps, least / step))
+    of(left.best_near(&effect, &[step; 2], least / step))
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::groups::SPEEDS;
+use super::groups::by_speed;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::model::Board;
 
@@ -73,9 +73,7 @@ pub fn grown(board: &Board, own: &[Effect]) -> Vec<Vec<Effect>> {
     }
     let rate = 1.0 / board.seconds();
     let mut growths = vec![Growth::Even(rate), Growth::Even(-0.5 * rate)];
-    if board.speed_spread() > SPEEDS {
-        growths.extend([Growth::Speed(1.0), Growth::Speed(-1.0)]);
-    }
+    growths.extend(by_speed(board));
     let each = growths.into_iter();
     let each = each.map(|growth| Effect { growth, ..*effect });
     each.filter(Effect::is_possible)
