@@ -54,6 +54,18 @@ impl Said {
         self.named && self.cells.iter().any(declared)
     }
 
+    /// Whether one of them moves all edges alike and the other one flank or channel against the others, so that neither is a part of the
+    /// other.
+    fn is_apart(&self, other: &Self) -> bool {
+        let differ = |said: &Self| {
+            let mut each = said.cells.iter().map(|cell| cell.effect.site);
+            let first = each.next().and_then(Site::moves_all_alike)?;
+            each.all(|site| site.moves_all_alike() == Some(first))
+                .then_some(first)
+        };
+        matches!((differ(self), differ(other)), (Some(one), Some(other)) if one != other)
+    }
+
     /// How strongly it shows.
     fn strength(&self) -> f64 {
         let worth = self.finding.evidence.delta_bic;
@@ -89,13 +101,14 @@ pub fn answer(
     if let Some(left) = left_over(board, fit, &all, &fitted) {
         all.push(Said::alone(left));
     }
-    // What is not larger than something that no cell explains may be a part of that.
-    let without = all.iter().filter(|one| !one.named).map(Said::strength);
-    let without: f64 = without.fold(0.0, f64::max);
+    // What is not larger than something without a name may be a part of that.
+    let nameless: Vec<Said> = all.iter().filter(|one| !one.named).cloned().collect();
     for one in &mut all {
         if !one.named || events::counted(one.finding.mechanism) {
             continue;
         }
+        let near = nameless.iter().filter(|other| !one.is_apart(other));
+        let without = near.map(Said::strength).fold(0.0, f64::max);
         let part = without / (without + one.strength()).max(f64::MIN_POSITIVE);
         one.finding.confidence = one.finding.confidence.min(1.0 - part);
         if part > 0.5 {

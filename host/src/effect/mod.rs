@@ -70,6 +70,17 @@ impl Site {
     pub const fn pushes(self) -> bool {
         matches!(self, Self::Torque | Self::Drive)
     }
+
+    /// Whether it moves all edges alike, or one channel or flank against the others; none of a declared number, which may be either.
+    #[must_use]
+    pub fn moves_all_alike(self) -> Option<bool> {
+        match self {
+            Self::Torque | Self::Drive => Some(true),
+            Self::Disc(on) | Self::Stamp(on) => Some(on == On::ALL),
+            Self::Level(_) => Some(false),
+            Self::Declared(_) => None,
+        }
+    }
 }
 
 /// What an effect follows.
