@@ -166,7 +166,9 @@ pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
         vec![On::ALL]
     };
     let mut growths = vec![Growth::Constant];
-    growths.extend(by_speed(board));
+    if board.pattern.as_ref().is_some_and(|disc| !disc.known) {
+        growths.extend(by_speed(board));
+    }
     let widths = WIDTHS.into_iter().filter(|width| width * 6.0 <= edges);
     let kinds = widths.flat_map(|width| sites.iter().map(move |on| (*on, width)));
     let kinds = kinds.flat_map(|(on, width)| growths.iter().map(move |&by| (on, width, by)));
@@ -239,7 +241,10 @@ pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
             })
         };
         let unit = kind.square / sums(kind.own as i64).1;
-        let gains = (0..edges).step_by(stride).map(|middle| {
+        let there = (0..edges)
+            .step_by(stride)
+            .filter(|slot| known[*slot as usize] > 0.0);
+        let gains = there.map(|middle| {
             let (score, square) = sums(middle);
             let gain = score * score / (unit * square);
             (if gain.is_finite() { gain } else { 0.0 }, middle)
@@ -277,5 +282,12 @@ fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
     }
     let reach = left.board.reach(&effect).into_iter().take(2);
     let least = 0.3 * reach.fold(f64::INFINITY, f64::min);
-    of(left.best_near(&effect, &[step; 2], least / step))
+    let near = left.best_near(&effect, &[step; 2], least / step);
+    // The way there goes by squares that are not its own.
+    let here = left.gain(&effect);
+    if near.1 > here {
+        of(near)
+    } else {
+        of((effect, here))
+    }
 }

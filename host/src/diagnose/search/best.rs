@@ -25,6 +25,8 @@ pub const NEARLY: f64 = 0.8;
 const PROMISING: f64 = 0.7;
 /// Difference of evidence within which two explanations are alike.
 pub const ALIKE: f64 = 10.0;
+/// Difference of evidence that is none: at one speed a gear and a bearing's run-out are the same numbers.
+const TIED: f64 = 1.0;
 /// Part of what counts as noise that has to be explained for the noise to be another one without it.
 pub const LOUD: f64 = 0.05;
 
@@ -205,14 +207,20 @@ impl<'a> Beside<'a> {
     }
 
     /// The best of some effects by their evidence. What has no name, and what only shows in a disc that the twins do not give, comes after
-    /// what has one or shows elsewhere and is about as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
+    /// what has one or shows elsewhere and is about as good, and a run-out after a torque that is as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
     fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
         let board = self.board;
         let late = |effects: &[Effect]| {
             let image = effects.iter().any(|effect| board.is_image(effect));
             let nameless = board.mechanism(effects) == Mechanism::Unknown;
-            let late = image || nameless || is_open(board, effects);
-            if late { ALIKE } else { 0.0 }
+            let runs_out = |effect: &Effect| matches!((effect.site, effect.carrier), (Site::Disc(_), Carrier::Order(order)) if order.fract() != 0.0);
+            if image || nameless || is_open(board, effects) {
+                ALIKE
+            } else if effects.iter().any(runs_out) {
+                TIED
+            } else {
+                0.0
+            }
         };
         let worth = |one: &Worthy| one.0 - late(&one.1);
         tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));

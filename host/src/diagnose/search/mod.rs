@@ -328,9 +328,8 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
             return Some(fit.model.without(group));
         }
         let own_terms = (0..terms.len()).filter(|at| terms[*at].group == group);
-        if let Some(at) = own_terms.clone().find(|at| is_flat(board, fit, *at)) {
-            let mut model = fit.model.clone();
-            model.terms[at].effect.growth = Growth::Constant;
+        let flat = own_terms.clone().filter_map(|at| flat(board, fit, at));
+        if let Some(model) = { flat }.next() {
             return Some(model);
         }
         let order = |term: &Term| {
@@ -354,13 +353,18 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
     None
 }
 
-/// Whether how a term's size goes with time or speed is not worth its number.
-fn is_flat(board: &Board, fit: &Fit, at: usize) -> bool {
+/// The model with a term of constant size, if how it goes with time or speed is not worth its number. At a place of a free disc what is
+/// constant is the disc's, so that a small power may be all that shows.
+fn flat(board: &Board, fit: &Fit, at: usize) -> Option<Model> {
     let effect = &fit.model.terms[at].effect;
     let (Growth::Even(rate) | Growth::Speed(rate)) = effect.growth else {
-        return false;
+        return None;
     };
     let number = effect.sizes() + effect.knobs().len() - 1;
-    let column = fit.column(at, number);
-    column.is_some_and(|at| evidence(board, rate.powi(2) / fit.covariance[(at, at)], 1) < 0.0)
+    let variance = fit.column(at, number).map(|at| fit.covariance[(at, at)])?;
+    let mut model = fit.model.clone();
+    model.terms[at].effect.growth = Growth::Constant;
+    let is_flat = evidence(board, rate.powi(2) / variance, 1) < 0.0
+        && evidence(board, board.fit(&model).rss - fit.rss, 1) < 0.0;
+    is_flat.then_some(model)
 }

@@ -1,5 +1,7 @@
 //! The cell that models an effect, with or without a name in the catalogue.
 
+use std::f64::consts::TAU;
+
 use super::{against, said, twin};
 use crate::diagnose::diagnosis::{Finding, Verdict};
 use crate::diagnose::effect::{Carrier, Site};
@@ -152,4 +154,29 @@ fn a_level_that_swings_once_in_every_two_turns_is_no_pick_up() {
     assert_eq!(two_turns, [Mechanism::Unknown]);
     let other = mechanisms("follows = \"frequency\"\nf_hz = 4.7\n");
     assert_eq!(other, [Mechanism::ThresholdRipple]);
+}
+
+#[test]
+fn an_edge_beside_a_gap_that_moves_with_the_speed_is_modelled_there_and_takes_no_name_from_a_ripple()
+ {
+    let rig = "duration = { turns = 40 }\n\n[encoder.wheel]\nteeth = 36\nmissing = 2\n\n[shaft]\ninertia_kg_m2 = 0.1\n\n[noise.white]\n\
+               psd_n2_m2_s = 3e-3\n\n[timer]\nclock_hz = 1_000_000\njitter_s = 1e-6\n";
+    let real = format!(
+        "seed = 2\n{rig}\n[drive.ramp]\nfrom_r_min = 200\nto_r_min = 800\nover_s = 5\n\n[errors]\nposition = {{ normal = {{ rms_rad = 2e-3, \
+         per = \"edge\" }} }}\n\n[[ripple]]\norder = 2\ntorque_n_m = 3\n\n[[effect]]\nsite = \"disc\"\nedge = \"rise\"\n\
+         follows = \"place\"\nangle_rad = 0\nwidth_rad = 0.02\nshift_rad = 1e-2\nspeed_power = -0.5\n"
+    );
+    let answer = against(&real, rig);
+    let cells = || answer.cells.iter().flatten();
+    let beside = cells().find(|one| matches!(one.effect.carrier, Carrier::Bump(..)));
+    let Some(beside) = beside else {
+        panic!("{:?}", said(&answer));
+    };
+    let knobs = beside.effect.knobs();
+    assert!(knobs[0].min(TAU - knobs[0]) < 0.05, "{knobs:?}");
+    let [low, high] = beside.ci95[3].unwrap();
+    assert!(low < -0.5 && -0.5 < high && high < 0.0, "{low} {high}");
+    let findings = &answer.diagnosis.findings;
+    assert_eq!(findings[0].mechanism, Mechanism::TorqueRipple);
+    assert!(findings[0].parameters.contains_key("torque_n_m"));
 }

@@ -1,7 +1,8 @@
 //! What a search tries, keeps and bears out.
 
 use super::{PAIR_FAST, board, board_beside, twin};
-use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
+use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
+use crate::diagnose::lsq::dot;
 use crate::diagnose::model::Model;
 use crate::diagnose::nearby::Left;
 use crate::diagnose::{cells, judge, jury, search};
@@ -223,4 +224,29 @@ fn a_torque_that_comes_and_goes_takes_a_findings_place_as_open_where_nobody_decl
     let driven = board(PAIR_FAST);
     let model = search::with(&driven, &Model::default(), &[load], 3);
     assert_eq!(model.groups(), [3]);
+}
+
+#[test]
+fn the_score_of_a_free_disc_tells_what_changes_at_a_place() {
+    let given = "duration = { turns = 20 }\n\n[encoder.wheel]\nteeth = 36\nmissing = 2\n\n[shaft]\ninertia_kg_m2 = 0.1\n\n[timer]\n\
+                 clock_hz = 1_000_000\njitter_s = 1e-6\n\n[drive.ramp]\nfrom_r_min = 200\nto_r_min = 800\nover_s = 3\n";
+    let errors = "[errors]\nposition = { normal = { rms_rad = 2e-3, per = \"edge\" } }\n";
+    let board = board_beside(&twin(&format!("{given}\n{errors}")), &twin(given));
+    assert!(board.pattern.as_ref().unwrap().size2 > 0.0);
+    let fit = board.fit(&Model::default());
+    let basis = fit.basis();
+    let left = Left::of(&board, &fit, &basis);
+    let here = Site::Disc(On::ALL);
+    for growth in [1.0, -1.0, 0.5].map(Growth::Speed) {
+        let effect = Effect {
+            growth,
+            ..Effect::new(here, Carrier::Bump(1.0, 0.05))
+        };
+        let by_score = dot(&board.benches[0].columns(&effect)[0], &left.scores(here)[0]);
+        let by_rows = dot(&board.columns(&effect)[0], &fit.left);
+        assert!(
+            (by_score / by_rows - 1.0).abs() < 1e-3,
+            "{by_score} {by_rows}"
+        );
+    }
 }
