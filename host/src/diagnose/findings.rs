@@ -15,6 +15,7 @@ use super::name::Number;
 use super::nearby::Left;
 use super::noise::Tails;
 use super::rig::Recorded;
+use super::said::{Said, merged};
 use super::scan::SURE;
 use super::{correct, disc, events, name, search, stamps, task};
 use crate::effect::words::words;
@@ -25,53 +26,6 @@ use crate::report::si;
 const NAMED: f64 = 0.1;
 /// How many times as much correlation as rounding to ticks alone makes is more than that.
 const ROUNDED: f64 = 2.0;
-
-/// A finding with what the result keeps beside it.
-#[derive(Clone, Debug)]
-struct Said {
-    finding: Finding,
-    cells: Vec<Sized>,
-    /// By how much the sum of squares falls with it; none of what bends no edge.
-    loss: Option<f64>,
-    /// Whether it is a mechanism of the catalogue, or a number that the twin declares.
-    named: bool,
-}
-
-impl Said {
-    /// A finding that is no effect of the model.
-    const fn alone(finding: Finding) -> Self {
-        Self {
-            named: !matches!(finding.mechanism, Mechanism::Unknown),
-            finding,
-            cells: Vec::new(),
-            loss: None,
-        }
-    }
-
-    /// Whether it is another value of what the twin declares.
-    fn corrects(&self) -> bool {
-        let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
-        self.named && self.cells.iter().any(declared)
-    }
-
-    /// Whether one of them moves all edges alike and the other one flank or channel against the others, so that neither is a part of the
-    /// other.
-    fn is_apart(&self, other: &Self) -> bool {
-        let differ = |said: &Self| {
-            let mut each = said.cells.iter().map(|cell| cell.effect.site);
-            let first = each.next().and_then(Site::moves_all_alike)?;
-            each.all(|site| site.moves_all_alike() == Some(first))
-                .then_some(first)
-        };
-        matches!((differ(self), differ(other)), (Some(one), Some(other)) if one != other)
-    }
-
-    /// How strongly it shows.
-    fn strength(&self) -> f64 {
-        let worth = self.finding.evidence.delta_bic;
-        self.loss.map_or(worth, |loss| loss.max(worth))
-    }
-}
 
 /// The answer of a fit; its map is still empty.
 #[must_use]
@@ -381,24 +335,6 @@ fn unknown(text: String, worth: f64) -> Finding {
         },
         ..plain
     }
-}
-
-/// All that has no name as one finding after the named ones, which come the strongest first.
-fn merged(all: Vec<Said>) -> Vec<Said> {
-    let (mut named, nameless): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.named);
-    named.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
-    named.extend(nameless.into_iter().reduce(|mut one, other| {
-        one.cells.extend(other.cells);
-        one.loss = match (one.loss, other.loss) {
-            (Some(loss), Some(other)) => Some(loss + other),
-            (loss, other) => loss.or(other),
-        };
-        if other.finding.evidence.delta_bic > one.finding.evidence.delta_bic {
-            one.finding = other.finding;
-        }
-        one
-    }));
-    named
 }
 
 fn verdict(all: &[Said]) -> Verdict {

@@ -40,6 +40,7 @@ pub mod plant;
 mod possible;
 pub mod record;
 pub mod rig;
+mod said;
 pub mod scan;
 pub mod search;
 mod speed_loop;

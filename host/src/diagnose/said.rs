@@ -1,0 +1,77 @@
+//! Findings with what the result keeps beside them.
+
+use super::diagnosis::{Finding, Sized};
+use super::effect::Site;
+use crate::mechanism::Mechanism;
+
+/// A finding with what the result keeps beside it.
+#[derive(Clone, Debug)]
+pub struct Said {
+    /// The finding.
+    pub finding: Finding,
+    /// Its effects with their sizes.
+    pub cells: Vec<Sized>,
+    /// By how much the sum of squares falls with it; none of what bends no edge.
+    pub loss: Option<f64>,
+    /// Whether it is a mechanism of the catalogue, or a number that the twin declares.
+    pub named: bool,
+}
+
+impl Said {
+    /// A finding that is no effect of the model.
+    #[must_use]
+    pub const fn alone(finding: Finding) -> Self {
+        Self {
+            named: !matches!(finding.mechanism, Mechanism::Unknown),
+            finding,
+            cells: Vec::new(),
+            loss: None,
+        }
+    }
+
+    /// Whether it is another value of what the twin declares.
+    #[must_use]
+    pub fn corrects(&self) -> bool {
+        let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
+        self.named && self.cells.iter().any(declared)
+    }
+
+    /// Whether one of them moves all edges alike and the other one flank or channel against the others, so that neither is a part of the
+    /// other.
+    #[must_use]
+    pub fn is_apart(&self, other: &Self) -> bool {
+        let differ = |said: &Self| {
+            let mut each = said.cells.iter().map(|cell| cell.effect.site);
+            let first = each.next().and_then(Site::moves_all_alike)?;
+            each.all(|site| site.moves_all_alike() == Some(first))
+                .then_some(first)
+        };
+        matches!((differ(self), differ(other)), (Some(one), Some(other)) if one != other)
+    }
+
+    /// How strongly it shows.
+    #[must_use]
+    pub fn strength(&self) -> f64 {
+        let worth = self.finding.evidence.delta_bic;
+        self.loss.map_or(worth, |loss| loss.max(worth))
+    }
+}
+
+/// All that has no name as one finding after the named ones, which come the strongest first.
+#[must_use]
+pub fn merged(all: Vec<Said>) -> Vec<Said> {
+    let (mut named, nameless): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.named);
+    named.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
+    named.extend(nameless.into_iter().reduce(|mut one, other| {
+        one.cells.extend(other.cells);
+        one.loss = match (one.loss, other.loss) {
+            (Some(loss), Some(other)) => Some(loss + other),
+            (loss, other) => loss.or(other),
+        };
+        if other.finding.evidence.delta_bic > one.finding.evidence.delta_bic {
+            one.finding = other.finding;
+        }
+        one
+    }));
+    named
+}
