@@ -99,6 +99,11 @@ fn between_stops(mut edges: Edges) -> Edges {
     edges.drain(0..first);
     let ends = [(first, edges.begins_s, starts_s), (after, ends_s, last_s)];
     for (rows, from_s, until_s) in ends.into_iter().filter(|(rows, ..)| *rows > 0) {
+        // What is left out with it needs no reason of its own.
+        let inside = |own: &Stretch| own.from_s >= from_s && own.until_s <= until_s;
+        let own = edges.unused.iter().filter(|own| inside(own));
+        let rows = rows + own.map(|own| own.rows).sum::<usize>();
+        edges.unused.retain(|own| !inside(own));
         edges.unused.push(Stretch {
             from_s,
             until_s,

@@ -207,13 +207,17 @@ impl<'a> Beside<'a> {
     }
 
     /// The best of some effects by their evidence. What has no name, and what only shows in a disc that the twins do not give, comes after
-    /// what has one or shows elsewhere and is about as good, and a run-out after a torque that is as good. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
+    /// what has one or shows elsewhere and is about as good, and a run-out after a torque that is as good. Where a good part of what counts
+    /// as noise is explained, each is seen beside the noise that it leaves.
     fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
         let board = self.board;
         let late = |effects: &[Effect]| {
             let image = effects.iter().any(|effect| board.is_image(effect));
             let nameless = board.mechanism(effects) == Mechanism::Unknown;
-            let runs_out = |effect: &Effect| matches!((effect.site, effect.carrier), (Site::Disc(_), Carrier::Order(order)) if order.fract() != 0.0);
+            let runs_out = |effect: &Effect| match (effect.site, effect.carrier) {
+                (Site::Disc(_), Carrier::Order(order)) => order.fract() != 0.0,
+                _ => false,
+            };
             if image || nameless || is_open(board, effects) {
                 ALIKE
             } else if effects.iter().any(runs_out) {

@@ -328,8 +328,7 @@ fn dropped(board: &Board, fit: &Fit) -> Option<Model> {
             return Some(fit.model.without(group));
         }
         let own_terms = (0..terms.len()).filter(|at| terms[*at].group == group);
-        let flat = own_terms.clone().filter_map(|at| flat(board, fit, at));
-        if let Some(model) = { flat }.next() {
+        if let Some(model) = { own_terms.clone() }.find_map(|at| flat(board, fit, at)) {
             return Some(model);
         }
         let order = |term: &Term| {
