@@ -343,6 +343,20 @@ pub struct Sized {
     /// 95 % intervals: of the size, or of the amplitude where there are two, then of each number of carrier and growth; none of what is not
     /// fitted.
     pub ci95: Vec<Option<[f64; 2]>>,
+    /// Its size at the recordings' mean speed, where it goes with the speed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_speed: Option<AtSpeed>,
+}
+
+/// The size, or amplitude, of what goes with the speed, at one speed.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AtSpeed {
+    /// The speed, rad/s.
+    pub rad_s: f64,
+    /// The size there, in the unit of the site.
+    pub size: f64,
+    /// Its 95 % interval.
+    pub ci95: [f64; 2],
 }
 
 /// The mismatch map: fall of the sum of squares a number, site by carrier; none where a cell can't be.

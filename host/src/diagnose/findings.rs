@@ -243,6 +243,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             effect: term.effect,
             sizes: term.sizes.clone(),
             ci95: fit.intervals(at, spread),
+            at_speed: fit.at_speed(at, board.mean_speed(), spread),
         });
         Said {
             named,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::diagnosis::{Parameter, Place};
+use super::diagnosis::{AtSpeed, Parameter, Place};
 use super::effect::{Carrier, Effect, Growth, On, Site, is_exact};
 use super::model::{Board, Fit, Term};
 use super::numbers;
@@ -129,6 +129,38 @@ impl Fit {
             [value - by, value + by]
         };
         each.map(|one| one.map(within)).collect()
+    }
+
+    /// The size, or amplitude, of a term that goes with the speed at one speed, with its 95 % interval: at 1 rad/s, which no shaft may have
+    /// had, hardly anything is known of it. None of other terms.
+    #[must_use]
+    pub fn at_speed(&self, at: usize, rad_s: f64, spread: f64) -> Option<AtSpeed> {
+        let term = &self.model.terms[at];
+        let Growth::Speed(power) = term.effect.growth else {
+            return None;
+        };
+        let by = rad_s.powf(power);
+        let (size, along) = match term.sizes[..] {
+            [cos, sin] => {
+                let size = cos.hypot(sin).max(f64::MIN_POSITIVE);
+                (size, vec![cos / size, sin / size])
+            }
+            _ => (term.sizes[0], vec![1.0]),
+        };
+        // Along what one of each number changes.
+        let last = term.effect.sizes() + term.effect.knobs().len() - 1;
+        let sizes = along.into_iter().enumerate();
+        let each = sizes.chain([(last, size * rad_s.ln())]);
+        let each = each.filter_map(|(number, slope)| Some((self.column(at, number)?, slope * by)));
+        let each: Vec<(usize, f64)> = each.collect();
+        let pairs = each.iter().flat_map(|a| each.iter().map(move |b| (a, b)));
+        let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
+        let wide = NINETY_FIVE * spread * variance.sum::<f64>().max(0.0).sqrt();
+        Some(AtSpeed {
+            rad_s,
+            size: size * by,
+            ci95: [size * by - wide, size * by + wide],
+        })
     }
 
     fn numbers_of(&self, at: usize, term: &Term) -> Vec<Number> {

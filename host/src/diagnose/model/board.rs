@@ -264,6 +264,16 @@ impl Board {
         (off.sum::<f64>() / count).sqrt() / mean.max(f64::MIN_POSITIVE)
     }
 
+    /// Mean speed over all edges, rad/s, whichever way the shaft turns.
+    #[must_use]
+    pub fn mean_speed(&self) -> f64 {
+        let speeds = self.benches.iter().flat_map(|bench| &bench.course.steady);
+        let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| {
+            (sum + speed.abs(), count + 1.0)
+        });
+        sum / f64::max(count, 1.0)
+    }
+
     /// What a model leaves of each edge's angle, rad, for each recording.
     #[must_use]
     pub fn rest(&self, model: &Model) -> Vec<Vec<f64>> {

@@ -176,6 +176,10 @@ fn an_edge_beside_a_gap_that_moves_with_the_speed_is_modelled_there_and_takes_no
     assert!(knobs[0].min(TAU - knobs[0]) < 0.05, "{knobs:?}");
     let [low, high] = beside.ci95[3].unwrap();
     assert!(low < -0.5 && -0.5 < high && high < 0.0, "{low} {high}");
+    let there = beside.at_speed.unwrap();
+    let truth = 1e-2 / there.rad_s.sqrt();
+    let [low, high] = there.ci95;
+    assert!(low < truth && truth < high, "{there:?} {truth}");
     let findings = &answer.diagnosis.findings;
     assert_eq!(findings[0].mechanism, Mechanism::TorqueRipple);
     assert!(findings[0].parameters.contains_key("torque_n_m"));

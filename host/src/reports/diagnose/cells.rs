@@ -1,5 +1,7 @@
 //! The effects of a finding in plain words, with their sizes.
 
+use std::f64::consts::TAU;
+
 use crate::diagnose::diagnosis::{Parameter, Sized};
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site};
 use crate::effect::words::{growth, number, site, words};
@@ -134,10 +136,26 @@ pub fn sizes(effects: &[Sized], inertia_known: bool) -> Vec<String> {
         let ci95 = within.next().flatten();
         let size = amplitude(sized);
         // A prefix before a unit that is divided or raised would be read as part of it.
-        let number = match (unit.contains('/') || unit.contains('^'), ci95) {
+        let sized_in = |unit: &str, size: f64, ci95: Option<[f64; 2]>| match (
+            unit.contains('/') || unit.contains('^'),
+            ci95,
+        ) {
             (true, None) => format!("{} {unit}", number(size, "")),
             (true, ci95) => format!("{} {unit}", with_interval(&parameter(size, "1", ci95))),
-            (false, ci95) => with_interval(&parameter(size, &unit, ci95)),
+            (false, ci95) => with_interval(&parameter(size, unit, ci95)),
+        };
+        let number = match sized.at_speed {
+            Some(there) => {
+                let constant = Effect {
+                    growth: Growth::Constant,
+                    ..sized.effect
+                };
+                let unit = self::unit(&constant, inertia_known);
+                let r_min = number(there.rad_s * 60.0 / TAU, "");
+                let there = sized_in(&unit, there.size, Some(there.ci95));
+                format!("{there} at {r_min} r/min")
+            }
+            None => sized_in(&unit, size, ci95),
         };
         let knobs = sized.effect.knobs().into_iter();
         let knobs = knobs.zip(self::knobs(&sized.effect)).zip(within);

@@ -142,6 +142,7 @@ pub(crate) fn sized(site: Site, carrier: Carrier, sizes: &[f64]) -> Sized {
         effect: Effect::new(site, carrier),
         sizes: sizes.to_vec(),
         ci95: Vec::new(),
+        at_speed: None,
     }
 }
 
@@ -285,6 +286,7 @@ pub(crate) fn full() -> Answer {
         },
         sizes: vec![3.5e-4, -2.1e-4],
         ci95: Vec::new(),
+        at_speed: None,
     };
     Answer {
         diagnosis,

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::diagnose::diagnosis::AtSpeed;
 use crate::effect::On;
 
 const HALF_TURN: f64 = 0.5 * TAU;
@@ -201,6 +202,7 @@ fn the_size_of_a_phase_is_its_amplitude_with_a_prefix_only_before_plain_units() 
         effect: Effect::new(Site::Torque, carrier),
         sizes: sizes.to_vec(),
         ci95: Vec::new(),
+        at_speed: None,
     };
     let all = [
         sized(Carrier::Order(3.0), &[3e-3, 4e-3]),
@@ -224,6 +226,24 @@ fn the_size_of_a_phase_is_its_amplitude_with_a_prefix_only_before_plain_units() 
             "amplitude 5.00 ± 0.10 mN m, frequency at time 0 41.30 ± 0.12 Hz, sweep \u{2212}250 ± 10 mHz/s"
         ]
     );
+    // What goes with a power of the speed has a plain unit at one speed, and an interval that says how well it is known there.
+    let grown = Sized {
+        effect: Effect {
+            growth: Growth::Speed(2.5),
+            ..Effect::new(Site::Disc(On::ALL), Carrier::Steady)
+        },
+        sizes: vec![2e-9],
+        ci95: vec![Some([-4e-9, 8e-9]), Some([2.0, 3.0])],
+        at_speed: Some(AtSpeed {
+            rad_s: 100.0,
+            size: 2e-4,
+            ci95: [1.9e-4, 2.1e-4],
+        }),
+    };
+    assert_eq!(
+        sizes(&[grown], true),
+        ["size 200 ± 10 µrad at 954.9 r/min, power of the speed 2.50 ± 0.50"]
+    );
     // Without an inertia no torque is known, and no motor is said to have thousands of N m.
     assert_eq!(
         sizes(&all, false),
@@ -246,6 +266,7 @@ fn an_order_and_its_harmonics_are_one_clause() {
         effect: Effect::new(Site::Torque, Carrier::Order(order)),
         sizes: vec![3e-3, 4e-3],
         ci95: Vec::new(),
+        at_speed: None,
     };
     assert_eq!(
         cell(&[3.0, 6.0, 9.0].map(sized)),
