@@ -62,8 +62,10 @@ impl Board {
         let rate = self.edges() as f64 / seconds;
         let mut plain = self.clone();
         plain.rounds = 1;
+        let each = self.benches.iter().map(|bench| bench.found.stiffness);
+        let now = each.fold(0.0, f64::max);
         let held = |share: f64| {
-            let mut board = plain.stiffer(share * rate)?;
+            let mut board = plain.stiffer(share * rate - now)?;
             let fit = board.fit_in_noise(model);
             let volume = board.pattern.as_ref().map_or(0.0, Pattern::log_volume);
             let cost = board.held_cost(&fit) + volume;

@@ -93,6 +93,15 @@ fn how_stiffly_a_servo_holds_the_shaft_shows_in_its_noise() {
 }
 
 #[test]
+fn how_stiffly_a_servo_holds_the_shaft_does_not_depend_on_what_was_taken_for_it_before() {
+    let mut board = short();
+    board.benches[0].found.stiffness = 1500.0;
+    board.hold_by_noise(&Model::default());
+    let stiffness = board.benches[0].found.stiffness;
+    assert!((120.0..320.0).contains(&stiffness), "{stiffness}");
+}
+
+#[test]
 fn a_stop_that_one_edge_shows_is_a_corner_and_a_stamp_that_is_far_out_is_none() {
     let (rig, given) = (twin(SHORT), twin(&THIN.replace("32", "125")));
     let mut edges = edges(&rig);
