@@ -438,9 +438,12 @@ fn summary(verdict: Verdict, all: &[Said]) -> String {
 
 /// What has no name and yet a model, in words: the first effect, and how many more there are.
 fn nameless(all: &[Said]) -> Option<String> {
-    let (first, more) = all.iter().find(|one| !one.named)?.cells.split_first()?;
-    let first = words(&first.effect);
-    Some(match more.len() {
+    let mut cells = all
+        .iter()
+        .filter(|one| !one.named)
+        .flat_map(|one| &one.cells);
+    let first = words(&cells.next()?.effect);
+    Some(match cells.count() {
         0 => first,
         1 => format!("{first}, and 1 effect more"),
         more => format!("{first}, and {more} effects more"),

@@ -156,10 +156,19 @@ impl Fit {
         let pairs = each.iter().flat_map(|a| each.iter().map(move |b| (a, b)));
         let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
         let wide = NINETY_FIVE * spread * variance.sum::<f64>().max(0.0).sqrt();
+        let there = size * by;
+        // Its logarithm goes evenly with the power, where the sign is sure.
+        let ci95 = if wide < there.abs() {
+            let factor = (wide / there.abs()).exp();
+            let [near, far] = [there / factor, there * factor];
+            [near.min(far), near.max(far)]
+        } else {
+            [there - wide, there + wide]
+        };
         Some(AtSpeed {
             rad_s,
-            size: size * by,
-            ci95: [size * by - wide, size * by + wide],
+            size: there,
+            ci95,
         })
     }
 

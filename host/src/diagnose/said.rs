@@ -49,6 +49,18 @@ impl Said {
         matches!((differ(self), differ(other)), (Some(one), Some(other)) if one != other)
     }
 
+    /// Takes another one as a part of it.
+    fn take(&mut self, other: Self) {
+        self.cells.extend(other.cells);
+        self.loss = match (self.loss, other.loss) {
+            (Some(loss), Some(other)) => Some(loss + other),
+            (loss, other) => loss.or(other),
+        };
+        if other.finding.evidence.delta_bic > self.finding.evidence.delta_bic {
+            self.finding = other.finding;
+        }
+    }
+
     /// How strongly it shows.
     #[must_use]
     pub fn strength(&self) -> f64 {
@@ -57,21 +69,20 @@ impl Said {
     }
 }
 
-/// All that has no name as one finding after the named ones, which come the strongest first.
+/// The named findings, the strongest first, and what has no name after them: as one finding, but for what can be no part of another.
 #[must_use]
 pub fn merged(all: Vec<Said>) -> Vec<Said> {
     let (mut named, nameless): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.named);
-    named.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
-    named.extend(nameless.into_iter().reduce(|mut one, other| {
-        one.cells.extend(other.cells);
-        one.loss = match (one.loss, other.loss) {
-            (Some(loss), Some(other)) => Some(loss + other),
-            (loss, other) => loss.or(other),
-        };
-        if other.finding.evidence.delta_bic > one.finding.evidence.delta_bic {
-            one.finding = other.finding;
+    let mut apart: Vec<Said> = Vec::new();
+    for one in nameless {
+        match apart.iter_mut().find(|other| !other.is_apart(&one)) {
+            Some(other) => other.take(one),
+            None => apart.push(one),
         }
-        one
-    }));
+    }
+    for all in [&mut named, &mut apart] {
+        all.sort_by(|a, b| b.strength().total_cmp(&a.strength()));
+    }
+    named.extend(apart);
     named
 }
