@@ -257,7 +257,7 @@ pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
             carrier,
             ..kind.effect
         };
-        (gain, effect)
+        (gain, left.board.at_its_edge(&effect).unwrap_or(effect))
     };
     let shown = kinds.par_iter().filter(|kind| kind.square > 0.0);
     let mut shown: Vec<(f64, Effect)> = shown.map(best).collect();
@@ -277,6 +277,9 @@ fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
         gain,
     };
     let as_it_is = of((effect, gain));
+    if left.board.at_its_edge(&effect) == Some(effect) {
+        return as_it_is;
+    }
     if evidence(left.board, gain, as_it_is.numbers()) < 0.0 {
         return as_it_is;
     }

@@ -1,6 +1,7 @@
 //! All numbers of a model at once: sizes by least squares, knobs by steps of Gauss and Newton.
 
 use std::borrow::Cow;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
@@ -191,6 +192,7 @@ impl Board {
     /// Knobs that are fitted: an instant beyond a recording's ends is none.
     fn fitted(&self, effect: &Effect) -> Vec<usize> {
         let knobs = effect.knobs();
+        let on_one_edge = self.at_its_edge(effect) == Some(*effect);
         let times = self.benches.iter().map(|bench| &bench.record.time_s);
         let last = { times.clone() }.filter_map(|times| times.last());
         let last = last.fold(0.0, |a: f64, b| a.max(*b));
@@ -198,6 +200,7 @@ impl Board {
         let first = first.fold(f64::INFINITY, |a: f64, b| a.min(*b));
         (0..knobs.len())
             .filter(|&at| match effect.carrier {
+                Carrier::Bump(..) => at > 1 || !on_one_edge,
                 Carrier::Window(..) => knobs[at] > first && knobs[at] < last,
                 // Without a start it settles from the first edge on.
                 Carrier::Settling(from, _) => at == 1 || from > first,
@@ -206,6 +209,47 @@ impl Board {
                 _ => true,
             })
             .collect()
+    }
+
+    /// Whether each edge of the disc is seen: those of a gap are not.
+    #[must_use]
+    pub fn seen(&self) -> Vec<bool> {
+        let edges = self.benches.first().map_or(0, |bench| bench.record.edges);
+        let mut seen = vec![false; edges as usize];
+        for record in self.benches.iter().map(|bench| &bench.record) {
+            (0..record.len()).for_each(|at| seen[record.slot(at)] = true);
+        }
+        seen
+    }
+
+    /// A bump that only one edge of those seen shows, as one at that edge: any other place and width say the same of it with another size.
+    #[must_use]
+    pub fn at_its_edge(&self, effect: &Effect) -> Option<Effect> {
+        /// Part of a bump at an edge that is none at those beside it, and its width then, of the way to the nearest of them.
+        const ALONE: f64 = 0.02;
+        const NARROW: f64 = 0.25;
+        let record = &self.benches.first()?.record;
+        let (Site::Disc(on), Carrier::Bump(middle, sigma)) = (effect.site, effect.carrier) else {
+            return None;
+        };
+        if sigma > record.step_rad() {
+            return None;
+        }
+        let seen = self.seen();
+        let own = (0..seen.len()).filter(|slot| seen[*slot] && on.has(record.change_of(*slot)));
+        let apart = |from: f64, to: f64| (from - to - TAU * ((from - to) / TAU).round()).abs();
+        let angles: Vec<f64> = own.map(|slot| record.angle_of(slot)).collect();
+        let near = |from: f64| move |a: &f64, b: &f64| apart(from, *a).total_cmp(&apart(from, *b));
+        let own = angles.iter().copied().min_by(near(middle))?;
+        let others = angles.iter().copied().filter(|angle| *angle != own);
+        let next = others.clone().min_by(near(middle))?;
+        let squares = [own, next].map(|angle| (apart(middle, angle) / sigma).powi(2));
+        let beside = others.min_by(near(own))?;
+        let at_edge = Carrier::Bump(own, NARROW * apart(own, beside));
+        ((0.5 * (squares[0] - squares[1])).exp() < ALONE).then_some(Effect {
+            carrier: at_edge,
+            ..*effect
+        })
     }
 
     /// Fits all numbers of a model, from where they are.
@@ -317,6 +361,7 @@ impl Board {
                     }
                 }
                 let moved = term.effect.with_knobs(&knobs);
+                let moved = self.at_its_edge(&moved).unwrap_or(moved);
                 if moved.is_possible() {
                     term.effect = moved;
                 }

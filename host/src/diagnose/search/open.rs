@@ -19,6 +19,7 @@ pub fn nuisances(board: &Board) -> Model {
     let mut model = Model::default();
     if !board.disc_given {
         model.add_open(&cells::classes(board), usize::MAX);
+        model.add_open(&beside_gaps(board), usize::MAX);
         let mut benches = board.benches.iter();
         if benches.all(|bench| bench.record.of_edges > 16 * LOW) {
             let orders = 1..=LOW;
@@ -40,6 +41,28 @@ pub fn nuisances(board: &Board) -> Model {
         model.add_open(&targets(board), usize::MAX);
     }
     model
+}
+
+/// The last edge before each gap and the first one behind it: the signal is another one there, and their errors are not of the others' size.
+fn beside_gaps(board: &Board) -> Vec<Effect> {
+    let Some(record) = board.benches.first().map(|bench| &bench.record) else {
+        return Vec::new();
+    };
+    let seen = board.seen();
+    let count = seen.len();
+    let beside = (0..count).filter(|slot| {
+        let (before, behind) = ((slot + count - 1) % count, (slot + 1) % count);
+        seen[*slot] && !(seen[before] && seen[behind])
+    });
+    let each = beside.filter_map(|slot| {
+        let on = On {
+            channel: None,
+            rises: (record.classes > 1).then(|| record.change_of(slot).rises),
+        };
+        let carrier = Carrier::Bump(record.angle_of(slot), 0.5 * record.step_rad());
+        board.at_its_edge(&Effect::new(Site::Disc(on), carrier))
+    });
+    each.collect()
 }
 
 /// A speed loop that the twins do not declare keeps a speed that nobody knows exactly, and its integral begins anywhere.

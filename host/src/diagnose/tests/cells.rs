@@ -184,3 +184,24 @@ fn an_edge_beside_a_gap_that_moves_with_the_speed_is_modelled_there_and_takes_no
     assert_eq!(findings[0].mechanism, Mechanism::TorqueRipple);
     assert!(findings[0].parameters.contains_key("torque_n_m"));
 }
+
+#[test]
+fn an_edge_that_is_far_off_beside_a_gap_leaves_the_torques_of_an_engine_their_sizes_and_phases() {
+    let rig = "duration = { turns = 40 }\n\n[encoder.wheel]\nteeth = 36\nmissing = 2\n\n[shaft]\ninertia_kg_m2 = 0.1\n\n[noise.white]\n\
+               psd_n2_m2_s = 3e-3\n\n[timer]\nclock_hz = 1_000_000\njitter_s = 1e-6\n";
+    let real = format!(
+        "seed = 2\n{rig}\n[drive.ramp]\nfrom_r_min = 200\nto_r_min = 800\nover_s = 5\n\n[errors]\nposition = {{ normal = {{ rms_rad = 2e-4, \
+         per = \"edge\" }} }}\n\n[[ripple]]\norder = 2\nphase_rad = 1\ntorque_n_m = 3\n\n[[ripple]]\norder = 4\nphase_rad = 1\n\
+         torque_n_m = 1\n\n[[effect]]\nsite = \"disc\"\nedge = \"rise\"\nfollows = \"place\"\nangle_rad = 0\nwidth_rad = 0.02\n\
+         shift_rad = -2e-2\n"
+    );
+    let answer = against(&real, rig);
+    let [finding] = &answer.diagnosis.findings[..] else {
+        panic!("{:?}", said(&answer));
+    };
+    assert_eq!(finding.mechanism, Mechanism::TorqueRipple);
+    for (name, truth) in [("torque_n_m", 3.0), ("phase_rad", 1.0)] {
+        let [low, high] = finding.parameters[name].ci95.unwrap();
+        assert!(low < truth && truth < high, "{name}: {low} {high}");
+    }
+}
