@@ -5,6 +5,7 @@ use core::task::{Poll, ready};
 
 use super::Parts;
 use super::close::saturated;
+use super::course::{Curve, place, step_of};
 use super::cursor::Cursor;
 use super::fold::thirds;
 use super::moments::{Mean, Moments};
@@ -37,6 +38,7 @@ impl Contrasting {
         plan: OrderPlan,
         moments: &Moments,
         speeds: &Speeds,
+        bent: Curve,
     ) -> Poll<Leftovers> {
         let Some(of_plain) = self.of_plain else {
             self.of_plain = Some(moments.leftover(Mean::Plain, speeds));
@@ -48,6 +50,7 @@ impl Contrasting {
         };
         let block = plan.edges / plan.blocks;
         let stretch = self.cursor.next(BLOCKS, plan.blocks);
+        let step = step_of(plan.blocks);
         let [even, even_contrast, contrast] = thirds(parts.coarse);
         for at in stretch {
             let (weighed, plain) = (i64::from(parts.sum[at * block]), i64::from(even[at]));
@@ -59,7 +62,7 @@ impl Contrasting {
             };
             let signed = i64::from(contrast[at]) - repeats(of_weighed);
             let plain_signed = i64::from(even_contrast[at]) - repeats(of_plain);
-            even[at] = saturated(plain - weighed);
+            even[at] = saturated(plain - weighed - bent.at(place(at, step)));
             even_contrast[at] = saturated(plain_signed - signed);
             contrast[at] = saturated(signed);
         }

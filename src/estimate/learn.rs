@@ -49,7 +49,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         self.turn = None;
         self.rate = None;
         self.before = None;
-        self.drift.interrupt();
+        self.break_row();
         self.agreement.interrupt();
     }
 
@@ -128,6 +128,12 @@ impl<B: EdgeBuffers> Estimator<B> {
         progress
     }
 
+    /// No turn follows on the one taken last.
+    fn break_row(&mut self) {
+        self.drift.interrupt();
+        self.course.end(&self.weighing);
+    }
+
     /// Gives up the present turn.
     fn fault(&mut self) -> Progress {
         if self.turn.is_some() {
@@ -148,7 +154,7 @@ impl<B: EdgeBuffers> Estimator<B> {
 
     fn reject(&mut self, rejection: Rejection) -> Progress {
         self.totals.reject(rejection);
-        self.drift.interrupt();
+        self.break_row();
         self.turn = None;
         self.before = None;
         Progress::TurnRejected(rejection)
@@ -180,14 +186,14 @@ impl<B: EdgeBuffers> Estimator<B> {
         let place = self.speeds.place(duration);
         let Some(place) = place.filter(|_| excess.unsigned_abs() <= limit.into()) else {
             self.totals.reject(Rejection::SpeedChange);
-            self.drift.interrupt();
+            self.break_row();
             return Progress::TurnRejected(Rejection::SpeedChange);
         };
         let linear = (excess * i64::from(self.inverse_edges_q32)) >> STEP_FRACTION_BITS;
         let (seen, bend_q32, agrees) = self.seen(duration, turn.direction, linear, place, before);
         if !agrees && self.agreement.reject(seen, &self.speeds) {
             self.totals.reject(Rejection::Disagrees);
-            self.drift.interrupt();
+            self.break_row();
             return Progress::TurnRejected(Rejection::Disagrees);
         }
         self.drift.take(place.bin, &seen.low);
@@ -209,10 +215,13 @@ impl<B: EdgeBuffers> Estimator<B> {
             length: turn.whole(),
             bend_q32,
         };
-        let scale = TurnScale {
-            sum: self.weighing.add(place.bin),
-            minus: !plus,
-        };
+        let along = before.map(|before| before.duration);
+        let along = along.filter(|&before| bend_q32 == Motion::bend_q32(before, duration));
+        let of_turn = (duration, turn.direction, place.bin);
+        self.course.take(of_turn, along, bend_q32, &self.weighing);
+        let sum = self.weighing.add(place.bin);
+        self.course.shift(sum.sum_down);
+        let scale = TurnScale { sum, minus: !plus };
         self.fold.start(turn.direction, motion, scale);
         self.folding = Some(place);
         Progress::TurnTaken(self.totals.turns)

@@ -10,12 +10,15 @@
 //! - a coarse *contrast* of either sum: the same turns with signs that cancel whatever repeats. What is left there is what
 //!   the estimate does not know, and [`Estimator::solve`] weighs every order by it.
 //!
+//! What friction and drag make of the motion beyond that is told by two crossings more, and taken out of both means.
+//!
 //! Work an edge is constant, without division or search; the library's head has what it costs.
 
 mod agree;
 mod buffers;
 mod close;
 mod contrast;
+mod course;
 mod cursor;
 mod decimate;
 mod delays;
@@ -62,6 +65,7 @@ pub use solver::Solver;
 use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;
 use agree::Agreement;
+use course::Course;
 use delays::Delays;
 use drift::Drift;
 use fold::{Fold, FoldShape};
@@ -199,6 +203,7 @@ pub struct Estimator<B> {
     weighing: Weighing,
     delays: Delays,
     drift: Drift,
+    course: Course,
 }
 
 impl<B: EdgeBuffers> Estimator<B> {
@@ -236,6 +241,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             weighing: Weighing::NEW,
             delays: Delays::NONE,
             drift: Drift::NONE,
+            course: Course::NONE,
         })
     }
 

@@ -4,6 +4,7 @@ use core::task::{Poll, ready};
 
 use super::close::{ClassMeans, Closing, Scales, SumScale};
 use super::contrast::Contrasting;
+use super::course::Straightening;
 use super::cursor::Cursor;
 use super::delays::DelayFit;
 use super::draw::{Believed, Drawing};
@@ -103,6 +104,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             jitter_q16: jitter,
             fine,
             leftovers,
+            curves,
             orders,
             offsets,
             settled,
@@ -128,10 +130,17 @@ impl<B: EdgeBuffers> Estimator<B> {
             Stage::Close(closing) => {
                 let scales = scales(moments, self.fold.shape.unit_shift);
                 *fine = ready!(closing.slice(&mut parts, plan, scales));
+                *curves = self.course.curves(moments.weight_q16, moments.turns, *fine);
                 go_to(stage, || Stage::Contrast(Contrasting::default()));
             }
             Stage::Contrast(contrasting) => {
-                *leftovers = ready!(contrasting.slice(&mut parts, plan, moments, speeds));
+                let [weighed, plain] = *curves;
+                let bent = plain.less(weighed);
+                *leftovers = ready!(contrasting.slice(&mut parts, plan, moments, speeds, bent));
+                go_to(stage, || Stage::Straighten(Straightening::new(weighed)));
+            }
+            Stage::Straighten(straightening) => {
+                ready!(straightening.slice(parts.sum));
                 go_to(stage, || Stage::ClassMeans(ClassMeans::new()));
             }
             Stage::ClassMeans(means) => {

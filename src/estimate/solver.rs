@@ -2,6 +2,7 @@
 
 use super::close::{ClassMeans, Closing};
 use super::contrast::{Contrasting, Leftovers};
+use super::course::{Curve, Straightening};
 use super::cursor::Cursor;
 use super::delays::{DelayFit, SolvedDelays};
 use super::draw::Drawing;
@@ -27,6 +28,8 @@ pub struct Solver {
     pub(super) jitter_q16: u128,
     pub(super) fine: Fine,
     pub(super) leftovers: Leftovers,
+    /// What the weighed and the plain mean hold of the speed's own course.
+    pub(super) curves: [Curve; 2],
     pub(super) orders: Orders,
     /// Means of the classes, in fine angles.
     pub(super) offsets: [i32; CLASSES_MAX],
@@ -49,6 +52,8 @@ pub(super) enum Stage {
     Fold,
     Close(Closing),
     Contrast(Contrasting),
+    /// The speed's own course is taken out of the weighed mean.
+    Straighten(Straightening),
     ClassMeans(ClassMeans),
     /// The orders of a coarse sum are taken.
     Take(Coarse, TakeOrders),
@@ -91,6 +96,7 @@ impl Solver {
                 plain: [0; 2],
                 weighed: [0; 2],
             },
+            curves: [Curve::NONE; 2],
             orders: Orders {
                 coefficients: [Coefficient::ZERO; ORDERS_MAX],
                 noise: [0; ORDERS_MAX],
@@ -120,7 +126,7 @@ impl Solver {
         match self.stage {
             Stage::Begin | Stage::Fold => 0,
             Stage::Close(_) => 1,
-            Stage::Contrast(_) | Stage::ClassMeans(_) => 7,
+            Stage::Contrast(_) | Stage::Straighten(_) | Stage::ClassMeans(_) => 7,
             Stage::Take(Coarse::PlainContrast, _) => 10,
             Stage::Take(Coarse::Contrast, _) => 20,
             Stage::Take(Coarse::Difference, _) => 30,

@@ -141,6 +141,43 @@ fn errors_are_found_from_whole_turns() {
     }
 }
 
+/// A disc that is eccentric by so many steps, on a shaft whose speed falls with the angle to `left` of the first in so many turns.
+fn run_down(eccentricity: f64, left: f64, count: f64) -> Solution<Heap> {
+    let mut estimator = estimator();
+    let mut decoder = QuadratureDecoder::new(DecoderConfig::new(LINES)).unwrap();
+    let far = count * f64::from(EDGES) / (1.0 - left);
+    for edge in -3..turns(count) {
+        let levels = [1_u8, 3, 2, 0][edge.rem_euclid(4) as usize];
+        let index = if edge.rem_euclid(i64::from(EDGES)) == 0 {
+            Levels::Z
+        } else {
+            0
+        };
+        let at = core::f64::consts::TAU * edge as f64 / f64::from(EDGES);
+        let position = edge as f64 - eccentricity * (at + 0.4).cos();
+        let time = -far * (-position / far).ln_1p();
+        estimator.push(&decoder.push(Sample {
+            ticks: ((time + 10.0) * STEP) as u64,
+            levels: Levels(levels | index),
+        }));
+    }
+    estimator.solve().unwrap()
+}
+
+/// Friction that goes with the speed makes the acceleration change, as torque at the lowest orders would.
+#[test]
+fn a_shaft_that_runs_down_by_half_shows_no_torque() {
+    let solution = run_down(0.0, 0.5, 40.0);
+    assert_eq!(solution.torque_orders(), []);
+    // 3e-7 turn.
+    assert!(
+        solution.table_rms() < 1300,
+        "{} {}",
+        solution.table_rms(),
+        solution.standard_error()
+    );
+}
+
 #[test]
 fn a_lost_edge_costs_its_turn_and_no_other() {
     let (mut shaft, mut estimator) = (Shaft::new(), estimator());

@@ -3,6 +3,7 @@
 //! Input are crossing times only, starting at edge 0. It shares no code with the core.
 
 mod agree;
+mod course;
 mod delays;
 mod moments;
 mod noise;
@@ -19,7 +20,7 @@ use moments::{Moments, dot, minus};
 use noise::{Noise, common_noise, damping_square};
 use plan::{Plan, coefficient, common_power};
 use realfft::num_complex::Complex64;
-use turns::combine;
+use turns::straight;
 use weigh::{Estimate, Weights};
 
 /// Result of [`estimate`]. Angles in radians.
@@ -64,7 +65,7 @@ pub fn estimate(
     let signed_more = minus(&moments.contrast(&moments.plain, &turns), &signed);
     let mut noise = Noise::of(plan, &turns, weighed, &signed);
 
-    let mut mean = combine(&turns, weighed, 1);
+    let mut mean = straight(&turns, weighed, 1);
     let mut offsets = take_class_means(&mut mean, classes);
     let of_mean = plan.by_order(|order| coefficient(&mean, order));
     let common_noise = common_noise(plan, &turns, weighed, noise.level[plan.single]);
@@ -78,7 +79,7 @@ pub fn estimate(
     if let Some(share) = moments.separation {
         let doubt = Noise::of(plan, &turns, &more, &signed_more);
         let damping = damping_square(&turns);
-        let samples = combine(&turns, &more, plan.block);
+        let samples = straight(&turns, &more, plan.block);
         for order in plan.orders() {
             let difference = coefficient(&samples, order);
             // Torque for certain at twelve times the noise, none at half of that.

@@ -3,6 +3,7 @@
 use realfft::num_complex::Complex64;
 
 use super::agree::{Agreement, LOW_ORDERS, Seen, Squares};
+use super::course::{self, Place};
 use super::plan::{Plan, coefficient};
 
 /// A turn taken.
@@ -10,6 +11,8 @@ use super::plan::{Plan, coefficient};
 pub(super) struct Turn {
     /// Error of every edge, turns; that of edge 0 is zero.
     pub error: Vec<f64>,
+    /// What of it is the speed's own course.
+    pub course: Vec<f64>,
     /// Duration over that of the first turn.
     pub ratio: f64,
     /// The same in half octaves, rounded.
@@ -37,7 +40,17 @@ pub(super) fn read(recordings: &[&[u64]], plan: Plan) -> Vec<Turn> {
         reader.agreement.interrupt();
         let mut before = None;
         let mut known: Option<Vec<f64>> = None;
-        for crossings in times.windows(plan.edges + 1).step_by(plan.edges) {
+        let ends: Vec<f64> = times
+            .iter()
+            .step_by(plan.edges)
+            .map(|&t| (t - times[0]) as f64)
+            .collect();
+        let mut row = Vec::new();
+        for (number, crossings) in times
+            .windows(plan.edges + 1)
+            .step_by(plan.edges)
+            .enumerate()
+        {
             let since = |time: &u64| (time - crossings[0]) as f64;
             let duration = since(&crossings[plan.edges]);
             let Some(before) = before.replace(duration) else {
@@ -47,29 +60,55 @@ pub(super) fn read(recordings: &[&[u64]], plan: Plan) -> Vec<Turn> {
             let deviations = steps(&time, plan);
             let old = known.take();
             let jitter = old.map(|old| second_differences(&deviations, &old));
-            if reader.take(&time, [before, duration], jitter, plan) {
+            if let Some(along) = reader.take(&time, [before, duration], jitter, plan) {
                 known = Some(deviations);
+                row.push(Place {
+                    turn: number,
+                    along,
+                });
+            } else {
+                reader.end_row(&mut row, &ends, times, plan);
             }
         }
+        reader.end_row(&mut row, &ends, times, plan);
     }
     reader.turns
 }
 
 impl Reader {
-    /// Takes a turn whose crossings are given in durations of the turn before; false where it is not to be used.
+    /// Takes the speed's own course of the last turns, which follow on one another and leave the row.
+    fn end_row(&mut self, row: &mut Vec<Place>, ends: &[f64], times: &[u64], plan: Plan) {
+        let first = self.turns.len() - row.len();
+        for (at, turn) in self.turns[first..].iter_mut().enumerate() {
+            let number = row[at].turn;
+            let crossings = &times[number * plan.edges..(number + 1) * plan.edges];
+            let since = |&time: &u64| (time - crossings[0]) as f64;
+            let duration = ends[number + 1] - ends[number];
+            let tau: Vec<f64> = crossings.iter().map(|t| since(t) / duration).collect();
+            let folded = (0..).zip(&turn.error);
+            let folded: Vec<f64> = folded
+                .map(|(k, e)| f64::from(k) / plan.edges as f64 - e)
+                .collect();
+            turn.course = course::off(row, at, ends, &tau, &folded);
+        }
+        row.clear();
+    }
+
+    /// Takes a turn whose crossings are given in durations of the turn before; none where it is not to be used, else whether its bend
+    /// is that of both.
     fn take(
         &mut self,
         time: &[f64],
         [before, duration]: [f64; 2],
         jitter: Option<f64>,
         plan: Plan,
-    ) -> bool {
+    ) -> Option<bool> {
         let whole = time[plan.edges];
         let first = *self.first.get_or_insert(duration);
         let ratio = duration / first;
         let bin = (2.0 * ratio.log2() + 0.5).floor() as i32;
         if (whole - 1.0).abs() > 1.0 / 3.0 || !(-12..12).contains(&bin) {
-            return false;
+            return None;
         }
         // Three crossings of edge 0 tell how the turn bends. Where the one before was not taken it may as well have been steady.
         let smooth = (before - duration) / before * duration / (before + duration);
@@ -83,7 +122,7 @@ impl Reader {
         let closest = seen.min_by(|one, other| one.2.0.total_cmp(&other.2.0));
         let (seen, bend, (_, far)) = closest.expect("one bend at least");
         if far && self.agreement.reject(seen, &usual) {
-            return false;
+            return None;
         }
         let pair = self.agreement.take(seen, !far);
         // The angle is tau - bend tau (1 - tau).
@@ -97,13 +136,14 @@ impl Reader {
         let error = (0..plan.edges).map(|k| place(k) - angle(time[k] / whole));
         self.turns.push(Turn {
             error: error.collect(),
+            course: Vec::new(),
             ratio,
             bin,
             sign,
             pair,
             jitter,
         });
-        true
+        Some(bend == smooth)
     }
 }
 
@@ -147,6 +187,17 @@ pub(super) fn combine(turns: &[Turn], shares: &[f64], apart: usize) -> Vec<f64> 
     for (turn, share) in turns.iter().zip(shares) {
         for (sum, error) in sum.iter_mut().zip(turn.error.iter().step_by(apart)) {
             *sum += share * error;
+        }
+    }
+    sum
+}
+
+/// The same of errors without the speed's own course.
+pub(super) fn straight(turns: &[Turn], shares: &[f64], apart: usize) -> Vec<f64> {
+    let mut sum = combine(turns, shares, apart);
+    for (turn, share) in turns.iter().zip(shares) {
+        for (sum, course) in sum.iter_mut().zip(turn.course.iter().step_by(apart)) {
+            *sum -= share * course;
         }
     }
     sum
