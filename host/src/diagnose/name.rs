@@ -193,7 +193,7 @@ impl Fit {
         } else {
             // Of falls alone it counts the other way.
             let size = match site {
-                Site::Stamp(on) if on.channel.is_some() && on.rises == Some(false) => -1.0,
+                Site::Stamp(on) if on.rises == Some(false) => -1.0,
                 _ => 1.0,
             } * term.sizes[0];
             add(&name, size, Some(covariance[0][0].max(0.0).sqrt()));

@@ -313,3 +313,21 @@ fn noise_and_disc_are_fitted_as_long_as_that_makes_the_recording_likelier() {
         }
     }
 }
+
+#[test]
+fn delays_of_falls_are_told_as_the_rises_that_come_earlier() {
+    let real =
+        format!("{PAIR_FAST}\n[edge_delay]\na = {{ rise_s = 1e-6 }}\nb = {{ rise_s = 1e-6 }}\n");
+    let board = board_beside(&twin(&real), &twin(PAIR_FAST));
+    for rises in [true, false] {
+        let on = On {
+            channel: None,
+            rises: Some(rises),
+        };
+        let delay = Effect::new(Site::Stamp(on), Carrier::Steady);
+        let numbers = board.fit(&Model::default().with(&[delay], 0)).numbers(0);
+        assert_eq!(numbers[0].name, "rise_less_fall_s");
+        let value = numbers[0].value;
+        assert!((value - 1e-6).abs() < 5e-8, "{rises}: {value}");
+    }
+}
