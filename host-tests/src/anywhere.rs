@@ -6,6 +6,7 @@
 mod calibrated;
 mod disturbed;
 mod orders;
+mod run_down;
 mod scenario;
 
 use std::f64::consts::TAU;
@@ -23,6 +24,7 @@ pub use disturbed::{
     Disturbance, Disturbed, LOADS, RAMP_LOADS, STRONG_RIPPLE, STRONG_WANDER, Share, Verdicts,
 };
 pub use orders::{ByOrder, WorstOrder};
+pub use run_down::RunDown;
 pub use scenario::Scenario;
 
 /// Turns that are learned from a recording of one speed; it holds one more, for the speed before.

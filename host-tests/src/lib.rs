@@ -12,6 +12,7 @@ pub mod bound;
 pub mod paper;
 pub mod peer_average;
 pub mod peer_bladesight;
+pub mod peer_polynomial;
 pub mod reference;
 
 pub mod events;

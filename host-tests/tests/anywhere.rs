@@ -1,8 +1,8 @@
 //! Calibration at any speed: two speeds, a ramp, one speed, on seeds that nothing was tuned to. `--bin anywhere` sweeps many.
 #![allow(clippy::cast_precision_loss, missing_docs)]
 
-use quadcal_host_tests::accuracy::rms;
-use quadcal_host_tests::anywhere::{ByOrder, GivenGains, Judged, Rig, Scenario};
+use quadcal_host_tests::accuracy::{distance, rms};
+use quadcal_host_tests::anywhere::{ByOrder, GivenGains, Judged, Rig, RunDown, Scenario};
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 
 const SEEDS: std::ops::Range<u64> = 9_000..9_024;
@@ -103,4 +103,48 @@ fn coarse_discs_are_learned_at_two_speeds_too() {
         let [of_raw, _] = left(rig, LockedTorque::Every);
         assert!(of_raw < 0.01, "{lines}: {of_raw}");
     }
+}
+
+/// RMS over the runs of what is left, over the bound and over what a polynomial fit leaves; the stated error over what is left; and
+/// how many torques are told that are not there.
+fn left_of_run_down(of: RunDown) -> ([f64; 3], usize) {
+    let (mut judged, mut bounds, mut peers) = (Vec::new(), Vec::new(), Vec::new());
+    let mut false_torques = 0;
+    for seed in SEEDS {
+        let run = of.run(seed).unwrap();
+        let calibration = of.calibrate(&run).unwrap();
+        judged.push(Judged::of(&calibration, &run));
+        bounds.push(of.bound(&run));
+        peers.push(distance(&of.polynomial(&run), &run.truth));
+        let torques = calibration.solution.torque_orders().iter();
+        let known = of.torque_orders();
+        false_torques += torques.filter(|t| !known.contains(&t.order)).count();
+    }
+    let over = |pick: fn(&Judged) -> f64| rms(&judged.iter().map(pick).collect::<Vec<_>>());
+    let left = over(|run| run.left);
+    let stated = over(|run| run.standard_error) / left;
+    (
+        [left / rms(&bounds), left / rms(&peers), stated],
+        false_torques,
+    )
+}
+
+#[test]
+fn one_run_down_tells_the_disc_as_a_polynomial_does() {
+    for of in [RunDown::Once, RunDown::Drag] {
+        let ([of_bound, of_polynomial, stated], false_torques) = left_of_run_down(of);
+        assert!(of_bound < 1.15, "{of:?}: {of_bound}");
+        assert!(of_polynomial < 1.2, "{of:?}: {of_polynomial}");
+        assert!((0.8..1.25).contains(&stated), "{of:?}: {stated}");
+        assert_eq!(false_torques, 0, "{of:?}");
+    }
+}
+
+#[test]
+fn friction_is_no_torque_of_the_shaft() {
+    let ([of_bound, of_polynomial, stated], false_torques) = left_of_run_down(RunDown::Twice);
+    assert!(of_bound < 1.5, "{of_bound}");
+    assert!(of_polynomial < 0.8, "{of_polynomial}");
+    assert!((0.8..1.25).contains(&stated), "{stated}");
+    assert_eq!(false_torques, 0);
 }

@@ -76,8 +76,8 @@ impl Moments {
             plain: ONE_Q30 / i64::from(turns.max(1)),
             weighed_square,
             plain_square,
-            // A turn or two at another speed tell nothing apart, and two turns leave nothing in the contrast.
-            separation: separation.filter(|&s| turns > 3 && s < ONE_Q30 << 4),
+            // Two turns leave nothing in the contrast. How little speeds near each other tell is in every order's doubt.
+            separation: separation.filter(|_| turns > 3),
         }
     }
 

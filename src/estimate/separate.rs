@@ -36,6 +36,11 @@ const UNCERTAIN: u64 = 5;
 /// once in 400 orders.
 const CERTAIN: u64 = 12;
 
+/// Means that differ by less than torque's share times 2^-14 of an order, at most 2^-10, don't tell torque: fields, delays and bearings
+/// make a disc differ a little with the speed too, and speeds near each other would make much of it. In squares: 2^-28, and 256 at most.
+const UNLIKE_BITS: u32 = 28;
+const UNLIKE_SHARE_SQUARE_Q30: u128 = 256 << 30;
+
 /// Orders of a slice.
 const ORDERS: usize = 4;
 
@@ -121,8 +126,13 @@ fn take_torque(
         ..
     } = orders;
     let share_square_q30 = u128::from(share_q30.unsigned_abs()).pow(2) >> 30;
+    let power = coefficients[index].power();
     let noise_here = doubt[index];
-    let evidence = difference[index].power() / (noise_here / 16).max(1);
+    let unlike =
+        (u128::from(power) * share_square_q30.min(UNLIKE_SHARE_SQUARE_Q30)) >> (30 + UNLIKE_BITS);
+    let to_exceed = noise_here.saturating_add(u64::try_from(unlike).unwrap_or(u64::MAX));
+    let over = |doubt: u64| difference[index].power() / (doubt / 16).max(1);
+    let (evidence, shown) = (over(to_exceed), over(noise_here));
     let half = CERTAIN * 16 / 2;
     let belief = evidence.saturating_sub(half).min(half);
     if belief == half {
@@ -142,15 +152,15 @@ fn take_torque(
         );
     }
     // The difference that the order shows if it is all torque, against one that would be certain.
-    let all_torque_q30 = u128::from(coefficients[index].power()) << 30;
-    let certain = u128::from(noise_here) * u128::from(CERTAIN);
+    let all_torque_q30 = u128::from(power) << 30;
+    let certain = u128::from(to_exceed) * u128::from(CERTAIN);
     if belief < half && all_torque_q30 < certain * share_square_q30 {
         torques.untold.insert(order);
     }
     let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
     let taken_q30 = of_share(belief);
-    // What shows but is not certain may be torque all the same.
-    let left_in = if evidence > UNCERTAIN * 16 {
+    // What shows but is not certain may be torque all the same, and a disc that differs with the speed is no better known.
+    let left_in = if evidence > UNCERTAIN * 16 || shown > CERTAIN * 16 {
         difference[index].scaled(of_share(half - belief)).power()
     } else {
         0

@@ -141,8 +141,9 @@ fn errors_are_found_from_whole_turns() {
     }
 }
 
-/// A disc that is eccentric by so many steps, on a shaft whose speed falls with the angle to `left` of the first in so many turns.
-fn run_down(eccentricity: f64, left: f64, count: f64) -> Solution<Heap> {
+/// A disc that is eccentric by so many steps, by `unlike` more at standstill, on a shaft whose speed falls with the angle to `left` of
+/// the first in so many turns.
+fn run_down([eccentricity, unlike]: [f64; 2], left: f64, count: f64) -> Solution<Heap> {
     let mut estimator = estimator();
     let mut decoder = QuadratureDecoder::new(DecoderConfig::new(LINES)).unwrap();
     let far = count * f64::from(EDGES) / (1.0 - left);
@@ -154,7 +155,8 @@ fn run_down(eccentricity: f64, left: f64, count: f64) -> Solution<Heap> {
             0
         };
         let at = core::f64::consts::TAU * edge as f64 / f64::from(EDGES);
-        let position = edge as f64 - eccentricity * (at + 0.4).cos();
+        let size = eccentricity * (1.0 + unlike * edge as f64 / far);
+        let position = edge as f64 - size * (at + 0.4).cos();
         let time = -far * (-position / far).ln_1p();
         estimator.push(&decoder.push(Sample {
             ticks: ((time + 10.0) * STEP) as u64,
@@ -167,7 +169,7 @@ fn run_down(eccentricity: f64, left: f64, count: f64) -> Solution<Heap> {
 /// Friction that goes with the speed makes the acceleration change, as torque at the lowest orders would.
 #[test]
 fn a_shaft_that_runs_down_by_half_shows_no_torque() {
-    let solution = run_down(0.0, 0.5, 40.0);
+    let solution = run_down([0.0; 2], 0.5, 40.0);
     assert_eq!(solution.torque_orders(), []);
     // 3e-7 turn.
     assert!(
@@ -176,6 +178,26 @@ fn a_shaft_that_runs_down_by_half_shows_no_torque() {
         solution.table_rms(),
         solution.standard_error()
     );
+}
+
+#[test]
+fn a_shaft_that_runs_down_by_a_quarter_tells_eccentricity_from_torque() {
+    let solution = run_down([0.05, 0.0], 0.75, 33.0);
+    assert_eq!(solution.locked_orders(), []);
+    assert_eq!(solution.torque_orders(), []);
+    let expected = 0.05 / 2.0_f64.sqrt() / f64::from(EDGES) * 4_294_967_296.0;
+    let off = f64::from(solution.table_rms()) / expected - 1.0;
+    assert!(off.abs() < 2e-3, "{off}");
+}
+
+/// What the speed does to a disc's mounting is no torque of a shaft whose speed hardly changes.
+#[test]
+fn an_eccentricity_that_grows_by_half_a_percent_is_no_torque() {
+    let solution = run_down([0.05, 0.02], 0.75, 33.0);
+    assert_eq!(solution.torque_orders(), []);
+    let expected = 0.05 / 2.0_f64.sqrt() / f64::from(EDGES) * 4_294_967_296.0;
+    let off = f64::from(solution.table_rms()) / expected - 1.0;
+    assert!((0.0..5e-3).contains(&off), "{off}");
 }
 
 #[test]

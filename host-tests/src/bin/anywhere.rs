@@ -4,9 +4,9 @@
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use quadcal_host_tests::accuracy::rms;
+use quadcal_host_tests::accuracy::{distance, rms};
 use quadcal_host_tests::anywhere::{
-    ByOrder, Disturbance, Disturbed, GivenGains, Judged, Rig, Scenario, Share, Verdicts,
+    ByOrder, Disturbance, Disturbed, GivenGains, Judged, Rig, RunDown, Scenario, Share, Verdicts,
 };
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 
@@ -145,6 +145,46 @@ fn main() -> Result<()> {
     for by in Disturbance::ALL.into_iter().filter(names) {
         print_disturbed(by, &options)?;
     }
+    println!();
+    println!(
+        "| run-down | raw | polynomial | quadcal | bound | over bound | own standard error | within 95 % | false torques, of runs |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    let names = |of: &RunDown| {
+        let only = options.only.as_ref();
+        only.is_none_or(|part| of.name().contains(part))
+    };
+    for of in RunDown::ALL.into_iter().filter(names) {
+        print_run_down(of, &options)?;
+    }
+    Ok(())
+}
+
+fn print_run_down(of: RunDown, options: &Options) -> Result<()> {
+    let (mut judged, mut bounds, mut peers) = (Vec::new(), Vec::new(), Vec::new());
+    let mut false_torques = 0;
+    for seed in options.first..options.first + options.seeds {
+        let run = of.run(seed)?;
+        let calibration = of.calibrate(&run).with_context(|| format!("seed {seed}"))?;
+        judged.push(Judged::of(&calibration, &run));
+        bounds.push(of.bound(&run));
+        peers.push(distance(&of.polynomial(&run), &run.truth));
+        let known = of.torque_orders();
+        let torques = calibration.solution.torque_orders();
+        false_torques += torques.iter().filter(|t| !known.contains(&t.order)).count();
+    }
+    let over = |pick: fn(&Judged) -> f64| rms(&judged.iter().map(pick).collect::<Vec<_>>());
+    let (raw, left, bound) = (over(|run| run.raw), over(|run| run.left), rms(&bounds));
+    let covered = judged.iter().map(|run| run.covered).sum::<f64>() / judged.len() as f64;
+    println!(
+        "| {} | {raw:.2e} | {:.2e} | **{left:.2e}** | {bound:.2e} | {:.2} | {:.2e} | {:.1} % | {false_torques} of {} |",
+        of.name(),
+        rms(&peers),
+        left / bound,
+        over(|run| run.standard_error),
+        100.0 * covered,
+        options.seeds,
+    );
     Ok(())
 }
 

@@ -15,7 +15,7 @@ use quadcal_host_tests::accuracy::{distance, rms, table_rad};
 use quadcal_host_tests::anywhere::{self, GivenGains, Recorded, Rig, Run, Scenario};
 use quadcal_host_tests::bound::{LockedTorque, bound, usual_points};
 use quadcal_host_tests::peer_bladesight::{Bladesight, PUBLISHED_BETA};
-use quadcal_host_tests::{paper, peer_average};
+use quadcal_host_tests::{paper, peer_average, peer_polynomial};
 
 /// RMS error over all edges and seeds, rad, by every method, and the bound. Of two recordings a method that takes one is given
 /// both in turn, and the better result counts.
@@ -72,10 +72,10 @@ fn main() -> Result<()> {
         );
     }
     println!(
-        "| scenario | lines | raw | paper, closed | average over turns | bladesight as published | at its best (beta) | quadcal | \
+        "| scenario | lines | raw | paper, closed | average over turns | polynomial in time | bladesight as published | at its best (beta) | quadcal | \
          bound |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for &lines in &options.lines {
         for scenario in Scenario::ALL {
             let wanted = options.scenario.as_deref();
@@ -119,6 +119,7 @@ struct Errors {
     raw: f64,
     paper: f64,
     average: f64,
+    polynomial: f64,
     /// bladesight with each precision, the published one first.
     peer: Vec<f64>,
     ours: Option<f64>,
@@ -147,12 +148,13 @@ fn row(peer: Option<&Bladesight>, options: &Options, rig: Rig) -> Result<String>
         "- | -".into()
     };
     Ok(format!(
-        "| {} | {} | {:.2e} | {:.2e} | {:.2e} | {of_package} | {ours} | {:.2e} |",
+        "| {} | {} | {:.2e} | {:.2e} | {:.2e} | {:.2e} | {of_package} | {ours} | {:.2e} |",
         rig.scenario.name(),
         rig.lines,
         over(&|run| run.raw),
         over(&|run| run.paper),
         over(&|run| run.average),
+        over(&|run| run.polynomial),
         over(&|run| run.bound),
     ))
 }
@@ -194,6 +196,7 @@ fn errors(
             paper::estimate(times, rig.lines as usize, turns, true).error
         }),
         average: best(&|times| peer_average::estimate(&times[edges..], edges)),
+        polynomial: best(&|times| peer_polynomial::estimate(times, edges)),
         peer: of_peer,
         ours: quadcal(rig, &run, seed).ok().map(|error| off(&error)),
         bound: bound_of(rig, &run.truth),

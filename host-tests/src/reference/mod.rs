@@ -82,22 +82,25 @@ pub fn estimate(
         let samples = straight(&turns, &more, plan.block);
         for order in plan.orders() {
             let difference = coefficient(&samples, order);
+            let doubt = doubt.level[order];
+            // Speeds near each other show a disc alike to one part in 1024 only.
+            let unlike = found[order].norm_sqr() * (share.min(16.0) / 16_384.0).powi(2);
             // Torque for certain at twelve times the noise, none at half of that.
-            let evidence = difference.norm_sqr() / doubt.level[order];
+            let evidence = difference.norm_sqr() / (doubt + unlike);
             let belief = (evidence / 6.0 - 1.0).clamp(0.0, 1.0);
             if belief >= 1.0 {
                 torques.push(order);
             }
             let all_torque = found[order].norm_sqr() / (share * share);
-            if belief < 1.0 && all_torque < 12.0 * doubt.level[order] {
+            if belief < 1.0 && all_torque < 12.0 * (doubt + unlike) {
                 untold.push(order);
             }
-            if evidence > 5.0 {
+            if evidence > 5.0 || difference.norm_sqr() > 12.0 * doubt {
                 noise.level[order] += difference.norm_sqr() * (share * (1.0 - belief)).powi(2);
             }
             found[order] -= share * belief * difference;
             let damped = difference.norm_sqr() * damping / (order * order) as f64;
-            noise.level[order] += (doubt.level[order] + damped) * (share * belief).powi(2);
+            noise.level[order] += (doubt + damped) * (share * belief).powi(2);
         }
     }
     let weights = Estimate {

@@ -12,7 +12,7 @@ pub(super) struct Moments {
     /// Squared duration as either mean has it.
     weighed_square: f64,
     plain_square: f64,
-    /// `weighed_square` over the difference of the two, where the speeds differ enough to tell torque from geometry.
+    /// `weighed_square` over the difference of the two, where the speeds differ.
     pub separation: Option<f64>,
 }
 
@@ -36,7 +36,7 @@ impl Moments {
             plain,
             weighed_square,
             plain_square,
-            separation: (two_speeds && separation < 16.0).then_some(separation),
+            separation: (two_speeds && turns.len() > 3).then_some(separation),
         }
     }
 
