@@ -148,3 +148,18 @@ fn friction_is_no_torque_of_the_shaft() {
     assert!((0.8..1.25).contains(&stated), "{stated}");
     assert_eq!(false_torques, 0);
 }
+
+/// A polynomial takes the torque for the disc. What is stated covers a damping of the shaft that nothing here tells.
+#[test]
+fn torque_of_a_run_down_is_told_from_the_disc() {
+    for (of, of_polynomial_most) in [(RunDown::TorqueOnce, 0.005), (RunDown::Cogging, 0.03)] {
+        let ([of_bound, of_polynomial, stated], false_torques) = left_of_run_down(of);
+        println!("{of:?}: {of_bound} of the bound");
+        assert!(
+            of_polynomial < of_polynomial_most,
+            "{of:?}: {of_polynomial}"
+        );
+        assert!(stated > 0.8, "{of:?}: {stated}");
+        assert_eq!(false_torques, 0, "{of:?}");
+    }
+}

@@ -63,6 +63,8 @@ pub(super) struct Course {
     last: Option<Last>,
     weighed: Path,
     plain: Path,
+    /// Sum of the turns' bends, whatever their sign.
+    bends_q32: u64,
 }
 
 impl Course {
@@ -70,6 +72,7 @@ impl Course {
         last: None,
         weighed: Path([0; 3]),
         plain: Path([0; 3]),
+        bends_q32: 0,
     };
 
     /// Takes note of a turn that is taken, folded with a bend along the turn `before` of so many ticks.
@@ -81,6 +84,7 @@ impl Course {
         weighing: &Weighing,
     ) {
         let (duration, direction, bin) = turn;
+        self.bends_q32 += u64::from(bend_q32.unsigned_abs());
         let mut last = Last {
             duration,
             direction,
@@ -134,6 +138,11 @@ impl Course {
         for part in &mut self.weighed.0 {
             *part >>= down;
         }
+    }
+
+    /// Mean bend of so many turns, whatever their sign.
+    pub(super) fn mean_bend_q32(&self, turns: u32) -> u32 {
+        u32::try_from(self.bends_q32 / u64::from(turns.max(1))).unwrap_or(u32::MAX)
     }
 
     /// Of the weighed mean and of the plain one.

@@ -14,6 +14,7 @@ use super::scale::Fine;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
 use crate::log2::LOG2_BITS;
+use crate::recip::Recip;
 use crate::units::STEP_FRACTION_BITS;
 
 /// Noise of one of the lowest orders.
@@ -177,15 +178,45 @@ fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
     sum / count
 }
 
+/// Squares of the shaft's damping over its slowest speed, Q16, in parts of what it makes torque pass for geometry.
+#[derive(Clone, Copy)]
+pub(super) struct Damping {
+    /// What an order is weighed with.
+    pub likely_q16: u64,
+    /// What is stated: it is hardly ever more.
+    pub most_q16: u64,
+}
+
+impl Damping {
+    /// With the shortest and the longest turn taken.
+    ///
+    /// Beside the angle of torque that goes with the square of a turn's duration t, damping makes one that goes with t^3. Turns of t1 and
+    /// t2, the longer, have it pass for geometry by t2 / (t1 + t2) of its ratio to torque's own at t2.
+    pub(super) fn of(speeds: &Speeds, shortest: u64, longest: u64) -> Self {
+        let both = Recip::of_u64(shortest.saturating_add(longest));
+        let part_q16 = (u128::from(longest) * u128::from(both.mantissa)) >> (both.shift - 16);
+        let shown_q16 = shown_damping_square_q16(speeds);
+        let with = |hidden_q16: u64| {
+            let square = (u128::from(shown_q16.max(hidden_q16)) * part_q16 * part_q16) >> 32;
+            u64::try_from(square).unwrap_or(u64::MAX)
+        };
+        Self {
+            likely_q16: with(LIKELY_DAMPING_SQUARE_Q16),
+            most_q16: with(HIDDEN_DAMPING_SQUARE_Q16),
+        }
+    }
+}
+
 /// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
 /// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. Two standard errors
-/// of that are taken off, and where jitter of the time stamps rules the orders above nothing is known of it. What does not show may
-/// be there all the same.
-pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
+/// of that are taken off, and where jitter of the time stamps rules the orders above, so that the slope goes on to rise, nothing is known.
+fn shown_damping_square_q16(speeds: &Speeds) -> u64 {
     let slowest = speeds.bins.iter().rfind(|bin| bin.pairs >= 3);
-    let shown = slowest.map_or(0, |bin| {
+    slowest.map_or(0, |bin| {
         let [middle, upper] = [3..=3, 6..=6].map(|order| slope_of(&bin.scatter, order));
-        if upper / 4 > middle {
+        // So they do where torque locked to the shaft changes with the speed.
+        let [low, high] = [2..=3, 5..=6].map(|orders| slope_of(&bin.scatter, orders));
+        if upper / 4 > middle || high / 7 > low / 2 {
             return 0;
         }
         let ratio_q16 =
@@ -196,9 +227,11 @@ pub(super) fn damping_square_q16(speeds: &Speeds) -> u64 {
             .unwrap_or(u64::MAX)
             .clamp(1 << 16, 17 << 16)
             - (1 << 16)
-    });
-    shown.max(HIDDEN_DAMPING_SQUARE_Q16)
+    })
 }
 
 /// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
 const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 16;
+
+/// A quarter of that. Sizes are asked to be twelve times the noise in power, for chance; of a limit they need not be more than it.
+const LIKELY_DAMPING_SQUARE_Q16: u64 = HIDDEN_DAMPING_SQUARE_Q16 / 16;

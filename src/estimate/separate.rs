@@ -5,9 +5,12 @@ use core::task::Poll;
 
 use super::cursor::Cursor;
 use super::moments::Moments;
+use super::noise::Damping;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
+use super::smooth::OWN_BITS;
 use super::spectrum::Coefficient;
+use crate::log2::{LOG2_BITS, exp2, log2};
 
 /// Torque found.
 pub(super) struct Torques {
@@ -15,17 +18,21 @@ pub(super) struct Torques {
     pub strongest: heapless::Vec<TorqueOrder, TORQUES_MAX>,
     /// Orders that torque might make whole, and no turns of different speed would show it.
     pub untold: OrderSet,
+    /// Power that damping may have left in all orders beyond what they are weighed with.
+    pub hidden: u64,
 }
 
 impl Torques {
     pub(super) const NONE: Self = Self {
         strongest: heapless::Vec::new(),
         untold: OrderSet::NONE,
+        hidden: 0,
     };
 
     pub(super) fn clear(&mut self) {
         self.strongest.clear();
         self.untold = OrderSet::NONE;
+        self.hidden = 0;
     }
 }
 
@@ -51,8 +58,15 @@ pub(super) struct Separation {
     share_q30: Option<i64>,
     /// Its angle at the first turn's speed over that in the difference, Q30.
     scale_q30: i64,
-    /// Square of the shaft's damping over its slowest speed, Q16: a damped shaft does not go with 1 / speed^2.
-    damping_square_q16: u64,
+    shaft: Shaft,
+}
+
+/// How the shaft departs from torque that goes with 1 / speed^2.
+#[derive(Clone, Copy)]
+pub(super) struct Shaft {
+    pub damping: Damping,
+    /// Bend of a turn, Q32: by a change of speed torque of one order shows at those beside it.
+    pub bend_q32: u32,
 }
 
 /// What is known of every single order; order n at n - 1.
@@ -70,10 +84,10 @@ pub(super) struct Orders {
 }
 
 impl Separation {
-    pub(super) fn new(moments: &Moments, damping_square_q16: u64) -> Self {
+    pub(super) fn new(moments: &Moments, shaft: Shaft) -> Self {
         Self {
             cursor: Cursor::START,
-            damping_square_q16,
+            shaft,
             share_q30: moments.separation,
             scale_q30: moments.torque_scale_q30(),
         }
@@ -95,14 +109,7 @@ impl Separation {
         for index in self.cursor.next(ORDERS, plan.single) {
             if !plan.is_class_order(index + 1) {
                 let shares = [share_q30, self.scale_q30];
-                take_torque(
-                    index + 1,
-                    shares,
-                    orders,
-                    self.damping_square_q16,
-                    fine,
-                    torques,
-                );
+                take_torque(index + 1, shares, orders, self.shaft, fine, torques);
             }
         }
         self.cursor.at_end(plan.single)
@@ -113,7 +120,7 @@ fn take_torque(
     order: usize,
     [share_q30, scale_q30]: [i64; 2],
     orders: &mut Orders,
-    damping_square_q16: u64,
+    Shaft { damping, bend_q32 }: Shaft,
     fine: Fine,
     torques: &mut Torques,
 ) {
@@ -121,9 +128,9 @@ fn take_torque(
     let Orders {
         coefficients,
         noise,
+        own,
         difference,
         doubt,
-        ..
     } = orders;
     let share_square_q30 = u128::from(share_q30.unsigned_abs()).pow(2) >> 30;
     let power = coefficients[index].power();
@@ -141,15 +148,13 @@ fn take_torque(
             re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
             im: 0,
         };
-        keep_strongest(
-            &mut torques.strongest,
-            TorqueOrder {
-                #[allow(clippy::cast_possible_truncation)]
-                order: order as u16,
-                amplitude: peak(amplitude, fine),
-                standard_error: peak(error.scaled(scale_q30), fine),
-            },
-        );
+        let torque = TorqueOrder {
+            #[allow(clippy::cast_possible_truncation)]
+            order: order as u16,
+            amplitude: peak(amplitude, fine),
+            standard_error: peak(error.scaled(scale_q30), fine),
+        };
+        keep(&mut torques.strongest, torque, bend_q32);
     }
     // The difference that the order shows if it is all torque, against one that would be certain.
     let all_torque_q30 = u128::from(power) << 30;
@@ -170,10 +175,25 @@ fn take_torque(
     // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
     let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
     let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
-    let damped = u128::from(difference[index].power()) * u128::from(damping_square_q16)
-        / (order * order) as u128;
-    let more = u64::try_from(more + (damped >> 16) + u128::from(left_in)).unwrap_or(u64::MAX);
-    noise[index] = noise[index].saturating_add(more);
+    let of_order = difference[index].power() / (order * order) as u64;
+    let damped = |square_q16| (u128::from(of_order) * u128::from(square_q16)) >> 16;
+    let fitted = |power| u64::try_from(power).unwrap_or(u64::MAX);
+    let likely = damped(damping.likely_q16);
+    let hidden = damped(damping.most_q16) - likely;
+    torques.hidden = torques.hidden.saturating_add(fitted(hidden));
+    let more = fitted(more + likely + u128::from(left_in));
+    if more > 0 {
+        own[index] = own_with(own[index], noise[index], more);
+        noise[index] = noise[index].saturating_add(more);
+    }
+}
+
+/// What the contrast shows at an order itself over twice its level, where the noise has `more` that is not from the contrast.
+fn own_with(own: u8, noise: u64, more: u64) -> u8 {
+    let shown = exp2(log2(noise.into()) + (i32::from(own) << (LOG2_BITS - OWN_BITS)));
+    let over = |noise: u64| log2(u128::from(noise) + u128::from(more));
+    let ratio = (over(shown) - over(noise)).max(0) >> (LOG2_BITS - OWN_BITS);
+    u8::try_from(ratio).unwrap_or(u8::MAX)
 }
 
 /// Peak size of an order in 2^-32 turn.
@@ -181,12 +201,27 @@ fn peak(coefficient: Coefficient, fine: Fine) -> u32 {
     fine.root_mean_square(coefficient.power().saturating_mul(4))
 }
 
-/// Keeps `torque` in a list of the strongest.
-fn keep_strongest(list: &mut heapless::Vec<TorqueOrder, TORQUES_MAX>, torque: TorqueOrder) {
+/// Keeps `torque` in a list of the strongest that has no side bands.
+fn keep(list: &mut heapless::Vec<TorqueOrder, TORQUES_MAX>, torque: TorqueOrder, bend_q32: u32) {
+    if list
+        .iter()
+        .any(|kept| is_side_band(torque, *kept, bend_q32))
+    {
+        return;
+    }
+    list.retain(|kept| !is_side_band(*kept, torque, bend_q32));
     if list.push(torque).is_err()
         && let Some(weakest) = list.iter_mut().min_by_key(|kept| kept.amplitude)
         && weakest.amplitude < torque.amplitude
     {
         *weakest = torque;
     }
+}
+
+/// Whether `torque` is no more than the other's swing makes beside it. With a bend b the square of the speed changes by 4 b in a turn, which
+/// puts 4 b / (2 pi (m - n)) of order n at order m, and at the lowest orders twice that.
+fn is_side_band(torque: TorqueOrder, other: TorqueOrder, bend_q32: u32) -> bool {
+    let apart = u64::from(torque.order.abs_diff(other.order));
+    let beside = (u64::from(other.amplitude) * u64::from(bend_q32)) >> 31;
+    u64::from(torque.amplitude) * apart < beside
 }

@@ -10,19 +10,19 @@ use super::delays::DelayFit;
 use super::draw::{Believed, Drawing};
 use super::fold::thirds;
 use super::moments::{MeanSpeed, Moments};
-use super::noise::{damping_square_q16, jitter_q16};
+use super::noise::{Damping, jitter_q16};
 use super::order::{LockedOrder, OrderPlan};
 use super::pack::{Packed, Packing, with_offsets};
 use super::power::{SplitOrders, single_sizes};
 use super::scale::Fine;
-use super::separate::Separation;
+use super::separate::{Separation, Shaft};
 use super::settle::{Estimated, Known, Settling};
 use super::solution::{Findings, Solution, SolveError};
 use super::solver::{Coarse, Solver, Stage};
 use super::spectrum::Coefficient;
 use super::transform::TakeOrders;
 use super::weigh::{Estimate, WEIGHT_ONE, Weighting};
-use super::{EdgeBuffers, Estimator, Parts};
+use super::{EdgeBuffers, Estimator, Parts, Totals};
 use crate::shape::CLASSES_MAX;
 use crate::units::TurnDelta32;
 
@@ -199,9 +199,14 @@ impl<B: EdgeBuffers> Estimator<B> {
                     let scratch = parts.cells.as_chunks_mut().0;
                     split.slice(parts.sum, scratch, plan, sizes)
                 });
-                go_to(stage, || {
-                    Stage::Separate(Separation::new(moments, damping_square_q16(speeds)))
-                });
+                let Totals {
+                    shortest, longest, ..
+                } = self.totals;
+                let shaft = Shaft {
+                    damping: Damping::of(speeds, shortest, longest),
+                    bend_q32: self.course.mean_bend_q32(moments.turns),
+                };
+                go_to(stage, || Stage::Separate(Separation::new(moments, shaft)));
             }
             Stage::Separate(separation) => {
                 ready!(separation.slice(plan, orders, fine_now, torques));
@@ -217,6 +222,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                     low_pairs: settled.low_pairs,
                     turn: 1 << (32 + fine_now.bits),
                     untold: torques.untold,
+                    hidden: torques.hidden,
                     knowledge: self.knowledge,
                 };
                 // The doubt about torque has been used.

@@ -60,6 +60,8 @@ pub(super) struct Estimate<'a> {
     pub turn: u64,
     /// Orders at which the turns' speeds do not tell torque from geometry.
     pub untold: OrderSet,
+    /// Power that the shaft's damping may have left in all orders together beyond their noise.
+    pub hidden: u64,
     pub knowledge: DriveKnowledge,
 }
 
@@ -169,6 +171,7 @@ impl Weighting {
         self.residual = u128::from(left_common) * count;
         let believed = left_over(common, 0, estimate.common);
         self.uncorrected = self.residual + u128::from(believed) * count;
+        self.residual += 2 * u128::from(estimate.hidden);
     }
 
     /// Weighs one order of a geometry's `size`.

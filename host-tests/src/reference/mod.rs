@@ -17,7 +17,7 @@ mod tests;
 use std::f64::consts::TAU;
 
 use moments::{Moments, dot, minus};
-use noise::{Noise, common_noise, damping_square};
+use noise::{Noise, common_noise, damping_squares};
 use plan::{Plan, coefficient, common_power};
 use realfft::num_complex::Complex64;
 use turns::straight;
@@ -76,9 +76,11 @@ pub fn estimate(
     } else {
         plan.orders().collect()
     };
+    // What damping may have left beyond what orders are weighed with.
+    let mut hidden = 0.0;
     if let Some(share) = moments.separation {
         let doubt = Noise::of(plan, &turns, &more, &signed_more);
-        let damping = damping_square(&turns);
+        let damping = damping_squares(&turns);
         let samples = straight(&turns, &more, plan.block);
         for order in plan.orders() {
             let difference = coefficient(&samples, order);
@@ -95,12 +97,19 @@ pub fn estimate(
             if belief < 1.0 && all_torque < 12.0 * (doubt + unlike) {
                 untold.push(order);
             }
+            let mut more = 0.0;
             if evidence > 5.0 || difference.norm_sqr() > 12.0 * doubt {
-                noise.level[order] += difference.norm_sqr() * (share * (1.0 - belief)).powi(2);
+                more = difference.norm_sqr() * (share * (1.0 - belief)).powi(2);
             }
             found[order] -= share * belief * difference;
-            let damped = difference.norm_sqr() * damping / (order * order) as f64;
-            noise.level[order] += (doubt + damped) * (share * belief).powi(2);
+            let damped = difference.norm_sqr() * (share * belief / order as f64).powi(2);
+            let [likely, most] = damping.map(|square| square * damped);
+            more += doubt * (share * belief).powi(2) + likely;
+            hidden += most - likely;
+            // What the contrast showed at the order itself is no more of that.
+            let own = noise.level[order] * (noise.own[order] / 2.0).max(1.0);
+            noise.level[order] += more;
+            noise.own[order] = 2.0 * (own + more) / noise.level[order];
         }
     }
     let weights = Estimate {
@@ -121,7 +130,7 @@ pub fn estimate(
     }
     Reference {
         error: draw(plan, &mean, &of_mean, &found, &weights, &offsets),
-        standard_error: weights.residual.sqrt() * TAU,
+        standard_error: (weights.residual + 2.0 * hidden).sqrt() * TAU,
         weights: weights.single[1..].to_vec(),
         locked: weights.locked,
         torques,

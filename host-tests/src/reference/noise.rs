@@ -138,9 +138,10 @@ fn upper_slope(scatter: &[f64; LOW_ORDERS]) -> f64 {
     (scatter[3] * 256.0 + scatter[4] * 625.0 + scatter[5] * 1296.0) / 3.0
 }
 
-/// Square of the shaft's damping over its speed where it is slowest, by what order 1 has less than the orders above promise;
-/// a quarter of the speed at least, which does not show.
-pub(super) fn damping_square(turns: &[Turn]) -> f64 {
+/// Squares of the shaft's damping over its speed where it is slowest, in parts of what it makes torque pass for geometry: what orders
+/// are weighed with, and what is stated. By what order 1 has less than the orders above promise; what does not show is up to a quarter
+/// of the speed.
+pub(super) fn damping_squares(turns: &[Turn]) -> [f64; 2] {
     let slowest = turns
         .iter()
         .map(|turn| turn.bin)
@@ -148,13 +149,20 @@ pub(super) fn damping_square(turns: &[Turn]) -> f64 {
     let shown = slowest.max().map_or(0.0, |bin| {
         let (scatter, count) = scatter(turns, bin);
         // Jitter of the time stamps rules where the slope goes on to rise.
-        if scatter[5] * 1296.0 > 4.0 * scatter[2] * 81.0 {
+        let [low, high] = [
+            scatter[1] * 16.0 + scatter[2] * 81.0,
+            scatter[4] * 625.0 + scatter[5] * 1296.0,
+        ];
+        if scatter[5] * 1296.0 > 4.0 * scatter[2] * 81.0 || high > 3.5 * low {
             return 0.0;
         }
         let sure = count.sqrt() / (count.sqrt() + 2.0);
         (upper_slope(&scatter) / scatter[0] * sure).clamp(1.0, 17.0) - 1.0
     });
-    shown.max(1.0 / 16.0)
+    let longest = turns.iter().map(|turn| turn.ratio).fold(0.0, f64::max);
+    let shortest = turns.iter().map(|turn| turn.ratio).fold(f64::MAX, f64::min);
+    let part = longest / (shortest + longest);
+    [1.0 / 256.0, 1.0 / 16.0].map(|hidden| shown.max(hidden) * part * part)
 }
 
 /// How much more neighbouring turns differ than their noise in the long run: twice where speed is a random walk.
