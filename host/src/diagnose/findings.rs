@@ -133,10 +133,10 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
     // Where all findings together make held-out turns worse, none that can be foretold has a name.
     let worse = early > none;
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
-    let basis = fit.basis();
-    let mut cleared = fit.clone();
-    basis.clear(&mut cleared.left);
-    let left = Left::of(board, &cleared, &basis);
+    let floors = floors(board, fit);
+    let sized = board
+        .unsure_of_hold(fit)
+        .widened(|at| spread * floors[at].unwrap_or(1.0).sqrt());
     let inertia_known = inertia_known(board);
     let each = fit.model.groups().into_iter().map(|group| {
         let effects = fit.model.effects(group);
@@ -146,11 +146,12 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         let judged = worths.iter().find(|(of, _)| *of == group);
         let worth = judged.map_or(worth, |(_, judged)| worth.min(*judged));
         let foretold = judge::foretold(board, fit, group);
-        let corrected = correct::measured(board, fit, group);
+        let corrected = correct::measured(board, &sized, group);
         let mut mechanism = board.mechanism(&effects);
         // What is left beside it may have such lines by chance: of so many the largest is so large.
-        let floors = effects.iter().filter_map(|effect| left.floor(effect));
-        let floor = floors.min_by(f64::total_cmp);
+        let own = fit.model.terms.iter().zip(&floors);
+        let own = own.filter(|(term, _)| term.group == group);
+        let floor = own.filter_map(|(_, floor)| *floor).min_by(f64::total_cmp);
         let chance = (floor.unwrap_or(1.0) - 1.0) * 2.0 * (board.edges() as f64).ln();
         let shown = foretold.as_ref().map_or(loss, |it| it.fall.min(loss));
         let stands_out = shown / (shown + chance);
@@ -163,14 +164,11 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         let alike = alike.iter().find(|one| one.group == group);
         let others: &[(Mechanism, f64)] = alike.map_or(&[], |one| &one.others);
         let images: &[Effect] = alike.map_or(&[], |one| &one.images);
-        let mut numbers = if corrected.is_empty() {
-            fit.numbers(group)
+        let numbers = if corrected.is_empty() {
+            sized.numbers(group)
         } else {
             corrected.iter().map(|one| one.number.clone()).collect()
         };
-        for number in &mut numbers {
-            number.error = number.error.map(|error| error * spread);
-        }
         let plausible = |one: &Number| mechanism.card().allows(&one.name, one.value);
         if corrected.is_empty() && !numbers.iter().all(plausible) {
             mechanism = Mechanism::Unknown;
@@ -210,7 +208,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             Some(whole) => format!(
                 "{cell}: beside order {whole}, of a size or phase that changes along the recording"
             ),
-            None if !corrected.is_empty() => correct::text(&corrected, spread),
+            None if !corrected.is_empty() => correct::text(&corrected),
             None => cell,
         };
         let plain = Finding::of(mechanism, text, worth);
@@ -239,20 +237,30 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         };
         let terms = fit.model.terms.iter().enumerate();
         let terms = terms.filter(|(_, term)| term.group == group);
-        let sized = terms.map(|(at, term)| Sized {
+        let cells = terms.map(|(at, term)| Sized {
             effect: term.effect,
             sizes: term.sizes.clone(),
-            ci95: fit.intervals(at, spread),
-            at_speed: fit.at_speed(at, board.mean_speed(), spread),
+            ci95: sized.intervals(at),
+            at_speed: sized.at_speed(at, board.mean_speed()),
         });
         Said {
             named,
             finding,
-            cells: sized.collect(),
+            cells: cells.collect(),
             loss: Some(loss),
         }
     });
     each.collect()
+}
+
+/// How many times as much as in white noise the lines beside each term of a fit explain.
+fn floors(board: &Board, fit: &Fit) -> Vec<Option<f64>> {
+    let basis = fit.basis();
+    let mut cleared = fit.clone();
+    basis.clear(&mut cleared.left);
+    let left = Left::of(board, &cleared, &basis);
+    let terms = fit.model.terms.iter();
+    terms.map(|term| left.floor(&term.effect)).collect()
 }
 
 /// Whether the twins declare an inertia.

@@ -104,10 +104,9 @@ impl Fit {
         each.flatten().collect()
     }
 
-    /// 95 % intervals of a term's size, or of its amplitude, and of its effect's numbers; none of what is not fitted. The residual is so many
-    /// times as large as noise.
+    /// 95 % intervals of a term's size, or of its amplitude, and of its effect's numbers; none of what is not fitted.
     #[must_use]
-    pub fn intervals(&self, at: usize, spread: f64) -> Vec<Option<[f64; 2]>> {
+    pub fn intervals(&self, at: usize) -> Vec<Option<[f64; 2]>> {
         let term = &self.model.terms[at];
         let column = |number: usize| self.column(at, number);
         let covariance = self.covariance_of([column(0), column(1)]);
@@ -125,7 +124,7 @@ impl Fit {
         });
         let each = std::iter::once(Some(size)).chain(knobs);
         let within = |(value, error): (f64, f64)| {
-            let by = NINETY_FIVE * spread * error;
+            let by = NINETY_FIVE * error;
             [value - by, value + by]
         };
         each.map(|one| one.map(within)).collect()
@@ -134,7 +133,7 @@ impl Fit {
     /// The size, or amplitude, of a term that goes with the speed at one speed, with its 95 % interval: at 1 rad/s, which no shaft may have
     /// had, hardly anything is known of it. None of other terms.
     #[must_use]
-    pub fn at_speed(&self, at: usize, rad_s: f64, spread: f64) -> Option<AtSpeed> {
+    pub fn at_speed(&self, at: usize, rad_s: f64) -> Option<AtSpeed> {
         let term = &self.model.terms[at];
         let Growth::Speed(power) = term.effect.growth else {
             return None;
@@ -155,7 +154,7 @@ impl Fit {
         let each: Vec<(usize, f64)> = each.collect();
         let pairs = each.iter().flat_map(|a| each.iter().map(move |b| (a, b)));
         let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
-        let wide = NINETY_FIVE * spread * variance.sum::<f64>().max(0.0).sqrt();
+        let wide = NINETY_FIVE * variance.sum::<f64>().max(0.0).sqrt();
         let there = size * by;
         // Its logarithm goes evenly with the power, where the sign is sure.
         let ci95 = if wide < there.abs() {

@@ -109,11 +109,6 @@ impl<'a> Left<'a> {
             return None;
         }
         let reach = self.board.reach(effect)[0];
-        let columns = self.board.columns(effect);
-        let count = columns.len();
-        // The model has the effect itself, of which nothing is left beside it: its squares as they are.
-        let squares = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
-        let inverse = squares.try_inverse()?;
         let beside = |apart: i32| {
             let mut knobs = effect.knobs();
             let by = f64::from(apart) * reach;
@@ -121,6 +116,13 @@ impl<'a> Left<'a> {
             knobs[0] += by;
             alike.then(|| effect.with_knobs(&knobs))
         };
+        // A whole order may be the disc's as well, those beside it are not: they go by the squares of one of them.
+        let columns = self
+            .board
+            .columns(&beside(BESIDE / 2).or_else(|| beside(2))?);
+        let count = columns.len();
+        let squares = DMatrix::from_fn(count, count, |a, b| dot(&columns[a], &columns[b]));
+        let inverse = squares.try_inverse()?;
         let aparts = (2..=BESIDE).flat_map(|apart| [-apart, apart]);
         let gains = aparts.filter_map(beside);
         let mut gains: Vec<f64> = gains.map(|beside| self.about(&beside, &inverse)).collect();

@@ -31,6 +31,9 @@ impl Board {
         if !self.is_pushed(model) {
             return false;
         }
+        if self.goes_loose(model) {
+            return true;
+        }
         let before = self.fit(model);
         let cost = self.held_cost(&before);
         let mut best = (self.clone(), before, cost);
@@ -66,9 +69,7 @@ impl Board {
         let now = each.fold(0.0, f64::max);
         let held = |share: f64| {
             let mut board = plain.stiffer(share * rate - now)?;
-            let fit = board.fit_in_noise(model);
-            let volume = board.pattern.as_ref().map_or(0.0, Pattern::log_volume);
-            let cost = board.held_cost(&fit) + volume;
+            let cost = board.cost_in_noise(model);
             Some((share, board, cost))
         };
         let Some((_, _, loose)) = held(0.0) else {
@@ -95,6 +96,32 @@ impl Board {
         }
     }
 
+    /// Takes a shaft for loose that is held by a drive, where that is not worth it any more beside a model: torques that nobody had found yet
+    /// may have made it so. Whether it does.
+    fn goes_loose(&mut self, model: &Model) -> bool {
+        let each = self.benches.iter().map(|bench| bench.found.stiffness);
+        let now = each.fold(0.0, f64::max);
+        let mut held = self.clone();
+        held.rounds = 1;
+        let Some(mut loose) = held.stiffer(-now).filter(|_| now > 0.0) else {
+            return false;
+        };
+        let fall = loose.cost_in_noise(model) - held.cost_in_noise(model);
+        let goes = evidence(self, fall, 1) <= SURE;
+        if goes {
+            loose.rounds = self.rounds;
+            *self = loose;
+        }
+        goes
+    }
+
+    /// Fits the noise beside a model. Twice the negative logarithm of how likely that makes the recordings, but for a constant.
+    fn cost_in_noise(&mut self, model: &Model) -> f64 {
+        let fit = self.fit_in_noise(model);
+        let volume = self.pattern.as_ref().map_or(0.0, Pattern::log_volume);
+        self.held_cost(&fit) + volume
+    }
+
     /// Whether the noise of an unknown drive goes as if nothing held the shaft.
     pub fn loosen(&mut self, loose: bool) {
         let mut board = self.clone();
@@ -111,6 +138,37 @@ impl Board {
         fit.rss + self.spread()
     }
 
+    /// A fit whose numbers are as sure as they are beside how stiffly an unknown drive holds the shaft, which turns the phases of torques. What
+    /// noise says of that holds as far as a torque's noise is white: no better than to the stiffness itself. Waves at several speeds say more.
+    #[must_use]
+    pub fn unsure_of_hold(&self, fit: &Fit) -> Fit {
+        let mut other = fit.clone();
+        let each = self.benches.iter().map(|bench| bench.found.stiffness.abs());
+        let size = each.fold(0.0, f64::max);
+        let step = self.hold_step();
+        let moved = (size > 0.0).then(|| self.stiffer(step)).flatten();
+        let Some(moved) = moved else {
+            return other;
+        };
+        let mut columns = fit.columns.clone();
+        columns.push(self.slope_to(&moved, &fit.model, step));
+        let mut left = fit.left.clone();
+        left.push(0.0);
+        let own = columns.len() - 1;
+        for (at, column) in columns.iter_mut().enumerate() {
+            column.push(if at == own { 1.0 / size } else { 0.0 });
+        }
+        let covariance = lsq::solve(&columns, &left).covariance;
+        other.covariance = covariance.view((0, 0), (own, own)).into_owned();
+        other
+    }
+
+    /// A step of the stiffness, 1/s: of waves of one a turn it changes a thousandth.
+    fn hold_step(&self) -> f64 {
+        let each = self.benches.iter();
+        1e-3 * each.fold(0.0, |most: f64, bench| most.max(bench.course.mean()))
+    }
+
     /// Whether torques that the twins declare or a model has move the shaft.
     fn is_pushed(&self, model: &Model) -> bool {
         let mut benches = self.benches.iter();
@@ -121,10 +179,7 @@ impl Board {
 
     /// The board with another stiffness that fits better, the fit, and its cost, where by about how much it would fall gives hope.
     fn held_better(&self, fit: &Fit, hopes: impl Fn(f64) -> bool) -> Option<(Self, Fit, f64)> {
-        let each = self.benches.iter();
-        let speed = each.fold(0.0, |most: f64, bench| most.max(bench.course.mean()));
-        // Of waves of one a turn it changes a thousandth.
-        let step = 1e-3 * speed;
+        let step = self.hold_step();
         let moved = self.stiffer(step)?;
         let slope = self.slope_to(&moved, &fit.model, step);
         let mut columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();

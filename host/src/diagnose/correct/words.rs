@@ -77,11 +77,11 @@ fn digits(value: f64, error: f64, unit: &str) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
-/// Corrections in words: "gear_mesh.torque_n_m: 4.00 mN m declared, 2.00 +- 0.01 mN m measured"; `spread` widens the intervals.
+/// Corrections in words: "gear_mesh.torque_n_m: 4.00 mN m declared, 2.00 +- 0.01 mN m measured".
 #[must_use]
-pub fn text(corrections: &[Measured], spread: f64) -> String {
+pub fn text(corrections: &[Measured]) -> String {
     let each = corrections.iter().map(|one| {
-        let error = one.number.error.unwrap_or(0.0) * NINETY_FIVE * spread;
+        let error = one.number.error.unwrap_or(0.0) * NINETY_FIVE;
         format!(
             "{}: {} declared, {} +- {} measured",
             one.path,

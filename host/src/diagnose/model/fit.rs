@@ -83,6 +83,16 @@ impl Fit {
         fit
     }
 
+    /// The same whose numbers are less sure, by a factor for each term by its place: what is left may be larger than noise, or not white.
+    #[must_use]
+    pub fn widened(mut self, by: impl Fn(usize) -> f64) -> Self {
+        let each: Vec<f64> = self.of.iter().map(|(term, _)| by(*term)).collect();
+        self.covariance = DMatrix::from_fn(each.len(), each.len(), |a, b| {
+            each[a] * each[b] * self.covariance[(a, b)]
+        });
+        self
+    }
+
     /// What a group makes of each innovation.
     #[must_use]
     pub fn own(&self, group: usize) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use super::{PAIR_FAST, board, board_beside, twin};
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::lsq::dot;
-use crate::diagnose::model::Model;
+use crate::diagnose::model::{Board, Fit, Model};
 use crate::diagnose::nearby::Left;
 use crate::diagnose::{cells, judge, jury, search};
 
@@ -114,6 +114,47 @@ fn lines_beside_one_that_changes_explain_more_than_noise() {
         .collect();
     let band = floor(&format!("{PAIR_FAST}{band}"), PAIR_FAST, 7.3);
     assert!(band > 10.0, "{band}");
+}
+
+/// A wheel that runs up, pushed three times a turn, and what is known of its sensor.
+fn run_up() -> [String; 2] {
+    let sensor = "[encoder.wheel]\nteeth = 36\nmissing = 2\n\n[timer]\nclock_hz = 1000000\n";
+    let rig = format!(
+        "seed = 1008\nduration = {{ turns = 60 }}\n\n{sensor}jitter_s = 5e-7\n\n[shaft]\ninertia_kg_m2 = 0.1\n\n[errors]\n\
+        seed = 13\neccentricity = {{ amplitude_rad = 1e-3 }}\nposition = {{ normal = {{ rms_rad = 3e-4, per = \"edge\" }} }}\n\n[drive.ramp]\n\
+        from_r_min = 280\nto_r_min = 1060\nover_s = 5.4\n\n[noise.white]\npsd_n2_m2_s = 1e-3\nhold_s = 1e-5\n\n[[ripple]]\norder = 3\n\
+        torque_n_m = 2.5\n"
+    );
+    [rig, format!("duration = {{ turns = 1 }}\n{sensor}")]
+}
+
+#[test]
+fn lines_beside_a_whole_order_of_an_open_disc_explain_what_noise_does() {
+    let [real, given] = run_up();
+    let floor = floor(&real, &given, 3.0);
+    assert!(floor < 2.0, "{floor}");
+}
+
+#[test]
+fn a_torque_that_was_taken_for_a_stiff_drive_makes_phases_unsure_until_it_is_found() {
+    let [real, given] = run_up();
+    let mut board = board_beside(&twin(&real), &twin(&given));
+    let mut model = Model::default();
+    model.add(&[Effect::new(Site::Torque, Carrier::Order(3.0))], 0);
+    let wider = |board: &Board| {
+        let fit = board.fit(&model);
+        let error = |fit: &Fit| {
+            let mut numbers = fit.numbers(0).into_iter();
+            numbers.find(|number| number.name == "phase_rad")?.error
+        };
+        let wide = error(&board.unsure_of_hold(&fit)).zip(error(&fit));
+        wide.map(|(one, other)| one / other)
+    };
+    assert!(board.benches[0].found.stiffness > 0.0);
+    assert!(wider(&board) > Some(1.3), "{:?}", wider(&board));
+    assert!(board.hold(&model));
+    assert_eq!(board.benches[0].found.stiffness, 0.0);
+    assert_eq!(wider(&board), Some(1.0));
 }
 
 #[test]
