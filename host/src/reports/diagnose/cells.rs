@@ -160,7 +160,13 @@ pub fn sizes(effects: &[Sized], inertia_known: bool) -> Vec<String> {
         let knobs = sized.effect.knobs().into_iter();
         let knobs = knobs.zip(self::knobs(&sized.effect)).zip(within);
         let knobs = knobs.filter_map(|((knob, (name, unit)), ci95)| {
-            let number = with_interval(&parameter(knob, unit, Some(ci95?)));
+            // A place is one of the first turn.
+            let turns = match name {
+                "place" => TAU * (knob / TAU).floor(),
+                _ => 0.0,
+            };
+            let ci95 = ci95?.map(|end| end - turns);
+            let number = with_interval(&parameter(knob - turns, unit, Some(ci95)));
             Some(format!(", {name} {number}"))
         });
         format!("{what} {number}{}", knobs.collect::<String>())

@@ -273,3 +273,19 @@ fn an_order_and_its_harmonics_are_one_clause() {
         "torque at orders 3, 6, 9, constant"
     );
 }
+
+#[test]
+fn a_place_is_one_of_the_first_turn() {
+    let around = |angle: f64| Sized {
+        effect: Effect::new(Site::Disc(On::ALL), Carrier::Bump(angle, 0.5)),
+        sizes: vec![1e-3],
+        ci95: vec![None, Some([angle - 0.1, angle + 0.1]), None],
+        at_speed: None,
+    };
+    for angle in [0.89, 0.89 + TAU, 0.89 - TAU] {
+        assert_eq!(
+            sizes(&[around(angle)], true),
+            ["size 1.00 mrad, place 890 ± 100 mrad"]
+        );
+    }
+}
