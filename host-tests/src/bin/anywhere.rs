@@ -30,6 +30,13 @@ struct Options {
     check: bool,
 }
 
+impl Options {
+    /// Whether the row of a name is to be printed.
+    fn asks_for(&self, name: &str) -> bool {
+        self.only.as_ref().is_none_or(|part| name.contains(part))
+    }
+}
+
 /// A row: how the rig is driven, what is said of a loop, and what is to be reached.
 struct Row {
     name: &'static str,
@@ -123,12 +130,7 @@ fn main() -> Result<()> {
     for row in &ROWS {
         // The loop needs edges more often than coarse discs give them.
         let coarse = options.lines < 2500 && row.scenario == Scenario::SpeedLoop;
-        if !coarse
-            && options
-                .only
-                .as_ref()
-                .is_none_or(|part| row.name.contains(part))
-        {
+        if !coarse && options.asks_for(row.name) {
             print(row, &options)?;
         }
     }
@@ -138,24 +140,20 @@ fn main() -> Result<()> {
          broken, irregular, change of speed, disagrees | rejected of those hit by a load step | of those after these | of all others |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
-    let names = |by: &Disturbance| {
-        let only = options.only.as_ref();
-        only.is_none_or(|part| by.name().contains(part))
-    };
-    for by in Disturbance::ALL.into_iter().filter(names) {
-        print_disturbed(by, &options)?;
+    for by in Disturbance::ALL {
+        if options.asks_for(by.name()) {
+            print_disturbed(by, &options)?;
+        }
     }
     println!();
     println!(
         "| run-down | raw | polynomial | quadcal | bound | over bound | own standard error | within 95 % | false torques, of runs |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    let names = |of: &RunDown| {
-        let only = options.only.as_ref();
-        only.is_none_or(|part| of.name().contains(part))
-    };
-    for of in RunDown::ALL.into_iter().filter(names) {
-        print_run_down(of, &options)?;
+    for of in RunDown::ALL {
+        if options.asks_for(of.name()) {
+            print_run_down(of, &options)?;
+        }
     }
     Ok(())
 }
