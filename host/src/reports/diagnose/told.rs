@@ -198,7 +198,8 @@ fn explains(share: f64) -> String {
         percent if !percent.is_finite() => return String::new(),
         percent if percent < 0.1 => "under 0.1 %".to_owned(),
         percent if percent > 99.9 => "over 99.9 %".to_owned(),
-        percent if percent < 10.0 => format!("{percent:.1} %"),
+        // Not all, where others explain something too.
+        percent if !(10.0..99.0).contains(&percent) => format!("{percent:.1} %"),
         percent => format!("{percent:.0} %"),
     };
     format!("{percent} of the reducible sum of squares of the residual")
@@ -226,5 +227,23 @@ fn recording(answer: &Answer, finding: &Finding) -> String {
             "The recording named at the top would tell".to_owned()
         }
         Some(other) => next(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::explains;
+
+    #[test]
+    fn a_share_is_said_to_be_all_only_where_it_is() {
+        for (share, expected) in [
+            (0.9996, "over 99.9 %"),
+            (0.9962, "99.6 %"),
+            (0.871, "87 %"),
+            (0.0042, "0.4 %"),
+        ] {
+            let said = explains(share);
+            assert!(said.starts_with(&format!("{expected} of")), "{said}");
+        }
     }
 }
