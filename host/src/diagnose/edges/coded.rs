@@ -99,7 +99,8 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
             (changed != 0).then_some((pair[1], changed))
         })
     };
-    let grid = Grid::full(edges.grid_edges, edges.classes as u8);
+    let ticks: Vec<u64> = changes().map(|(row, _)| row.ticks).collect();
+    let grid = Grid::full(edges.grid_edges, edges.classes as u8).moved(&ticks);
     let sights = changes().map(|(row, _)| Sight {
         ticks: row.ticks,
         class: class(&row),

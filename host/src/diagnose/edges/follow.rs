@@ -334,9 +334,12 @@ impl Follower<'_> {
                 // Once it has turned back or stood still, it goes on either way.
                 let stands = from.timed && from.speed.is_none();
                 to.score += if stands { BROAD } else { -REVERSAL };
+                // No turn is abrupt that asks for no more than the shaft did elsewhere.
                 to.score += from.speed.map_or(BROAD, |speed| {
                     let longer = speed.log + interval.log;
-                    broad(longer) - abrupt((LN_2 - longer).clamp(0.0, LN_2), speed.variance)
+                    let asked = LN_2 + speed.log - interval.log - self.grid.reached.ln();
+                    let short = (LN_2 - longer).min(asked);
+                    broad(longer) - abrupt(short.clamp(0.0, LN_2), speed.variance)
                 });
                 to.speed = None;
             }

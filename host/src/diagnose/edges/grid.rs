@@ -11,6 +11,8 @@ const TURNS: usize = 3;
 const OUTLIERS: f64 = 1e-3;
 /// Standard deviation of a log interval about its prediction at the least: clocks and discs are no better.
 const SPREAD_LEAST: f64 = 0.004;
+/// Rounds of classes over which an acceleration is looked at.
+const ROUNDS: usize = 2;
 /// Gains of the speed and its slope, and of the spread's mean, as parts of an innovation.
 const GAINS: [f64; 3] = [0.6, 0.15, 0.08];
 
@@ -36,6 +38,8 @@ pub(super) struct Grid {
     measured: Vec<f64>,
     /// Whether the levels tell the direction.
     pub reversible: bool,
+    /// Acceleration that the shaft is known to reach, grid edges a tick squared; 0 where none is.
+    pub reached: f64,
 }
 
 impl Grid {
@@ -47,6 +51,28 @@ impl Grid {
             present: Vec::new(),
             measured: Vec::new(),
             reversible: classes > 2,
+            reached: 0.0,
+        }
+    }
+
+    /// A grid of edges that are all there, with the acceleration that most of some changes of levels show: over whole rounds of classes,
+    /// so that their own errors do not, and twice in a row the same way, as what is no edge does not.
+    pub fn moved(self, ticks: &[u64]) -> Self {
+        let round = ROUNDS * self.classes as usize;
+        let ends: Vec<f64> = ticks.iter().step_by(round).map(|at| *at as f64).collect();
+        let speeds = ends.windows(2).map(|two| {
+            let lasts = (two[1] - two[0]).max(1.0);
+            (round as f64 / lasts, lasts)
+        });
+        let speeds: Vec<(f64, f64)> = speeds.collect();
+        let gains = speeds.windows(2);
+        let gains = gains.map(|two| 2.0 * (two[1].0 - two[0].0) / (two[0].1 + two[1].1));
+        let gains: Vec<f64> = gains.collect();
+        let twice = gains.windows(2).filter(|two| two[0] * two[1] > 0.0);
+        let twice = twice.map(|two| two[0].abs().min(two[1].abs()));
+        Self {
+            reached: twice.fold(0.0, f64::max),
+            ..self
         }
     }
 

@@ -409,3 +409,32 @@ fn a_shaft_that_rocks_about_an_edge_and_then_turns_back_makes_no_pulse_too_many(
     let edges = place(&sensor, CLOCK_HZ, &stepped(&steps)).unwrap();
     assert!(edges.events.is_empty(), "{:?}", edges.events);
 }
+
+#[test]
+fn a_slow_shaft_may_be_turned_back_as_hard_as_it_was_braked() {
+    let mut steps = Vec::new();
+    let mut go = |by: i64, after_s: f64| steps.push((by, after_s));
+    let uneven = |edge: i32| [0.99, 1.0, 1.02, 0.99][edge as usize % 4];
+    (0..400).for_each(|edge| go(1, 1e-3 * uneven(edge)));
+    // Braked by 2,000 edges a second each second, until it creeps.
+    let speed = |edge: i32| f64::from(4_000 * edge).sqrt();
+    (3..250)
+        .rev()
+        .for_each(|edge| go(1, uneven(edge) / speed(edge)));
+    // It creeps, ever slower, and is driven back within one interval: the edges look like a pulse too many beside lost ones.
+    (0..60).for_each(|edge| go(1, 0.015 * 1.02_f64.powi(edge) * (0.9 + 0.1 * uneven(edge))));
+    for after_s in [
+        0.054, 0.0328, 0.0195, 0.0149, 0.0133, 0.0127, 0.0107, 0.0097, 0.0093,
+    ] {
+        go(-1, after_s);
+    }
+    (6..250).for_each(|edge| go(-1, uneven(edge) / speed(edge)));
+    let sensor = Sensor::Quadrature {
+        lines: 20,
+        index: None,
+    };
+    let edges = place(&sensor, CLOCK_HZ, &stepped(&steps)).unwrap();
+    assert!(edges.events.is_empty(), "{:?}", edges.events);
+    let back = edges.forward.iter().filter(|forward| !**forward);
+    assert_eq!(back.count(), 9 + 244);
+}
