@@ -7,7 +7,7 @@ use super::disc;
 use super::effect::{Carrier, Effect, Site};
 use super::filter::Noise;
 use super::lsq;
-use super::model::{Board, Model};
+use super::model::{Board, Model, Wander};
 use super::noise::FAR;
 use super::plant::{Corner, White};
 use super::scan::SURE;
@@ -39,7 +39,8 @@ impl Board {
 
     fn find_corners_anew(&mut self, model: &Model) {
         // Of other edges they are between others.
-        let before = (self.free, self.levels, self.rounds, self.noise);
+        let before = (self.free, self.levels, self.rounds);
+        let noise = self.noise;
         let again = self.has_corners();
         if !again && self.edges() > SEEN {
             return;
@@ -58,8 +59,13 @@ impl Board {
         }
         if again {
             self.loosen(false);
-            (self.free, self.levels, self.rounds, self.noise) = before;
-            self.set_noise(self.noise);
+            (self.free, self.levels, self.rounds) = before;
+            if self.free.fade {
+                // Corners other than before may need a drift beside them that was none.
+                let lasting = self.fading(Wander::Lasting);
+                let rests = disc::rests(self, model);
+                self.set_noise(self.likelier(&rests, [noise, lasting]));
+            }
         }
         self.fit_noise(model);
     }
@@ -100,8 +106,12 @@ impl Board {
             stamp_s: 3.0 * self.noise.stamp_s,
             ..self.noise
         };
-        let fitted = [self.noise, less];
-        let fitted = fitted.map(|start| bench::fit_noise(&self.benches, rests, start, self.free));
+        self.likelier(rests, [self.noise, less])
+    }
+
+    /// The likelier one of where two noises lead.
+    fn likelier(&self, rests: &[Vec<f64>], starts: [Noise; 2]) -> Noise {
+        let fitted = starts.map(|start| bench::fit_noise(&self.benches, rests, start, self.free));
         let [one, other] = fitted;
         if other.1 < one.1 { other.0 } else { one.0 }
     }

@@ -238,9 +238,10 @@ impl<const N: usize> Filter<N> {
         if N >= DRIFTING && noise.drift > 0.0 {
             // As fast as any speed of the recording in a hundredth of it.
             let most = (100.0 * top / span.max(f64::MIN_POSITIVE)).powi(2);
-            // One that fades is no torque that was always there.
+            // One that fades is no torque that was always there; a drive with corners may begin in a ramp.
             let faded = span.min(0.5 / noise.fade);
-            p[(Drift, Drift)] = if noise.fade > 0.0 {
+            let ramps = leaps.iter().any(|leap| leap.corner != [0.0; 2]);
+            p[(Drift, Drift)] = if noise.fade > 0.0 && !ramps {
                 most.min(noise.drift * faded)
             } else {
                 most

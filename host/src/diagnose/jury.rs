@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::agreement;
 use super::judge;
-use super::model::{Board, Fit, Model};
+use super::model::{Board, Fit, Model, Wander};
 use super::noise::Tails;
 use super::scan::{SURE, evidence};
 
@@ -88,8 +88,14 @@ pub fn bear_out(board: &mut Board, fit: &mut Fit, worth: &mut [(usize, f64)]) ->
 /// A model in the noise that makes it most likely.
 fn likeliest(board: &Board, model: &Model) -> (Board, Fit, f64) {
     let board = board.declaring(model);
-    let each = [Tails::Normal, Tails::Student].into_par_iter();
-    let each = each.map(|tails| board.in_any_noise(tails).at_its_noise(model));
+    let tails = [Tails::Normal, Tails::Student];
+    let quick = tails.map(|tails| (tails, Wander::Quick));
+    let lasting = tails.map(|tails| (tails, Wander::Lasting));
+    // One that wanders already goes on from there.
+    let lasts = board.undriven && board.noise.fade <= 0.0;
+    let each = quick.into_par_iter().chain(lasting);
+    let each = each.filter(|(_, wander)| lasts || *wander == Wander::Quick);
+    let each = each.map(|(tails, wander)| board.in_any_noise(tails, wander).at_its_noise(model));
     let mut each: Vec<_> = each.collect();
     each.sort_by(|a, b| a.2.total_cmp(&b.2));
     each.swap_remove(0)

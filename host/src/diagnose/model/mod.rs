@@ -6,6 +6,7 @@ mod noise;
 
 pub use board::{Board, Correction};
 pub use fit::Fit;
+pub use noise::Wander;
 
 use super::effect::Effect;
 

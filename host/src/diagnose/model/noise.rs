@@ -12,6 +12,18 @@ use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::plant::Corner;
 
+/// How long a torque that wanders begins to last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wander {
+    /// About a turn.
+    Quick,
+    /// Far longer than the recordings: of a drive that nobody declared, what its corners leave stays.
+    Lasting,
+}
+
+/// Part of a drift that lasts that fades while the longest recording does: a corner may be a million times as large as the noise beside it.
+const LASTING: f64 = 1e-6;
+
 /// Whether a size of the noise has hardly changed.
 fn is_alike(was: f64, is: f64) -> bool {
     (is / was.max(f64::MIN_POSITIVE)).ln().abs() < 0.05
@@ -164,10 +176,13 @@ impl Board {
             bench.weights.fill(1.0);
             bench.tails.fill(1.0);
         }
-        board.noise.fade = 0.0;
         if !board.undriven {
             board.noise.drift = 0.0;
+        } else if board.noise.fade > 0.0 {
+            // How dense one is that fades says nothing of one that does not: as dense as the torque noise once a turn.
+            board.noise.drift = board.noise.torque * board.turning().powi(2);
         }
+        board.noise.fade = 0.0;
         board.set_noise(board.noise);
         board
     }
@@ -190,7 +205,7 @@ impl Board {
 
     /// The same board in noise as rigs have it: with a torque that wanders, with levels and, as asked for, with long tails.
     #[must_use]
-    pub fn in_any_noise(&self, tails: Tails) -> Self {
+    pub fn in_any_noise(&self, tails: Tails, wander: Wander) -> Self {
         let mut board = self.clone();
         board.levels = true;
         board.rounds = COMPARED;
@@ -202,16 +217,35 @@ impl Board {
             ..board.free
         };
         if board.noise.fade <= 0.0 {
-            let speed = board.benches.iter().map(|bench| bench.leaps.speed());
-            let turning = speed.fold(0.0, f64::max);
-            // Three times as dense as the torque noise, to once a turn.
-            board.set_noise(Noise {
-                drift: 3.0 * board.noise.torque * turning * turning,
-                fade: turning,
-                ..board.noise
-            });
+            board.set_noise(board.fading(wander));
         }
         board
+    }
+
+    /// The noise with a drift that fades from now on.
+    #[must_use]
+    pub fn fading(&self, wander: Wander) -> Noise {
+        match wander {
+            // Three times as dense as the torque noise, to once a turn.
+            Wander::Quick => Noise {
+                drift: 3.0 * self.noise.torque * self.turning().powi(2),
+                fade: self.turning(),
+                ..self.noise
+            },
+            Wander::Lasting => {
+                let each = self.benches.iter().map(|bench| bench.record.seconds());
+                Noise {
+                    fade: LASTING / each.fold(0.0, f64::max),
+                    ..self.noise
+                }
+            }
+        }
+    }
+
+    /// Speed of the fastest recording, rad/s.
+    fn turning(&self) -> f64 {
+        let speed = self.benches.iter().map(|bench| bench.leaps.speed());
+        speed.fold(0.0, f64::max)
     }
 
     /// Goes by another noise.

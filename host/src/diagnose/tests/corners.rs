@@ -1,7 +1,8 @@
 //! Corners of the speed of drives that nobody declared.
 
 use super::{board_beside, board_of, edges, twin};
-use crate::diagnose::model::{Board, Model};
+use crate::diagnose::model::{Board, Model, Wander};
+use crate::diagnose::noise::Tails;
 
 /// An axis that goes to and fro by 10 turns, and what its twin knows of it.
 const AXIS: &str = "seed = 3\nduration = { seconds = 2.7 }\n\n[encoder.quadrature]\nlines = 32\nindex = true\n\n[shaft]\ninertia_kg_m2 = 1e-4\n\
@@ -54,6 +55,23 @@ fn a_corner_that_a_model_makes_superfluous_is_taken_off() {
     assert!(board.find_corners(&Model::default()));
     assert_eq!(jump(&board, 0.61), 0.0);
     assert!(jump(&board, 1.6) > 200.0);
+}
+
+#[test]
+fn what_corners_leave_of_an_unknown_drive_stays_in_noise_that_wanders() {
+    let board = board_beside(&twin(AXIS), &twin(THIN));
+    let none = Model::default();
+    let any = board.in_any_noise(Tails::Normal, Wander::Lasting);
+    let (mut any, ..) = any.at_its_noise(&none);
+    // It begins in a ramp, and each corner leaves another one: with a drift that fades the noise was a thousand times as dense.
+    assert!(any.noise.torque < 1e-2, "{:?}", any.noise);
+    // The same once corners are looked for again, as of other edges, where the noise beside those before had no drift.
+    any.noise.drift *= 1e-9;
+    any.set_noise(any.noise);
+    any.benches[0].bend(Vec::new());
+    assert!(any.find_corners(&none));
+    assert!(any.noise.torque < 1e-2, "{:?}", any.noise);
+    assert!(jump(&any, 1.6) > 200.0);
 }
 
 /// A short axis: it turns round after less than three turns, and rests for a tenth of a second there.

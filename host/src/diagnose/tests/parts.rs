@@ -6,7 +6,7 @@ use super::{PAIR_FAST, WHEEL, board, board_beside, edges, twin};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::filter::{Filter, Noise, State, Whitens};
-use crate::diagnose::model::{Board, Model, Term};
+use crate::diagnose::model::{Board, Model, Term, Wander};
 use crate::diagnose::noise::Tails;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::plant::{Law, Plant};
@@ -166,7 +166,7 @@ fn torque_that_is_held_for_many_edges_is_no_free_drift_of_an_unknown_drive() {
         ..Noise::default()
     };
     let board = Board::new(vec![Bench::new(record, &thin, &[], &noise)]);
-    let any = board.in_any_noise(Tails::Normal);
+    let any = board.in_any_noise(Tails::Normal, Wander::Quick);
     let (any, ..) = any.at_its_noise(&Model::default());
     let Noise {
         torque,
