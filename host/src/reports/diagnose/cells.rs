@@ -165,7 +165,9 @@ pub fn sizes(effects: &[Sized], inertia_known: bool) -> Vec<String> {
                 "place" => TAU * (knob / TAU).floor(),
                 _ => 0.0,
             };
-            let ci95 = ci95?.map(|end| end - turns);
+            // What was held has no interval, and stands where the effect is named.
+            let ci95 = ci95.filter(|[low, high]| low < high)?;
+            let ci95 = ci95.map(|end| end - turns);
             let number = with_interval(&parameter(knob - turns, unit, Some(ci95)));
             Some(format!(", {name} {number}"))
         });

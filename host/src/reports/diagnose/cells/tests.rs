@@ -289,3 +289,18 @@ fn a_place_is_one_of_the_first_turn() {
         );
     }
 }
+
+#[test]
+fn a_width_that_was_held_has_no_interval() {
+    let held = Sized {
+        effect: Effect::new(Site::Disc(On::ALL), Carrier::Bump(0.89, 0.5)),
+        sizes: vec![1e-3],
+        ci95: vec![None, Some([0.79, 0.99]), Some([0.5, 0.5])],
+        at_speed: None,
+    };
+    // Once "width (sigma) 500 mrad, 500 mrad to 500 mrad".
+    assert_eq!(
+        sizes(&[held], true),
+        ["size 1.00 mrad, place 890 ± 100 mrad"]
+    );
+}
