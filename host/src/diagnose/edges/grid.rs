@@ -55,8 +55,8 @@ impl Grid {
         }
     }
 
-    /// A grid of edges that are all there, with the acceleration that most of some changes of levels show: over whole rounds of classes,
-    /// so that their own errors do not, and twice in a row the same way, as what is no edge does not.
+    /// The same grid with the largest acceleration that changes of levels show: over whole rounds of classes, so that their own errors do
+    /// not count, and twice in a row the same way, as rows that are no edges do not show it.
     pub fn moved(self, ticks: &[u64]) -> Self {
         let round = ROUNDS * self.classes as usize;
         let ends: Vec<f64> = ticks.iter().step_by(round).map(|at| *at as f64).collect();
