@@ -106,6 +106,11 @@ fn early_rests(board: &Board, fit: &Fit) -> Vec<Vec<f64>> {
 /// Twins as given, in the noise that was found: so that only the model differs.
 pub fn as_given(given: &Board, board: &Board) -> Board {
     let mut before = given.clone();
+    // How an unknown drive holds the shaft is open like the noise.
+    for (bench, now) in before.benches.iter_mut().zip(&board.benches) {
+        bench.found.hold = now.found.hold;
+    }
+    let mut before = before.found_anew().unwrap_or(before);
     (before.free, before.levels, before.rounds) = (board.free, board.levels, board.rounds);
     before.set_noise(board.noise);
     for (bench, now) in before.benches.iter_mut().zip(&board.benches) {

@@ -1,13 +1,14 @@
 //! How stiffly a drive that nobody declared holds the shaft, where no speed loop shows: open like the noise, and fitted like it.
 //!
 //! The course is free, so what such a drive does to the mean speed says nothing. A torque that is known, declared or found, moves the shaft
-//! by 1 / (J s (s + b)), with b of friction and drive together: slow waves show it. Torque noise shows it too: a held shaft forgets what that made
-//! of its speed (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930).
+//! by 1 / (J s (s + b)), with b of friction and drive together: waves at several speeds show it. Torque noise shows it too: a held shaft
+//! forgets what that made of its speed (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930). But that goes by the noise's being
+//! white, which nobody knows: noise that forgets at a rate says b to that rate itself and no better.
 
-use super::disc;
-use super::lsq;
+use super::lsq::{self, Solution};
 use super::model::{Board, Fit, Model};
 use super::pattern::Pattern;
+use super::plant::Hold;
 use super::scan::{SURE, evidence};
 
 /// Fall of twice the negative logarithm of a likelihood that is none.
@@ -19,6 +20,9 @@ const FORGETS: [f64; 5] = [0.004, 0.016, 0.06, 0.25, 1.0];
 /// Rates between them that are tried about the one that fits best.
 const NEARER: usize = 2;
 
+/// Rates that are tried about one that was found, of it.
+const ABOUT: [f64; 4] = [0.0, 0.7, 1.0, 1.4];
+
 impl Board {
     /// Sets how stiffly an unknown drive holds the shaft to what fits best beside a model. Whether that is anything else than before.
     pub fn hold(&mut self, model: &Model) -> bool {
@@ -28,18 +32,22 @@ impl Board {
         if self.is_looped() {
             return self.regain(model);
         }
+        let now = self.hold_now();
         if !self.is_pushed(model) {
-            return false;
+            // Without waves it is as noise says.
+            let as_noise =
+                (now.stiffness != now.forgets).then(|| self.stiffer(now.forgets - now.stiffness));
+            let other = as_noise.flatten();
+            let moved = other.is_some();
+            *self = other.unwrap_or_else(|| self.clone());
+            return moved;
         }
-        if self.goes_loose(model) {
-            return true;
-        }
+        let forgets = self.forget(model);
         let before = self.fit(model);
         let cost = self.held_cost(&before);
         let mut best = (self.clone(), before, cost);
-        // Where waves of one speed alone show it, it is as good as any torque's phase; what is held is held as it fits.
-        let mut benches = self.benches.iter();
-        let is_held = benches.any(|bench| bench.found.stiffness != 0.0);
+        // Where nothing shows that the shaft is held, waves have to be sure of it; what is held is held as it fits.
+        let is_held = self.hold_now().stiffness != 0.0;
         let sure = |fall: f64| (is_held && fall > NOTHING) || evidence(self, fall, 1) > SURE;
         for _ in 0..lsq::ROUNDS {
             let hopes = |more: f64| sure(cost - best.2 + 2.0 * more) && more > NOTHING;
@@ -52,36 +60,31 @@ impl Board {
         if sure {
             *self = best.0;
         }
-        sure
+        forgets || sure
     }
 
-    /// Sets how stiffly an unknown drive holds the shaft to what its noise shows beside a model, where that is sure.
+    /// Sets how fast an unknown drive forgets noise to what that shows beside a model, and how stiffly it holds the shaft to the same, where
+    /// noise is sure of it.
     pub fn hold_by_noise(&mut self, model: &Model) {
         if !self.undriven || self.is_looped() {
             return;
         }
-        let each = self.benches.iter();
-        let seconds: f64 = each.map(|bench| bench.record.seconds()).sum();
-        let rate = self.edges() as f64 / seconds;
-        let mut plain = self.clone();
-        plain.rounds = 1;
-        let each = self.benches.iter().map(|bench| bench.found.stiffness);
-        let now = each.fold(0.0, f64::max);
-        let held = |share: f64| {
-            let mut board = plain.stiffer(share * rate - now)?;
-            let cost = board.cost_in_noise(model);
-            Some((share, board, cost))
-        };
-        let Some((_, _, loose)) = held(0.0) else {
+        let rate = self.edge_rate();
+        let held = |share: f64| self.forgetting(share * rate, model).map(|one| (share, one));
+        let Some((_, (_, loose))) = held(0.0) else {
             return;
         };
-        let mut tried: Vec<(f64, Self, f64)> = FORGETS.into_iter().filter_map(held).collect();
+        let tried = FORGETS.into_iter().filter_map(held);
+        let mut tried: Vec<_> = tried
+            .map(|(share, (one, cost))| (share, one, cost))
+            .collect();
         for _ in 0..NEARER {
             // Best at the end of all rates is what does not move as a shaft does.
-            let Some(between) = least(&tried).and_then(held) else {
+            let between = least(&tried).and_then(held);
+            let Some((share, (board, cost))) = between else {
                 return;
             };
-            tried.push(between);
+            tried.push((share, board, cost));
             tried.sort_by(|one, other| one.0.total_cmp(&other.0));
         }
         let best = tried
@@ -96,71 +99,116 @@ impl Board {
         }
     }
 
-    /// Takes a shaft for loose that is held by a drive, where that is not worth it any more beside a model: torques that nobody had found yet
-    /// may have made it so. Whether it does.
-    fn goes_loose(&mut self, model: &Model) -> bool {
-        let each = self.benches.iter().map(|bench| bench.found.stiffness);
-        let now = each.fold(0.0, f64::max);
-        let mut held = self.clone();
-        held.rounds = 1;
-        let Some(mut loose) = held.stiffer(-now).filter(|_| now > 0.0) else {
+    /// Sets how fast an unknown drive forgets noise anew beside a model: torques that nobody had found yet may have made it so. Whether that is
+    /// anything else than before.
+    fn forget(&mut self, model: &Model) -> bool {
+        let now = self.hold_now().forgets;
+        let most = self.edge_rate();
+        let each = ABOUT.map(|share| {
+            let tried = now > 0.0 && share * now < most;
+            tried.then(|| self.forgetting(share * now, model))
+        });
+        let [Some(loose), less, Some(same), more] = each.map(Option::flatten) else {
             return false;
         };
-        let fall = loose.cost_in_noise(model) - held.cost_in_noise(model);
-        let goes = evidence(self, fall, 1) <= SURE;
-        if goes {
-            loose.rounds = self.rounds;
-            *self = loose;
-        }
-        goes
+        let others = [less, more].into_iter().flatten();
+        let other = others.min_by(|one, other| one.1.total_cmp(&other.1));
+        let least = other.as_ref().map_or(same.1, |other| other.1.min(same.1));
+        let other = if evidence(self, loose.1 - least, 1) <= SURE {
+            Some(loose.0)
+        } else {
+            other
+                .filter(|other| other.1 < same.1 - NOTHING)
+                .map(|other| other.0)
+        };
+        let Some(mut other) = other else {
+            return false;
+        };
+        other.rounds = self.rounds;
+        *self = other;
+        true
     }
 
-    /// Fits the noise beside a model. Twice the negative logarithm of how likely that makes the recordings, but for a constant.
-    fn cost_in_noise(&mut self, model: &Model) -> f64 {
-        let fit = self.fit_in_noise(model);
-        let volume = self.pattern.as_ref().map_or(0.0, Pattern::log_volume);
-        self.held_cost(&fit) + volume
+    /// The board with a drive that forgets noise so fast, in the noise that fits beside a model, and twice the negative logarithm of how likely
+    /// that makes the recordings, but for a constant. Where waves don't say how stiffly it holds the shaft, it does so as fast.
+    fn forgetting(&self, rate: f64, model: &Model) -> Option<(Self, f64)> {
+        let mut board = self.clone();
+        board.rounds = 1;
+        for bench in &mut board.benches {
+            let hold = &mut bench.found.hold;
+            if rate <= 0.0 || hold.stiffness == hold.forgets {
+                hold.stiffness = rate;
+            }
+            hold.forgets = rate;
+        }
+        let mut board = board.found_anew()?;
+        let fit = board.fit_in_noise(model);
+        let volume = board.pattern.as_ref().map_or(0.0, Pattern::log_volume);
+        let cost = fit.rss + board.spread() + volume;
+        Some((board, cost))
+    }
+
+    /// How the drive holds the shaft, of all recordings alike.
+    fn hold_now(&self) -> Hold {
+        let first = self.benches.first();
+        first.map_or_else(Hold::default, |bench| bench.found.hold)
     }
 
     /// Whether the noise of an unknown drive goes as if nothing held the shaft.
     pub fn loosen(&mut self, loose: bool) {
         let mut board = self.clone();
         for bench in &mut board.benches {
-            bench.found.loose = loose;
+            bench.found.hold.loose = loose;
         }
         if let Some(board) = board.found_anew() {
             *self = board;
         }
     }
 
-    /// Twice the negative logarithm of the likelihood, but for a constant: how stiffly a shaft is held bears on what noise makes as well.
-    pub(super) fn held_cost(&self, fit: &Fit) -> f64 {
-        fit.rss + self.spread()
+    /// Twice the negative logarithm of how likely waves make a stiffness, beside what noise says of it, but for a constant.
+    fn held_cost(&self, fit: &Fit) -> f64 {
+        fit.rss + self.unlike_noise().map_or(0.0, |(off, _)| off * off)
     }
 
-    /// A fit whose numbers are as sure as they are beside how stiffly an unknown drive holds the shaft, which turns the phases of torques. What
-    /// noise says of that holds as far as a torque's noise is white: no better than to the stiffness itself. Waves at several speeds say more.
+    /// By how much the stiffness is another one than noise says, and what a change of it by 1/s adds to that: of what noise is sure of.
+    fn unlike_noise(&self) -> Option<(f64, f64)> {
+        let hold = self.hold_now();
+        (hold.forgets > 0.0).then(|| (hold.stiffness / hold.forgets - 1.0, 1.0 / hold.forgets))
+    }
+
+    /// A fit whose numbers are as sure as they are beside how stiffly an unknown drive holds the shaft, which turns the phases of torques.
     #[must_use]
     pub fn unsure_of_hold(&self, fit: &Fit) -> Fit {
         let mut other = fit.clone();
-        let each = self.benches.iter().map(|bench| bench.found.stiffness.abs());
-        let size = each.fold(0.0, f64::max);
         let step = self.hold_step();
-        let moved = (size > 0.0).then(|| self.stiffer(step)).flatten();
-        let Some(moved) = moved else {
-            return other;
-        };
-        let mut columns = fit.columns.clone();
-        columns.push(self.slope_to(&moved, &fit.model, step));
-        let mut left = fit.left.clone();
-        left.push(0.0);
-        let own = columns.len() - 1;
-        for (at, column) in columns.iter_mut().enumerate() {
-            column.push(if at == own { 1.0 / size } else { 0.0 });
+        let is_held = self.hold_now().stiffness != 0.0;
+        let moved = is_held.then(|| self.stiffer(step)).flatten();
+        if let Some(moved) = moved {
+            let solved = self.beside_hold(fit, &moved, step);
+            let own = fit.columns.len();
+            other.covariance = solved.covariance.view((0, 0), (own, own)).into_owned();
         }
-        let covariance = lsq::solve(&columns, &left).covariance;
-        other.covariance = covariance.view((0, 0), (own, own)).into_owned();
         other
+    }
+
+    /// Numbers of a fit with the stiffness as the last one, beside a board that is stiffer by a step.
+    fn beside_hold(&self, fit: &Fit, moved: &Self, step: f64) -> Solution {
+        let (mut slope, there) = (self.rest(&fit.model), moved.rest(&fit.model));
+        for (slope, there) in slope.iter_mut().zip(there) {
+            let each = slope.iter_mut().zip(there);
+            each.for_each(|(slope, there)| *slope = (*slope - there) / step);
+        }
+        let mut columns = fit.columns.clone();
+        columns.push(self.beside_pattern(self.with_pattern(&slope)));
+        let mut left = fit.left.clone();
+        if let Some((off, by)) = self.unlike_noise() {
+            columns.iter_mut().for_each(|column| column.push(0.0));
+            if let Some(last) = columns.last_mut().and_then(|own| own.last_mut()) {
+                *last = by;
+            }
+            left.push(-off);
+        }
+        lsq::solve(&columns, &left)
     }
 
     /// A step of the stiffness, 1/s: of waves of one a turn it changes a thousandth.
@@ -180,54 +228,44 @@ impl Board {
     /// The board with another stiffness that fits better, the fit, and its cost, where by about how much it would fall gives hope.
     fn held_better(&self, fit: &Fit, hopes: impl Fn(f64) -> bool) -> Option<(Self, Fit, f64)> {
         let step = self.hold_step();
-        let moved = self.stiffer(step)?;
-        let slope = self.slope_to(&moved, &fit.model, step);
-        let mut columns: Vec<&[f64]> = fit.columns.iter().map(Vec::as_slice).collect();
-        columns.push(&slope);
-        let solved = lsq::solve(&columns, &fit.left);
-        let variance = solved.covariance[(columns.len() - 1, columns.len() - 1)];
-        let spreads = (moved.spread() - self.spread()) / step;
-        let by = self.least(solved.sizes.last()? - 0.5 * variance * spreads);
+        let solved = self.beside_hold(fit, &self.stiffer(step)?, step);
+        let own = fit.columns.len();
+        let variance = solved.covariance[(own, own)];
+        let by = self.least(*solved.sizes.last()?);
         if variance <= 0.0 || !hopes(by * by / variance) {
             return None;
         }
         let cost = self.held_cost(fit);
         lsq::shares(3).find_map(|share| {
+            // What is held again before the next edge does not move as a shaft does.
             let board = self.stiffer(share * by)?;
+            let moves = board.hold_now().stiffness < self.edge_rate();
+            let board = Some(board).filter(|_| moves)?;
             let tried = board.fit(&fit.model);
             let here = board.held_cost(&tried);
             (here < cost).then_some((board, tried, here))
         })
     }
 
-    /// How white residuals beside a model change with a step to a board whose filter is another one as well, the disc's pattern as it is
-    /// here.
-    fn slope_to(&self, moved: &Self, model: &Model, step: f64) -> Vec<f64> {
-        let (mut here, mut there) = (self.rest(model), moved.rest(model));
-        if let Some(errors) = disc::pattern(self, &here) {
-            for (at, bench) in self.benches.iter().enumerate() {
-                bench.less_errors(&mut here[at], &errors);
-                bench.less_errors(&mut there[at], &errors);
-            }
-        }
-        let (mut slope, there) = (self.with_pattern(&here), moved.with_pattern(&there));
-        let each = slope.iter_mut().zip(there);
-        each.for_each(|(slope, there)| *slope = (*slope - there) / step);
-        self.beside_pattern(slope)
-    }
-
     /// A change of stiffness, but for what would drive swings on, 1/s.
     fn least(&self, by: f64) -> f64 {
         let each = self.benches.iter();
-        let least = each.map(|bench| -bench.plant.law.viscous - bench.found.stiffness);
+        let least = each.map(|bench| -bench.plant.law.viscous - bench.found.hold.stiffness);
         by.max(least.fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// Edges in a second.
+    fn edge_rate(&self) -> f64 {
+        let each = self.benches.iter();
+        let seconds: f64 = each.map(|bench| bench.record.seconds()).sum();
+        self.edges() as f64 / seconds
     }
 
     /// The board with a drive that is stiffer by so much over the inertia, 1/s.
     fn stiffer(&self, by: f64) -> Option<Self> {
         let mut board = self.clone();
         for bench in &mut board.benches {
-            bench.found.stiffness += by;
+            bench.found.hold.stiffness += by;
         }
         board.found_anew()
     }

@@ -119,27 +119,10 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
     let late = beside_s.iter().zip(&record.time_s[1..]);
     let late = late.filter(|(late_s, _)| **late_s > FAR * usual_s);
     let late: Vec<f64> = late.map(|(_, time_s)| *time_s).collect();
-    let mut rate_hz = rate(&late)?;
     let near_s = stamp_s.max(bench.twin.timer.jitter_s).hypot(record.tick_s);
-    // The end of the busy time after the recording's start, by all late edges that come at it.
-    let mut turns = vector(&late, rate_hz).arg() / TAU;
-    let apart = |time_s: f64, rate_hz: f64, turns: f64| {
-        let apart = time_s * rate_hz - turns;
-        apart - apart.round()
-    };
-    // Others shift it: from those that are ever closer, down to what stamps are off.
-    let mut within = 0.25;
-    while within > FAR * near_s * rate_hz {
-        let aparts = late.iter().map(|time_s| apart(*time_s, rate_hz, turns));
-        let near = late.iter().copied().zip(aparts);
-        let (times, aparts): (Vec<f64>, Vec<f64>) =
-            near.filter(|(_, apart)| apart.abs() < within).unzip();
-        let solved = lsq::solve(&[&vec![1.0; times.len()], &times], &aparts);
-        turns += solved.sizes[0];
-        rate_hz -= solved.sizes[1];
-        within *= 0.5;
-    }
-    let at_end = |time_s: &f64| apart(*time_s, rate_hz, turns) / rate_hz;
+    let (rate_hz, turns) = ends(&late, rate(&late)?, near_s)?;
+    let apart = |time_s: f64| turns_beside(time_s, rate_hz, turns);
+    let at_end = |time_s: &f64| apart(*time_s) / rate_hz;
     let is_near = |apart_s: &f64| apart_s.abs() <= FAR * near_s;
     let near: Vec<f64> = late.iter().map(at_end).filter(is_near).collect();
     if near.len() < LEAST || 2 * near.len() < late.len() {
@@ -171,6 +154,37 @@ fn of(bench: &Bench, rest: &[f64], stamp_s: f64) -> Option<Shown> {
     let deviation_s = deviation_s.max(record.tick_s);
     let span_s = late.last()? - late.first()?;
     Some(shown(record, task, deviation_s, near.len(), span_s))
+}
+
+/// Rate, Hz, and turns after the recording's start at which busy times end, by all late edges that come at an end, about a rate; stamps are off
+/// by so much. None of edges that have no rhythm.
+fn ends(late: &[f64], mut rate_hz: f64, near_s: f64) -> Option<(f64, f64)> {
+    let least_hz = 0.5 * rate_hz;
+    let mut turns = vector(late, rate_hz).arg() / TAU;
+    // Others shift it: from those that are ever closer, down to what stamps are off.
+    let mut within = 0.25;
+    while within > FAR * near_s * rate_hz {
+        let aparts = late.iter();
+        let aparts = aparts.map(|time_s| turns_beside(*time_s, rate_hz, turns));
+        let near = late.iter().copied().zip(aparts);
+        let (times, aparts): (Vec<f64>, Vec<f64>) =
+            near.filter(|(_, apart)| apart.abs() < within).unzip();
+        let solved = lsq::solve(&[&vec![1.0; times.len()], &times], &aparts);
+        turns += solved.sizes[0];
+        rate_hz -= solved.sizes[1];
+        // Instants of one turn have any rate, and none as well.
+        if rate_hz < least_hz {
+            return None;
+        }
+        within *= 0.5;
+    }
+    Some((rate_hz, turns))
+}
+
+/// By how many turns an instant comes after the end of a busy time that is nearest.
+fn turns_beside(time_s: f64, rate_hz: f64, turns: f64) -> f64 {
+    let apart = time_s * rate_hz - turns;
+    apart - apart.round()
 }
 
 /// How far so many held edges over a time show a task, if their stamps are off by so much.
@@ -280,4 +294,20 @@ pub fn finding(given: &Bench, board: &Board, fit: &Fit, at: usize) -> Option<Fin
         place: Place::of_stamps(),
         ..Finding::of(Mechanism::CaptureLatency, text, lost)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn late_edges_of_one_turn_alone_are_of_no_task() {
+        let late: Vec<f64> = (0..9).map(|at| 0.1 + 1e-4 * f64::from(at)).collect();
+        for rate_hz in [3.0, 9.286, 40.0] {
+            assert_eq!(ends(&late, rate_hz, 1e-9), None);
+        }
+        let late: Vec<f64> = (0..9).map(|at| 0.013 + 0.1 * f64::from(at)).collect();
+        let (rate_hz, turns) = ends(&late, 10.01, 1e-9).unwrap();
+        assert!((rate_hz - 10.0).abs() < 1e-9 && (turns - 0.13).abs() < 1e-9);
+    }
 }

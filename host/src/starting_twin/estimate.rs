@@ -200,12 +200,12 @@ fn beside(board: &mut Board, records: &[Record], twin: &Twin) {
     let before = std::mem::replace(&mut board.benches, benches(records, twin));
     for (bench, before) in board.benches.iter_mut().zip(before) {
         bench.weights = before.weights;
-        bench.found.stiffness = before.found.stiffness;
+        bench.found.hold = before.found.hold;
     }
     if board
         .benches
         .iter()
-        .any(|bench| bench.found.stiffness != 0.0)
+        .any(|bench| bench.found.hold.stiffness != 0.0)
         && let Some(held) = board.found_anew()
     {
         *board = held;

@@ -12,7 +12,7 @@ use super::filter::Noise;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
-use super::plant::{Corner, Gains, Jolt, Law, Leaps, Motion, Plant};
+use super::plant::{Corner, Gains, Hold, Jolt, Law, Leaps, Motion, Plant};
 use super::record::Record;
 use super::speed_loop::Unsaid;
 use super::spread::Spread;
@@ -29,10 +29,8 @@ pub struct Found {
     pub off: Vec<f64>,
     /// How much later each stamp is than the twin says, s; empty where none is.
     pub late_s: Vec<f64>,
-    /// How much more stiffly the shaft is held than the twin says, over the inertia, 1/s.
-    pub stiffness: f64,
-    /// Whether its noise goes all the same as if nothing held it.
-    pub loose: bool,
+    /// How an unknown drive holds the shaft.
+    pub hold: Hold,
     /// The speed loop that drives it, where the twin says nothing of a drive.
     pub speed_loop: Option<Unsaid>,
     /// Torques once or several times a turn, with their sizes.
@@ -102,7 +100,7 @@ impl Bench {
         noise: &Noise,
     ) -> Self {
         let disc = record.pick(errors);
-        let law = Law::of(twin).held(found.stiffness, found.loose);
+        let law = Law::of(twin).held(found.hold);
         let more = |at: usize| found.off.get(at).copied().unwrap_or(0.0);
         let off: Vec<f64> = (0..record.len())
             .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0) + more(at))
@@ -340,7 +338,7 @@ impl Bench {
         } else {
             self.record.pick(&sim::true_errors(twin).ok()?)
         };
-        let law = Law::of(twin).held(self.found.stiffness, self.found.loose);
+        let law = Law::of(twin).held(self.found.hold);
         let other = (law != self.plant.law).then(|| Plant::new(law, &self.course));
         let plant = other.as_ref().unwrap_or(&self.plant);
         let looped = self.found.speed_loop.as_ref();

@@ -6,6 +6,17 @@ use crate::effect::Carrier;
 use crate::sim;
 use crate::twin::{Drive, Twin};
 
+/// How a drive that nobody declared holds the shaft. It keeps up a speed that changes slowly; a torque's swing and noise it damps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hold {
+    /// By how much it damps what torques do, 1/s.
+    pub stiffness: f64,
+    /// How fast it forgets what noise did to the speed, 1/s: as much, where the noise is of a torque and white.
+    pub forgets: f64,
+    /// Whether noise goes all the same as if nothing held the shaft.
+    pub loose: bool,
+}
+
 /// A share of the inertia behind a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
@@ -76,8 +87,8 @@ pub struct Law {
     pub hold_s: f64,
     /// Whether nobody knows what drives it.
     pub undriven: bool,
-    /// Whether its noise goes as if nothing held the shaft.
-    pub loose: bool,
+    /// How such a drive holds it.
+    pub hold: Hold,
 }
 
 impl Law {
@@ -116,16 +127,16 @@ impl Law {
             }),
             hold_s: hold_s.unwrap_or(0.0),
             undriven: false,
-            loose: false,
+            hold: Hold::default(),
         }
     }
 
-    /// The same of a shaft that is held more stiffly, 1/s, and whether its noise is `loose`.
+    /// The same as it was found to be held.
     #[must_use]
-    pub fn held(self, stiffness: f64, loose: bool) -> Self {
+    pub fn held(self, hold: Hold) -> Self {
         Self {
-            stiffness: self.stiffness + stiffness,
-            loose,
+            stiffness: self.stiffness + hold.stiffness,
+            hold,
             ..self
         }
     }

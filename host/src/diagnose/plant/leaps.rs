@@ -19,14 +19,15 @@ impl Plant {
     #[must_use]
     pub fn leaps<const N: usize>(&self, course: &Course) -> Vec<Leap<N>> {
         let law = &self.law;
-        let kept =
-            law.undriven && !law.loose && law.hold_s <= 0.0 && law.viscous + law.stiffness > 0.0;
+        let forgets = law.viscous + law.hold.forgets;
+        let kept = law.undriven && !law.hold.loose && law.hold_s <= 0.0 && forgets > 0.0;
         let leap = |at: usize| {
             let before = at.saturating_sub(1);
             let h = (course.time_s[at] - course.time_s[before]).max(0.0);
             let b = self.damping[at];
             // Where an unknown drive keeps a speed, a slow drift of the acceleration changes that one.
             let (way, torque, drifts) = if kept {
+                let b = b - law.hold.stiffness + law.hold.forgets;
                 (kept_up(b, h), self.white(b, h), Held)
             } else {
                 let (way, torque) = self.spread(self.fades(at), course.time_s[at], h);

@@ -11,6 +11,7 @@ use super::{Tie, Unsaid};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::disc;
 use crate::diagnose::model::{Board, Fit};
+use crate::diagnose::plant::Hold;
 use crate::diagnose::scan::SURE;
 use crate::diagnose::search;
 use crate::twin::{Drive, Gains, SpeedLoop};
@@ -147,7 +148,7 @@ impl Board {
             let gains = bench.found.speed_loop.as_ref();
             let gains = gains.map_or(Gains { kp: 0.0, ki: 0.0 }, |before| before.own.gains);
             let own = at(rate_hz, gains, bench);
-            bench.found.stiffness = 0.0;
+            bench.found.hold = Hold::default();
             bench.found.speed_loop = Some(Unsaid::of(own, &bench.record, &bench.twin));
         };
         for _ in 0..FITTED {

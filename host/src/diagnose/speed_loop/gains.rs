@@ -32,14 +32,14 @@ impl Board {
         let Some(by) = self.gains_beside(&before) else {
             return false;
         };
-        let cost = self.held_cost(&before);
+        let cost = before.rss + self.spread();
         let better = lsq::shares(3).find_map(|share| {
             let board = self.with_gains(|now| Gains {
                 kp: now.kp + share * by.kp,
                 ki: now.ki + share * by.ki,
             })?;
             let fit = board.fit(model);
-            (board.held_cost(&fit) < cost).then_some(board)
+            (fit.rss + board.spread() < cost).then_some(board)
         });
         if let Some(board) = better {
             *self = board;

@@ -104,7 +104,7 @@ fn the_noise_near_standstills_is_no_more_than_elsewhere_where_nothing_pushes() {
 fn how_stiffly_a_servo_holds_the_shaft_shows_in_its_noise() {
     let board = short();
     // 0.02 N m s over the inertia; its torque noise is 1e-3 (rad/s^2)^2 s.
-    let stiffness = board.benches[0].found.stiffness;
+    let stiffness = board.benches[0].found.hold.stiffness;
     assert!((120.0..320.0).contains(&stiffness), "{stiffness}");
     let torque = board.noise.torque;
     assert!((6e-4..1.6e-3).contains(&torque), "{torque}");
@@ -113,9 +113,9 @@ fn how_stiffly_a_servo_holds_the_shaft_shows_in_its_noise() {
 #[test]
 fn how_stiffly_a_servo_holds_the_shaft_does_not_depend_on_what_was_taken_for_it_before() {
     let mut board = short();
-    board.benches[0].found.stiffness = 1500.0;
+    board.benches[0].found.hold.stiffness = 1500.0;
     board.hold_by_noise(&Model::default());
-    let stiffness = board.benches[0].found.stiffness;
+    let stiffness = board.benches[0].found.hold.stiffness;
     assert!((120.0..320.0).contains(&stiffness), "{stiffness}");
 }
 
@@ -148,7 +148,7 @@ fn edges_that_come_late_by_class_are_no_shaft_that_is_held() {
         "duration = { turns = 1 }\n[encoder.hall]\npole_pairs = 2\n[timer]\nclock_hz = 30000\n";
     let board = board_beside(&twin(rig), &twin(sensor));
     assert!(board.undriven);
-    assert_eq!(board.benches[0].found.stiffness, 0.0);
+    assert_eq!(board.benches[0].found.hold.stiffness, 0.0);
 }
 
 #[test]

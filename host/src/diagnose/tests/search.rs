@@ -150,10 +150,10 @@ fn a_torque_that_was_taken_for_a_stiff_drive_makes_phases_unsure_until_it_is_fou
         let wide = error(&board.unsure_of_hold(&fit)).zip(error(&fit));
         wide.map(|(one, other)| one / other)
     };
-    assert!(board.benches[0].found.stiffness > 0.0);
+    assert!(board.benches[0].found.hold.stiffness > 0.0);
     assert!(wider(&board) > Some(1.3), "{:?}", wider(&board));
     assert!(board.hold(&model));
-    assert_eq!(board.benches[0].found.stiffness, 0.0);
+    assert_eq!(board.benches[0].found.hold.stiffness, 0.0);
     assert_eq!(wider(&board), Some(1.0));
 }
 
