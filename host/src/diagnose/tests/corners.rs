@@ -113,7 +113,8 @@ fn how_stiffly_a_servo_holds_the_shaft_shows_in_its_noise() {
 #[test]
 fn how_stiffly_a_servo_holds_the_shaft_does_not_depend_on_what_was_taken_for_it_before() {
     let mut board = short();
-    board.benches[0].found.hold.stiffness = 1500.0;
+    let hold = &mut board.benches[0].found.hold;
+    (hold.stiffness, hold.forgets) = (1500.0, 1500.0);
     board.hold_by_noise(&Model::default());
     let stiffness = board.benches[0].found.hold.stiffness;
     assert!((120.0..320.0).contains(&stiffness), "{stiffness}");
