@@ -305,7 +305,8 @@ impl Parts {
     #[must_use]
     pub fn judged(&self, fit: &Fit) -> [f64; 3] {
         let all = self.columns(|_| true);
-        let nuisances = self.columns(|term| fit.model.terms[term].nuisance);
+        let groups = fit.model.groups();
+        let nuisances = self.columns(|term| !groups.contains(&fit.model.terms[term].group));
         let last = self.parts.len() - 1;
         let none = self.fitted(|at| at != last, &nuisances);
         let early = self.fitted(|at| at != last, &all);

@@ -64,10 +64,11 @@ impl Model {
         }
     }
 
-    /// What is no finding.
+    /// What is no finding, and not open beside one.
     #[must_use]
     pub fn nuisances(&self) -> Self {
-        self.filtered(|term| term.nuisance)
+        let groups = self.groups();
+        self.filtered(|term| !groups.contains(&term.group))
     }
 
     /// A group alone.
@@ -82,10 +83,11 @@ impl Model {
         self.filtered(|term| term.group != group)
     }
 
-    /// Effects of a group.
+    /// Effects of a finding.
     #[must_use]
     pub fn effects(&self, group: usize) -> Vec<Effect> {
         let own = self.terms.iter().filter(|term| term.group == group);
+        let own = own.filter(|term| !term.nuisance);
         own.map(|term| term.effect).collect()
     }
 

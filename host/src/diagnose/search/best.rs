@@ -266,7 +266,7 @@ impl<'a> Beside<'a> {
         };
         if !is_open(board, effects) {
             let (group, mut model) = joined(&self.fit.model, effects, cells::channels(board));
-            model.add_open(&own_errors(board, &model, effects), usize::MAX);
+            model.add_open(&own_errors(board, &model, effects), group);
             let next = board.fit(&model);
             let drags = board.undriven && effects.iter().all(Effect::is_friction);
             // What does not recur is what a drive that nobody declared did there.
