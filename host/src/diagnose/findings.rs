@@ -235,9 +235,7 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
             next_recording: next,
             ..plain
         };
-        let terms = fit.model.terms.iter().enumerate();
-        let terms = terms.filter(|(_, term)| term.group == group);
-        let cells = terms.map(|(at, term)| Sized {
+        let cells = fit.model.finding(group).map(|(at, term)| Sized {
             effect: term.effect,
             sizes: term.sizes.clone(),
             ci95: sized.intervals(at),

@@ -86,11 +86,10 @@ impl Fit {
         })
     }
 
-    /// Numbers of a group of terms.
+    /// Numbers of a finding.
     #[must_use]
     pub fn numbers(&self, group: usize) -> Vec<Number> {
-        let terms = self.model.terms.iter().enumerate();
-        let own = terms.filter(|(_, term)| term.group == group);
+        let own = self.model.finding(group);
         let each = own.enumerate().map(|(nth, (at, term))| {
             let mut numbers = self.numbers_of(at, term);
             // Harmonics go by their orders.

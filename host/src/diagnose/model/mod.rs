@@ -83,15 +83,19 @@ impl Model {
         self.filtered(|term| term.group != group)
     }
 
+    /// Terms of a finding, and where they are; not what is open beside it.
+    pub fn finding(&self, group: usize) -> impl Iterator<Item = (usize, &Term)> {
+        let terms = self.terms.iter().enumerate();
+        terms.filter(move |(_, term)| term.group == group && !term.nuisance)
+    }
+
     /// Effects of a finding.
     #[must_use]
     pub fn effects(&self, group: usize) -> Vec<Effect> {
-        let own = self.terms.iter().filter(|term| term.group == group);
-        let own = own.filter(|term| !term.nuisance);
-        own.map(|term| term.effect).collect()
+        self.finding(group).map(|(_, term)| term.effect).collect()
     }
 
-    /// Sizes and knobs of a group.
+    /// Sizes and knobs of a finding.
     #[must_use]
     pub fn numbers(&self, group: usize) -> usize {
         let own = self.effects(group).into_iter();

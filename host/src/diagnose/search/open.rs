@@ -170,6 +170,7 @@ pub fn with(board: &Board, model: &Model, effects: &[Effect], group: usize) -> M
         model.add_open(&left_open(board, effects), group);
     } else {
         model.add(effects, group);
+        model.add_open(&own_errors(board, &model, effects), group);
     }
     model
 }

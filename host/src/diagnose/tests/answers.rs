@@ -72,6 +72,30 @@ fn how_stiffly_an_unknown_drive_holds_the_shaft_is_no_torque_beside_a_declared_r
 }
 
 #[test]
+fn beside_an_unknown_drive_a_disc_off_its_centre_is_named_with_its_own_numbers_alone() {
+    // What the marks' own errors make of the wave is open beside it. Left to itself that once explained the wave, and nothing was said of it.
+    let given = "duration = { turns = 30 }\n[encoder.quadrature]\nlines = 30\nindex = true\n\
+        [shaft]\ninertia_kg_m2 = 5e-3\nviscous_n_m_s = 5e-3\n[noise.white]\npsd_n2_m2_s = 5e-9\n\
+        [timer]\nclock_hz = 100_000_000\njitter_s = 40e-9\n[errors]\nseed = 5\nposition = { normal = { rms_rad = 2e-3 } }\n";
+    let drive = "[drive.profile]\npoints = [{ t_s = 0, r_min = 50 }, { t_s = 12, r_min = 50 }, \
+        { t_s = 16, r_min = -45 }, { t_s = 30, r_min = -45 }, { t_s = 33, r_min = 30 }, { t_s = 60, r_min = 30 }]\n";
+    let off = "eccentricity = { amplitude_rad = 1.2e-3, phase_rad = 2.5 }\n";
+    let answer = against(&format!("{given}{off}{drive}"), given);
+    let findings = &answer.diagnosis.findings;
+    assert_eq!(findings.len(), 1, "{:?}", said(&answer));
+    let found = &findings[0];
+    assert_eq!(found.mechanism, Mechanism::Eccentricity);
+    assert!(found.confidence > 0.99, "{}", found.confidence);
+    let numbers: Vec<_> = found.parameters.keys().map(String::as_str).collect();
+    assert_eq!(numbers, ["amplitude_rad", "phase_rad"]);
+    for (name, truth) in [("amplitude_rad", 1.2e-3), ("phase_rad", 2.5)] {
+        let [low, high] = found.parameters[name].ci95.unwrap();
+        assert!(low < truth && truth < high, "{name}: {low} to {high}");
+    }
+    assert!(!found.text.contains("own errors"), "{}", found.text);
+}
+
+#[test]
 fn a_tone_at_one_speed_is_named_with_its_look_alike_and_the_residual_falls() {
     let tone = "\n[[torque_tone]]\nf_hz = 37.3\ntorque_n_m = 3e-4\nphase_rad = 0.4\n";
     let answer = against(&format!("{PAIR_FAST}{tone}"), PAIR_FAST);
