@@ -129,9 +129,8 @@ pub fn answer(
 
 /// Effects of the fit, as far as other turns foretell them with a name.
 fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -> Vec<Said> {
-    let [none, early, _] = Parts::held_out(board, fit).judged(fit);
     // Where all findings together make held-out turns worse, none that can be foretold has a name.
-    let worse = early > none;
+    let worse = Parts::held_out(board, fit).worse(fit);
     let spread = (fit.rss / board.edges() as f64).max(1.0).sqrt();
     let floors = floors(board, fit);
     let sized = board

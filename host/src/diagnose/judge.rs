@@ -64,16 +64,16 @@ pub struct Foretold {
     pub fall: f64,
     /// By how much it falls on the same turns where all are fitted on all: what the group shows there.
     pub shown: f64,
-    /// The sum of squares without it.
+    /// The turns' sum of squares without it and with it.
     without: f64,
+    with: f64,
 }
 
 impl Foretold {
     /// RMS with the group over RMS without it.
     #[must_use]
     pub fn rms_ratio(&self) -> f64 {
-        let without = self.without.max(f64::MIN_POSITIVE);
-        (1.0 - self.fall / without).max(0.0).sqrt()
+        (self.with / self.without.max(f64::MIN_POSITIVE)).sqrt()
     }
 }
 
@@ -257,33 +257,29 @@ impl Parts {
         all
     }
 
-    /// Sum of squares that numbers leave in a part.
-    fn left(&self, part: usize, sizes: &DVector<f64>) -> f64 {
-        let by = (-sizes).push(1.0);
-        by.dot(&(&self.parts[part] * &by)).max(0.0)
-    }
-
     /// Columns of terms that are asked for.
     fn columns(&self, of: impl Fn(usize) -> bool) -> Vec<usize> {
         (0..self.of.len()).filter(|&at| of(self.of[at].0)).collect()
     }
 
-    /// What a group does on turns that no term was fitted on, each block foretold by the others. A disc of which nothing is known may have
-    /// taken the rest.
+    /// What a group does on turns that no term was fitted on, each block foretold by the others. What numbers that are about known have to
+    /// be without it, a share of it in each block, is of what it does: they may foretell the turns as well, far from where they are known.
     #[must_use]
     pub fn foretold(&self, fit: &Fit, group: usize) -> Foretold {
         let all = self.columns(|_| true);
         let others = self.columns(|term| fit.model.terms[term].group != group);
-        let left = |columns: &[usize], block: usize, on: &dyn Fn(usize) -> bool| {
-            self.left(block, &self.fitted(on, columns))
+        let share = 1.0 / self.parts.len() as f64;
+        let lost = |block: usize, sizes: &DVector<f64>| {
+            left(&self.parts[block], sizes) + share * left(&self.always, sizes)
         };
         let mut foretold = Foretold::default();
         for block in 0..self.parts.len() {
-            let elsewhere = |at: usize| at != block;
-            let without = left(&others, block, &elsewhere);
-            foretold.without += without;
-            foretold.fall += without - left(&all, block, &elsewhere);
-            foretold.shown += left(&others, block, &|_| true) - left(&all, block, &|_| true);
+            let [without, with] = [&others, &all].map(|of| self.fitted(|at| at != block, of));
+            let [none, whole] = [&others, &all].map(|of| self.fitted(|_| true, of));
+            foretold.fall += lost(block, &without) - lost(block, &with);
+            foretold.shown += lost(block, &none) - lost(block, &whole);
+            foretold.without += left(&self.parts[block], &without);
+            foretold.with += left(&self.parts[block], &with);
         }
         foretold
     }
@@ -304,17 +300,37 @@ impl Parts {
     /// Squares left in the last part: with nuisances alone, with everything fitted before it, and with everything fitted on it.
     #[must_use]
     pub fn judged(&self, fit: &Fit) -> [f64; 3] {
-        let all = self.columns(|_| true);
-        let groups = fit.model.groups();
-        let nuisances = self.columns(|term| !groups.contains(&fit.model.terms[term].group));
         let last = self.parts.len() - 1;
-        let none = self.fitted(|at| at != last, &nuisances);
-        let early = self.fitted(|at| at != last, &all);
-        let late = self.fitted(|at| at == last, &all);
+        let early = |at: usize| at != last;
+        let all = self.columns(|_| true);
         [
-            self.left(last, &none),
-            self.left(last, &early),
-            self.left(last, &late),
+            self.fitted(early, &self.nuisances(fit)),
+            self.fitted(early, &all),
+            self.fitted(|at| at == last, &all),
         ]
+        .map(|sizes| left(&self.parts[last], &sizes))
     }
+
+    /// Whether the last part, and what numbers that are about known have to be, gets worse by what was found before it.
+    #[must_use]
+    pub fn worse(&self, fit: &Fit) -> bool {
+        let last = self.parts.len() - 1;
+        let lost = |columns: &[usize]| {
+            let sizes = self.fitted(|at| at != last, columns);
+            left(&self.parts[last], &sizes) + left(&self.always, &sizes)
+        };
+        lost(&self.columns(|_| true)) > lost(&self.nuisances(fit))
+    }
+
+    /// Columns of what is no finding's.
+    fn nuisances(&self, fit: &Fit) -> Vec<usize> {
+        let groups = fit.model.groups();
+        self.columns(|term| !groups.contains(&fit.model.terms[term].group))
+    }
+}
+
+/// Sum of squares that numbers leave, by the products of some rows.
+fn left(products: &DMatrix<f64>, sizes: &DVector<f64>) -> f64 {
+    let by = (-sizes).push(1.0);
+    by.dot(&(products * &by)).max(0.0)
 }
