@@ -11,7 +11,7 @@ use core::task::Poll;
 use super::close::saturated;
 use super::cursor::Cursor;
 use super::scale::{Fine, Ratio};
-use super::speeds::Weighing;
+use super::speeds::{Place, Weighing};
 use crate::edge::Direction;
 use crate::recip::Recip;
 use crate::units::Turn32;
@@ -35,8 +35,7 @@ impl Path {
 
     fn add(&mut self, other: Self, weight_q16: u64) {
         for (sum, part) in self.0.iter_mut().zip(other.0) {
-            let product = i128::from(part) * i128::from(weight_q16);
-            *sum = sum.saturating_add(i64::try_from(product >> 16).unwrap_or(0));
+            *sum = sum.saturating_add(weighed(part, weight_q16));
         }
     }
 }
@@ -46,7 +45,7 @@ impl Path {
 struct Last {
     duration: u64,
     direction: Direction,
-    bin: usize,
+    place: Place,
     /// What it was folded with.
     bend_q32: i32,
     /// The duration before, and the two before that together, over this one less one and two, Q32; none where it was not folded along
@@ -63,8 +62,19 @@ pub(super) struct Course {
     last: Option<Last>,
     weighed: Path,
     plain: Path,
-    /// Sum of the turns' bends, whatever their sign.
-    bends_q32: u64,
+    slowing: Slowing,
+}
+
+/// How the turns' speed falls within them.
+#[derive(Clone, Copy)]
+struct Slowing {
+    /// Sums over turns, weighed and plain, of the share of the speed that goes in a radian of the shaft, by the square of the duration over
+    /// the first one's, Q32.
+    weighed: i64,
+    plain: i64,
+    /// Sums of the squared bends and of the third differences, in [`PATH_BITS`].
+    bends: i64,
+    thirds: i64,
 }
 
 impl Course {
@@ -72,23 +82,29 @@ impl Course {
         last: None,
         weighed: Path([0; 3]),
         plain: Path([0; 3]),
-        bends_q32: 0,
+        slowing: Slowing {
+            weighed: 0,
+            plain: 0,
+            bends: 0,
+            thirds: 0,
+        },
     };
 
     /// Takes note of a turn that is taken, folded with a bend along the turn `before` of so many ticks.
     pub(super) fn take(
         &mut self,
-        turn: (u64, Direction, usize),
+        turn: (u64, Direction, Place),
         before: Option<u64>,
         bend_q32: i32,
         weighing: &Weighing,
     ) {
-        let (duration, direction, bin) = turn;
-        self.bends_q32 += u64::from(bend_q32.unsigned_abs());
+        let (duration, direction, place) = turn;
+        self.slowing
+            .add(direction, place, bend_q32, weighing.weight_q16(place.bin));
         let mut last = Last {
             duration,
             direction,
-            bin,
+            place,
             bend_q32,
             before_q32: before.map(|before| change_q32(before, duration, duration)),
             both_q32: 0,
@@ -103,6 +119,9 @@ impl Course {
                 quotient(third - before, 4 * ONE + next_q32 + ended.both_q32)
             });
             let path = ended.path(before_q32, next_q32, third, fourth);
+            self.slowing.bends +=
+                times(ended.bend_q32.into(), ended.bend_q32.into()) << (PATH_BITS - 32);
+            self.slowing.thirds += third;
             self.add(&ended, path, weighing);
             // In the new turn's unit of time.
             let ratio = ONE + next_q32;
@@ -129,8 +148,9 @@ impl Course {
         } else {
             path.reversed()
         };
+        let weight_q16 = weighing.weight_q16(turn.place.bin);
         self.plain.add(path, 1 << 16);
-        self.weighed.add(path, weighing.weight_q16(turn.bin));
+        self.weighed.add(path, weight_q16);
     }
 
     /// Follows the weighed sum where that is shifted down.
@@ -138,11 +158,25 @@ impl Course {
         for part in &mut self.weighed.0 {
             *part >>= down;
         }
+        self.slowing.weighed >>= down;
     }
 
-    /// Mean bend of so many turns, whatever their sign.
-    pub(super) fn mean_bend_q32(&self, turns: u32) -> u32 {
-        u32::try_from(self.bends_q32 / u64::from(turns.max(1))).unwrap_or(u32::MAX)
+    /// How the speed falls within the turns of the weighed mean and of the plain one.
+    pub(super) fn falls(&self, weight_q16: u64, turns: u32) -> Falls {
+        let Slowing {
+            weighed,
+            plain,
+            bends,
+            thirds,
+        } = self.slowing;
+        let third_q16 = i128::from(thirds) * (3 << 15) / i128::from(bends.max(1));
+        let power_q16 = third_q16.clamp(0, 2 << 16);
+        Falls {
+            weighed_q30: Ratio::new(14, weight_q16).times(weighed),
+            plain_q30: plain / (4 * i64::from(turns.max(1))),
+            #[allow(clippy::cast_possible_truncation)]
+            friction_q16: power_q16 as i64,
+        }
     }
 
     /// Of the weighed mean and of the plain one.
@@ -193,6 +227,12 @@ fn times(value: i64, factor_q32: i64) -> i64 {
     product
 }
 
+/// A part times a weight.
+fn weighed(part: i64, weight_q16: u64) -> i64 {
+    let product = i128::from(part) * i128::from(weight_q16);
+    i64::try_from(product >> 16).unwrap_or(0)
+}
+
 /// A quotient by a divisor in Q32, of which 16 digits count.
 fn quotient(value: i64, divisor_q32: i64) -> i64 {
     Recip::of_u64(divisor_q32.max(1).cast_unsigned() >> 16).times_signed(value << 16)
@@ -204,6 +244,35 @@ fn change_q32(duration: u64, from: u64, unit: u64) -> i64 {
     let product = u128::from(duration.abs_diff(from)) * u128::from(recip.mantissa);
     let size = i64::try_from(product >> (recip.shift - 32)).unwrap_or(i64::MAX);
     if duration < from { -size } else { size }
+}
+
+impl Slowing {
+    fn add(&mut self, direction: Direction, place: Place, bend_q32: i32, weight_q16: u64) {
+        // A bend takes twice itself of the speed in a turn.
+        let fall_q32 = times(-2 * i64::from(bend_q32), PER_RADIAN_Q32);
+        let fall_q32 = if direction == Direction::Forward {
+            fall_q32
+        } else {
+            -fall_q32
+        };
+        let square_q32 = times(place.ratio_q32.cast_signed(), place.ratio_q32.cast_signed());
+        let part = times(fall_q32, square_q32);
+        self.plain = self.plain.saturating_add(part);
+        self.weighed = self.weighed.saturating_add(weighed(part, weight_q16));
+    }
+}
+
+/// 1 / (2 pi), Q32.
+const PER_RADIAN_Q32: i64 = 683_565_276;
+
+/// How the speed falls within turns: a mean over them.
+#[derive(Clone, Copy)]
+pub(super) struct Falls {
+    /// Share of the speed that goes in a radian, by the square of the duration over the first turn's, in the weighed and the plain mean, Q30.
+    pub weighed_q30: i64,
+    pub plain_q30: i64,
+    /// Power of the speed that friction goes with, as far as the speed's course tells: 0 to 2, Q16.
+    pub friction_q16: i64,
 }
 
 /// A [`Path`] of a mean over turns, in fine angles.

@@ -217,7 +217,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         };
         let along = before.map(|before| before.duration);
         let along = along.filter(|&before| bend_q32 == Motion::bend_q32(before, duration));
-        let of_turn = (duration, turn.direction, place.bin);
+        let of_turn = (duration, turn.direction, place);
         self.course.take(of_turn, along, bend_q32, &self.weighing);
         let sum = self.weighing.add(place.bin);
         self.course.shift(sum.sum_down);

@@ -1,8 +1,12 @@
 //! Geometry and locked torque, order by order: geometry has its size at every speed, torque's angle falls with the square
 //! of the speed, so the plain mean over turns holds more of it than the mean weighed by the speed squared.
+//!
+//! Where the speed falls within the turns, torque shows at the orders beside its own too. That is taken out first, the strongest torque's
+//! before the next one is looked for.
 
-use core::task::Poll;
+use core::task::{Poll, ready};
 
+use super::course::Falls;
 use super::cursor::Cursor;
 use super::moments::Moments;
 use super::noise::Damping;
@@ -48,25 +52,42 @@ const CERTAIN: u64 = 12;
 const UNLIKE_BITS: u32 = 28;
 const UNLIKE_SHARE_SQUARE_Q30: u128 = 256 << 30;
 
-/// Orders of a slice.
-const ORDERS: usize = 4;
+/// Orders of a slice that a torque's side bands are taken out of.
+const BESIDE: usize = 12;
 
 /// Takes torque, where there is evidence of it, out of the weighed mean, whose noise grows by what it costs.
 pub(super) struct Separation {
     cursor: Cursor,
+    part: Part,
     /// Torque's part in the weighed mean over that in the difference, Q30; none where the speeds tell nothing apart.
     share_q30: Option<i64>,
     /// Its angle at the first turn's speed over that in the difference, Q30.
     scale_q30: i64,
     shaft: Shaft,
+    /// Torques whose side bands are known, the strongest first.
+    known: heapless::Vec<Known, TORQUES_MAX>,
 }
 
-/// How the shaft departs from torque that goes with 1 / speed^2.
+enum Part {
+    Look,
+    /// What the torque found last makes of the difference's orders is taken out.
+    Clear,
+    Take,
+}
+
+/// A torque that is certain.
+#[derive(Clone, Copy)]
+struct Known {
+    order: usize,
+    /// In the difference.
+    size: Coefficient,
+}
+
+/// What is known of the shaft.
 #[derive(Clone, Copy)]
 pub(super) struct Shaft {
     pub damping: Damping,
-    /// Bend of a turn, Q32: by a change of speed torque of one order shows at those beside it.
-    pub bend_q32: u32,
+    pub falls: Falls,
 }
 
 /// What is known of every single order; order n at n - 1.
@@ -87,9 +108,11 @@ impl Separation {
     pub(super) fn new(moments: &Moments, shaft: Shaft) -> Self {
         Self {
             cursor: Cursor::START,
+            part: Part::Look,
             shaft,
             share_q30: moments.separation,
             scale_q30: moments.torque_scale_q30(),
+            known: heapless::Vec::new(),
         }
     }
 
@@ -106,85 +129,201 @@ impl Separation {
             torques.untold = OrderSet::ALL;
             return Poll::Ready(());
         };
-        for index in self.cursor.next(ORDERS, plan.single) {
-            if !plan.is_class_order(index + 1) {
-                let shares = [share_q30, self.scale_q30];
-                take_torque(index + 1, shares, orders, self.shaft, fine, torques);
+        match self.part {
+            Part::Look => {
+                let found = self.strongest(plan, orders, share_q30);
+                self.part = match found.map(|found| self.known.push(found)) {
+                    Some(Ok(())) => Part::Clear,
+                    _ => Part::Take,
+                };
+            }
+            Part::Clear => {
+                if let Some(torque) = self.known.last_mut() {
+                    let falls = self.shaft.falls;
+                    let fall_q30 = times_q30(falls.plain_q30 - falls.weighed_q30, self.scale_q30);
+                    let own = torque.beside(torque.order, falls.friction_q16, fall_q30);
+                    let whole = torque.size.minus(own);
+                    for index in self.cursor.next(BESIDE, plan.single) {
+                        let more = torque.beside(index + 1, falls.friction_q16, fall_q30);
+                        orders.difference[index] = orders.difference[index].minus(more);
+                    }
+                    ready!(self.cursor.at_end(plan.single));
+                    torque.size = whole;
+                }
+                (self.part, self.cursor) = (Part::Look, Cursor::START);
+            }
+            Part::Take => {
+                for index in self.cursor.next(1, plan.single) {
+                    if !plan.is_class_order(index + 1) {
+                        self.take(index + 1, share_q30, orders, fine, torques);
+                    }
+                }
+                return self.cursor.at_end(plan.single);
             }
         }
-        self.cursor.at_end(plan.single)
+        Poll::Pending
+    }
+
+    /// The strongest torque that is certain and whose side bands are not known yet.
+    fn strongest(&self, plan: OrderPlan, orders: &Orders, share_q30: i64) -> Option<Known> {
+        let mut strongest: Option<(u64, usize)> = None;
+        for index in 0..plan.single {
+            let power = orders.difference[index].power();
+            let order = index + 1;
+            if strongest.is_none_or(|(most, _)| power > most)
+                && power > orders.doubt[index].saturating_mul(CERTAIN)
+                && !plan.is_class_order(order)
+                && !self.known.iter().any(|known| known.order == order)
+                && power / CERTAIN > to_exceed(orders, index, share_q30)
+            {
+                strongest = Some((power, index));
+            }
+        }
+        strongest.map(|(_, index)| Known {
+            order: index + 1,
+            size: orders.difference[index],
+        })
+    }
+
+    /// What the known torques make of an order of the weighed mean beside their own angle.
+    fn beside(&self, order: usize) -> Coefficient {
+        let Falls {
+            weighed_q30,
+            friction_q16,
+            ..
+        } = self.shaft.falls;
+        let fall_q30 = times_q30(weighed_q30, self.scale_q30);
+        let each = self.known.iter();
+        each.fold(Coefficient::ZERO, |sum, known| {
+            sum.plus(known.beside(order, friction_q16, fall_q30))
+        })
     }
 }
 
-fn take_torque(
-    order: usize,
-    [share_q30, scale_q30]: [i64; 2],
-    orders: &mut Orders,
-    Shaft { damping, bend_q32 }: Shaft,
-    fine: Fine,
-    torques: &mut Torques,
-) {
-    let index = order - 1;
-    let Orders {
-        coefficients,
-        noise,
-        own,
-        difference,
-        doubt,
-    } = orders;
-    let share_square_q30 = u128::from(share_q30.unsigned_abs()).pow(2) >> 30;
-    let power = coefficients[index].power();
-    let noise_here = doubt[index];
-    let unlike =
-        (u128::from(power) * share_square_q30.min(UNLIKE_SHARE_SQUARE_Q30)) >> (30 + UNLIKE_BITS);
-    let to_exceed = noise_here.saturating_add(u64::try_from(unlike).unwrap_or(u64::MAX));
-    let over = |doubt: u64| difference[index].power() / (doubt / 16).max(1);
-    let (evidence, shown) = (over(to_exceed), over(noise_here));
-    let half = CERTAIN * 16 / 2;
-    let belief = evidence.saturating_sub(half).min(half);
-    if belief == half {
-        let amplitude = difference[index].scaled(scale_q30);
-        let error = Coefficient {
-            re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
-            im: 0,
+impl Known {
+    /// What it makes of an order where the speed falls within the turns, by so much as `fall_q30` says.
+    ///
+    /// With the angle theta from the turn's middle, A the share of the speed that goes in a radian and friction that goes with the power p of
+    /// the speed, torque whose angle is the real part of c exp(i n theta) at a steady speed makes that of
+    /// ((1 + 2 A theta) + i (3 + p) A / n) c exp(i n theta), to the first order in A. A turn is folded between its ends, which takes 2 A theta
+    /// of what it is there from it. These are the orders of what is left beside c itself, by A.
+    fn beside(self, order: usize, friction_q16: i64, fall_q30: i64) -> Coefficient {
+        #[allow(clippy::cast_possible_wrap)]
+        let (n, m) = (self.order as i64, order as i64);
+        if n == m {
+            let along = self.size.scaled(friction_q16 << 14);
+            let across = along.plus(self.size).plus(self.size);
+            let own = Coefficient {
+                re: across.im.saturating_neg(),
+                im: along.re,
+            };
+            return own.scaled(fall_q30 / n);
+        }
+        let of_apart = |times: i64, by: i64| {
+            let share_q30 = (times << 30) / (by * (n * n - m * m));
+            self.size.scaled(times_q30(share_q30, fall_q30))
         };
-        let torque = TorqueOrder {
-            #[allow(clippy::cast_possible_truncation)]
-            order: order as u16,
-            amplitude: peak(amplitude, fine),
-            standard_error: peak(error.scaled(scale_q30), fine),
+        Coefficient {
+            re: of_apart(4 * n, 1).im,
+            im: of_apart(-4 * n * n, m).re,
+        }
+    }
+}
+
+/// Product of two factors in Q30.
+fn times_q30(a: i64, b: i64) -> i64 {
+    let product = (i128::from(a) * i128::from(b)) >> 30;
+    i64::try_from(product).unwrap_or(if product < 0 { i64::MIN } else { i64::MAX })
+}
+
+/// Power of the difference at an order of which nothing is torque's.
+fn to_exceed(orders: &Orders, index: usize, share_q30: i64) -> u64 {
+    let power = orders.coefficients[index].power();
+    let unlike = (u128::from(power) * share_square_q30(share_q30).min(UNLIKE_SHARE_SQUARE_Q30))
+        >> (30 + UNLIKE_BITS);
+    orders.doubt[index].saturating_add(u64::try_from(unlike).unwrap_or(u64::MAX))
+}
+
+fn share_square_q30(share_q30: i64) -> u128 {
+    u128::from(share_q30.unsigned_abs()).pow(2) >> 30
+}
+
+impl Separation {
+    fn take(
+        &self,
+        order: usize,
+        share_q30: i64,
+        orders: &mut Orders,
+        fine: Fine,
+        torques: &mut Torques,
+    ) {
+        let Self {
+            shaft: Shaft { damping, .. },
+            scale_q30,
+            ..
+        } = *self;
+        let index = order - 1;
+        let beside = self.beside(order);
+        orders.coefficients[index] = orders.coefficients[index].minus(beside);
+        let to_exceed = to_exceed(orders, index, share_q30);
+        let Orders {
+            coefficients,
+            noise,
+            own,
+            difference,
+            doubt,
+        } = orders;
+        let power = coefficients[index].power();
+        let noise_here = doubt[index];
+        let over = |doubt: u64| difference[index].power() / (doubt / 16).max(1);
+        let (evidence, shown) = (over(to_exceed), over(noise_here));
+        let half = CERTAIN * 16 / 2;
+        let belief = evidence.saturating_sub(half).min(half);
+        if belief == half {
+            let amplitude = difference[index].scaled(scale_q30);
+            let error = Coefficient {
+                re: i32::try_from(noise_here.isqrt()).unwrap_or(i32::MAX),
+                im: 0,
+            };
+            let torque = TorqueOrder {
+                #[allow(clippy::cast_possible_truncation)]
+                order: order as u16,
+                amplitude: peak(amplitude, fine),
+                standard_error: peak(error.scaled(scale_q30), fine),
+            };
+            keep(&mut torques.strongest, torque);
+        }
+        // The difference that the order shows if it is all torque, against one that would be certain.
+        let all_torque_q30 = u128::from(power) << 30;
+        let certain = u128::from(to_exceed) * u128::from(CERTAIN);
+        if belief < half && all_torque_q30 < certain * share_square_q30(share_q30) {
+            torques.untold.insert(order);
+        }
+        let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
+        let taken_q30 = of_share(belief);
+        // What shows but is not certain may be torque all the same, and a disc that differs with the speed is no better known.
+        let left_in = if evidence > UNCERTAIN * 16 || shown > CERTAIN * 16 {
+            difference[index].scaled(of_share(half - belief)).power()
+        } else {
+            0
         };
-        keep(&mut torques.strongest, torque, bend_q32);
-    }
-    // The difference that the order shows if it is all torque, against one that would be certain.
-    let all_torque_q30 = u128::from(power) << 30;
-    let certain = u128::from(to_exceed) * u128::from(CERTAIN);
-    if belief < half && all_torque_q30 < certain * share_square_q30 {
-        torques.untold.insert(order);
-    }
-    let of_share = |part: u64| share_q30 / half.cast_signed() * part.cast_signed();
-    let taken_q30 = of_share(belief);
-    // What shows but is not certain may be torque all the same, and a disc that differs with the speed is no better known.
-    let left_in = if evidence > UNCERTAIN * 16 || shown > CERTAIN * 16 {
-        difference[index].scaled(of_share(half - belief)).power()
-    } else {
-        0
-    };
-    difference[index] = difference[index].scaled(-taken_q30);
-    coefficients[index] = coefficients[index].plus(difference[index]);
-    // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
-    let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
-    let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
-    let of_order = difference[index].power() / (order * order) as u64;
-    let damped = |square_q16| (u128::from(of_order) * u128::from(square_q16)) >> 16;
-    let fitted = |power| u64::try_from(power).unwrap_or(u64::MAX);
-    let likely = damped(damping.likely_q16);
-    let hidden = damped(damping.most_q16) - likely;
-    torques.hidden = torques.hidden.saturating_add(fitted(hidden));
-    let more = fitted(more + likely + u128::from(left_in));
-    if more > 0 {
-        own[index] = own_with(own[index], noise[index], more);
-        noise[index] = noise[index].saturating_add(more);
+        difference[index] = difference[index].scaled(-taken_q30);
+        coefficients[index] = coefficients[index].plus(difference[index]);
+        // The weighed mean is nearly the best there is, so its noise and that of the difference are strangers.
+        let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
+        let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
+        let of_order = difference[index].power() / (order * order) as u64;
+        let damped = |square_q16| (u128::from(of_order) * u128::from(square_q16)) >> 16;
+        let fitted = |power| u64::try_from(power).unwrap_or(u64::MAX);
+        let likely = damped(damping.likely_q16);
+        let hidden = damped(damping.most_q16) - likely;
+        torques.hidden = torques.hidden.saturating_add(fitted(hidden));
+        let more = fitted(more + likely + u128::from(left_in));
+        if more > 0 {
+            own[index] = own_with(own[index], noise[index], more);
+            noise[index] = noise[index].saturating_add(more);
+        }
+        difference[index] = difference[index].minus(beside);
     }
 }
 
@@ -201,15 +340,8 @@ fn peak(coefficient: Coefficient, fine: Fine) -> u32 {
     fine.root_mean_square(coefficient.power().saturating_mul(4))
 }
 
-/// Keeps `torque` in a list of the strongest that has no side bands.
-fn keep(list: &mut heapless::Vec<TorqueOrder, TORQUES_MAX>, torque: TorqueOrder, bend_q32: u32) {
-    if list
-        .iter()
-        .any(|kept| is_side_band(torque, *kept, bend_q32))
-    {
-        return;
-    }
-    list.retain(|kept| !is_side_band(*kept, torque, bend_q32));
+/// Keeps `torque` in a list of the strongest.
+fn keep(list: &mut heapless::Vec<TorqueOrder, TORQUES_MAX>, torque: TorqueOrder) {
     if list.push(torque).is_err()
         && let Some(weakest) = list.iter_mut().min_by_key(|kept| kept.amplitude)
         && weakest.amplitude < torque.amplitude
@@ -218,10 +350,5 @@ fn keep(list: &mut heapless::Vec<TorqueOrder, TORQUES_MAX>, torque: TorqueOrder,
     }
 }
 
-/// Whether `torque` is no more than the other's swing makes beside it. With a bend b the square of the speed changes by 4 b in a turn, which
-/// puts 4 b / (2 pi (m - n)) of order n at order m, and at the lowest orders twice that.
-fn is_side_band(torque: TorqueOrder, other: TorqueOrder, bend_q32: u32) -> bool {
-    let apart = u64::from(torque.order.abs_diff(other.order));
-    let beside = (u64::from(other.amplitude) * u64::from(bend_q32)) >> 31;
-    u64::from(torque.amplitude) * apart < beside
-}
+#[cfg(test)]
+mod tests;

@@ -204,7 +204,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 } = self.totals;
                 let shaft = Shaft {
                     damping: Damping::of(speeds, shortest, longest),
-                    bend_q32: self.course.mean_bend_q32(moments.turns),
+                    falls: self.course.falls(moments.weight_q16, moments.turns),
                 };
                 go_to(stage, || Stage::Separate(Separation::new(moments, shaft)));
             }

@@ -2,7 +2,10 @@
 
 use super::*;
 
-const BIN: usize = crate::estimate::speeds::BINS / 2;
+const PLACE: Place = Place {
+    bin: crate::estimate::speeds::BINS / 2,
+    ratio_q32: 1 << 32,
+};
 const FINE: Fine = Fine { bits: 10 };
 /// 2^-32 turn in one of those fine angles.
 const TURN: f64 = 4_398_046_511_104.0;
@@ -46,13 +49,13 @@ fn curve(motion: &Motion, direction: Direction) -> Curve {
     let weighing = Weighing::NEW;
     let mut course = Course::NONE;
     for turn in FOLDED {
-        let of_turn = (duration(motion, turn), direction, BIN);
+        let of_turn = (duration(motion, turn), direction, PLACE);
         let before = duration(motion, turn - 1);
         course.take(of_turn, Some(before), bend(motion, turn), &weighing);
     }
     course.end(&weighing);
     let count = FOLDED.len() as u32;
-    let weight = weighing.weight_q16(BIN) * u64::from(count);
+    let weight = weighing.weight_q16(PLACE.bin) * u64::from(count);
     let [weighed, plain] = course.curves(weight, count, FINE);
     assert!(
         weighed
@@ -119,7 +122,7 @@ fn turns_that_stand_alone_say_nothing() {
     let mut course = Course::NONE;
     for turn in FOLDED {
         course.take(
-            (duration(&VISCOUS, turn), Direction::Forward, BIN),
+            (duration(&VISCOUS, turn), Direction::Forward, PLACE),
             None,
             0,
             &weighing,
