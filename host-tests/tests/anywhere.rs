@@ -149,12 +149,12 @@ fn friction_is_no_torque_of_the_shaft() {
     assert_eq!(false_torques, 0);
 }
 
-/// A polynomial takes the torque for the disc. What is stated covers a damping of the shaft that nothing here tells.
+/// A polynomial takes the torque for the disc. What is stated covers a damping of the shaft that little torque does not tell.
 #[test]
 fn torque_of_a_run_down_is_told_from_the_disc() {
-    for (of, of_bound_most, of_polynomial_most) in [
-        (RunDown::TorqueOnce, 1.8, 0.001),
-        (RunDown::Cogging, 1.2, 0.03),
+    for (of, of_bound_most, of_polynomial_most, stated_most) in [
+        (RunDown::TorqueOnce, 1.5, 0.001, 5.0),
+        (RunDown::Cogging, 1.2, 0.03, 3.0),
     ] {
         let ([of_bound, of_polynomial, stated], false_torques) = left_of_run_down(of);
         assert!(of_bound < of_bound_most, "{of:?}: {of_bound}");
@@ -162,7 +162,7 @@ fn torque_of_a_run_down_is_told_from_the_disc() {
             of_polynomial < of_polynomial_most,
             "{of:?}: {of_polynomial}"
         );
-        assert!(stated > 0.8, "{of:?}: {stated}");
+        assert!((0.8..stated_most).contains(&stated), "{of:?}: {stated}");
         assert_eq!(false_torques, 0, "{of:?}");
     }
 }

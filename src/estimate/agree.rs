@@ -12,6 +12,8 @@ use crate::recip::Recip;
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
     pub duration: u64,
+    /// Over the first turn's, Q32.
+    pub ratio_q32: u64,
     pub direction: Direction,
     /// Its speed bin.
     pub bin: usize,
@@ -132,9 +134,16 @@ impl Agreement {
             && let Some(bin) = speeds.bins.get_mut(turn.bin)
         {
             bin.pairs = bin.pairs.saturating_add(1);
-            for (sum, square) in bin.scatter.iter_mut().zip(turn.squares(&other)) {
+            let squares = turn.squares(&other);
+            for (sum, square) in bin.scatter.iter_mut().zip(squares) {
                 *sum = sum.saturating_add(square);
             }
+            let growth_q32 = turn.growth_q32(&other);
+            let changes = core::array::from_fn(|index| {
+                let change = turn.low[index].less(other.low[index]);
+                change.ahead(turn.direction)
+            });
+            speeds.locked.take(growth_q32, &changes);
         }
         self.taken = Some(turn);
         self.interrupt();
@@ -142,6 +151,12 @@ impl Agreement {
 }
 
 impl Seen {
+    /// By how much the square of its duration, over the first turn's, is above that of another, Q32.
+    fn growth_q32(&self, other: &Self) -> i64 {
+        let square = |ratio: u64| (u128::from(ratio).pow(2) >> 32) as i64;
+        square(self.ratio_q32) - square(other.ratio_q32)
+    }
+
     /// Whether noise is alike in both: the same direction, and durations within a sixteenth.
     fn is_like(&self, other: &Self) -> bool {
         self.within(other, self.duration >> 4)

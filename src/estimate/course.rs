@@ -72,6 +72,9 @@ struct Slowing {
     /// the first one's, Q32.
     weighed: i64,
     plain: i64,
+    /// The same of the fourth power of the duration over the first one's, Q16.
+    fourth_weighed: i64,
+    fourth_plain: i64,
     /// Sums of the squared bends and of the third differences, in [`PATH_BITS`].
     bends: i64,
     thirds: i64,
@@ -85,6 +88,8 @@ impl Course {
         slowing: Slowing {
             weighed: 0,
             plain: 0,
+            fourth_weighed: 0,
+            fourth_plain: 0,
             bends: 0,
             thirds: 0,
         },
@@ -99,8 +104,14 @@ impl Course {
         weighing: &Weighing,
     ) {
         let (duration, direction, place) = turn;
+        let fall_q32 = fall_q32(place, bend_q32);
+        let ahead_q32 = if direction == Direction::Forward {
+            fall_q32
+        } else {
+            -fall_q32
+        };
         self.slowing
-            .add(direction, place, bend_q32, weighing.weight_q16(place.bin));
+            .add(ahead_q32, place, weighing.weight_q16(place.bin));
         let mut last = Last {
             duration,
             direction,
@@ -159,6 +170,7 @@ impl Course {
             *part >>= down;
         }
         self.slowing.weighed >>= down;
+        self.slowing.fourth_weighed >>= down;
     }
 
     /// How the speed falls within the turns of the weighed mean and of the plain one.
@@ -166,6 +178,8 @@ impl Course {
         let Slowing {
             weighed,
             plain,
+            fourth_weighed,
+            fourth_plain,
             bends,
             thirds,
         } = self.slowing;
@@ -174,6 +188,8 @@ impl Course {
         Falls {
             weighed_q30: Ratio::new(14, weight_q16).times(weighed),
             plain_q30: plain / (4 * i64::from(turns.max(1))),
+            fourth_weighed_q16: Ratio::new(16, weight_q16).times(fourth_weighed),
+            fourth_plain_q16: fourth_plain / i64::from(turns.max(1)),
             #[allow(clippy::cast_possible_truncation)]
             friction_q16: power_q16 as i64,
         }
@@ -247,19 +263,25 @@ fn change_q32(duration: u64, from: u64, unit: u64) -> i64 {
 }
 
 impl Slowing {
-    fn add(&mut self, direction: Direction, place: Place, bend_q32: i32, weight_q16: u64) {
-        // A bend takes twice itself of the speed in a turn.
-        let fall_q32 = times(-2 * i64::from(bend_q32), PER_RADIAN_Q32);
-        let fall_q32 = if direction == Direction::Forward {
-            fall_q32
-        } else {
-            -fall_q32
-        };
-        let square_q32 = times(place.ratio_q32.cast_signed(), place.ratio_q32.cast_signed());
-        let part = times(fall_q32, square_q32);
-        self.plain = self.plain.saturating_add(part);
-        self.weighed = self.weighed.saturating_add(weighed(part, weight_q16));
+    fn add(&mut self, fall_q32: i64, place: Place, weight_q16: u64) {
+        let ratio_q16 = (place.ratio_q32 >> 16).cast_signed();
+        let square_q16 = (ratio_q16 * ratio_q16) >> 16;
+        let fourth_q16 = (square_q16 * square_q16) >> 16;
+        self.fourth_plain = self.fourth_plain.saturating_add(fourth_q16);
+        self.fourth_weighed = self
+            .fourth_weighed
+            .saturating_add(weighed(fourth_q16, weight_q16));
+        self.plain = self.plain.saturating_add(fall_q32);
+        self.weighed = self.weighed.saturating_add(weighed(fall_q32, weight_q16));
     }
+}
+
+/// Share of the speed that goes in a radian of the way, by the square of the duration over the first turn's, Q32.
+pub(super) fn fall_q32(place: Place, bend_q32: i32) -> i64 {
+    let ratio_q32 = place.ratio_q32.cast_signed();
+    // A bend takes twice itself of the speed in a turn.
+    let fall_q32 = times(-2 * i64::from(bend_q32), PER_RADIAN_Q32);
+    times(fall_q32, times(ratio_q32, ratio_q32))
 }
 
 /// 1 / (2 pi), Q32.
@@ -271,6 +293,9 @@ pub(super) struct Falls {
     /// Share of the speed that goes in a radian, by the square of the duration over the first turn's, in the weighed and the plain mean, Q30.
     pub weighed_q30: i64,
     pub plain_q30: i64,
+    /// Mean fourth power of the duration over the first turn's in either, Q16.
+    pub fourth_weighed_q16: i64,
+    pub fourth_plain_q16: i64,
     /// Power of the speed that friction goes with, as far as the speed's course tells: 0 to 2, Q16.
     pub friction_q16: i64,
 }

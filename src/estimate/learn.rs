@@ -1,6 +1,7 @@
 //! The estimator's edge path, and what it does at the ends of turns.
 
 use super::agree::Seen;
+use super::course::fall_q32;
 use super::fold::{Motion, TurnScale};
 use super::lockstep::Lockstep;
 use super::speeds::Place;
@@ -217,6 +218,9 @@ impl<B: EdgeBuffers> Estimator<B> {
         };
         let along = before.map(|before| before.duration);
         let along = along.filter(|&before| bend_q32 == Motion::bend_q32(before, duration));
+        let fall_q32 = fall_q32(place, bend_q32);
+        self.damped
+            .take(turn.direction, place.ratio_q32, &seen.low, fall_q32);
         let of_turn = (duration, turn.direction, place);
         self.course.take(of_turn, along, bend_q32, &self.weighing);
         let sum = self.weighing.add(place.bin);
@@ -240,6 +244,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         let with_bend = |bend_q32| {
             let seen = Seen {
                 duration,
+                ratio_q32: place.ratio_q32,
                 direction,
                 bin: place.bin,
                 low: self.low.finish(linear, bend_q32),

@@ -5,7 +5,7 @@ use core::task::{Poll, ready};
 use super::cursor::{Cursor, whole};
 use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::{Mean, Moments, Shares, torque_power_q24};
-use super::noise::{LowSum, jitter_power, jitter_q16, low_power, stamp_power};
+use super::noise::{LowSum, Stamp, jitter_power, jitter_q16, low_power};
 use super::order::OrderPlan;
 use super::scale::Fine;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
@@ -119,13 +119,13 @@ impl LowLevel {
     }
 
     /// In the end, the level over that of a turn of the first one's speed, Q24.
-    fn slice(&mut self, speeds: &Speeds) -> Poll<u128> {
+    fn slice(&mut self, speeds: &Speeds, stamp: Stamp) -> Poll<u128> {
         let Some((b, bin)) = speeds.taken().find(|(b, _)| *b >= self.bin) else {
             return Poll::Ready((self.seen << 24) / self.torque.max(1));
         };
         self.bin = b + 1;
         let pairs = u128::from(bin.pairs);
-        self.seen += u128::from(low_power(bin, self.index, 0, FINE)) * pairs;
+        self.seen += u128::from(low_power(speeds, b, self.index, (0, stamp), FINE)) * pairs;
         self.torque += u128::from(torque_power_q24(b)) * pairs;
         Poll::Pending
     }
@@ -180,7 +180,8 @@ impl<B: EdgeBuffers> Estimator<B> {
                 lookout.part = Part::Level(LowLevel::of(0));
             }
             Part::Level(level) => {
-                let level_q24 = ready!(level.slice(speeds));
+                let level_q24 =
+                    ready!(level.slice(speeds, Stamp::of(lookout.plan, lookout.jitter_q16, FINE)));
                 lookout.part = Part::Low(level_q24, LowSum::of(level.index));
             }
             Part::Low(level_q24, low) => {
@@ -189,7 +190,8 @@ impl<B: EdgeBuffers> Estimator<B> {
                     let expected = (level_q24 * u128::from(torque_power_q24(b))) >> 24;
                     u64::try_from(expected).unwrap_or(u64::MAX)
                 };
-                let found = ready!(low.slice(speeds, &lookout.shares, FINE, expected));
+                let stamp = Stamp::of(lookout.plan, lookout.jitter_q16, FINE);
+                let found = ready!(low.slice(speeds, &lookout.shares, stamp, FINE, expected));
                 let order = index + 1;
                 if order > LOW_ORDERS / 2 {
                     let slope = found.power.saturating_mul((order as u64).pow(4)) / 3;
@@ -226,7 +228,11 @@ impl<B: EdgeBuffers> Estimator<B> {
         Outlook {
             error: root(lookout.now + standing),
             after_twice: root(lookout.twice + standing),
-            stamp: root(stamp_power(lookout.plan, lookout.jitter_q16, FINE).into()),
+            stamp: root(
+                Stamp::of(lookout.plan, lookout.jitter_q16, FINE)
+                    .edge
+                    .into(),
+            ),
         }
     }
 

@@ -2,6 +2,7 @@
 //! turn says how well the estimate is known, and which turn does not agree with the others.
 
 use super::close::saturated;
+use crate::edge::Direction;
 use crate::trig::sin_cos;
 use crate::units::Turn32;
 
@@ -27,6 +28,25 @@ impl LowOrder {
         Self {
             re: i32::midpoint(self.re, other.re),
             im: i32::midpoint(self.im, other.im),
+        }
+    }
+
+    /// The difference from another.
+    pub(super) fn less(self, other: Self) -> Self {
+        Self {
+            re: self.re.saturating_sub(other.re),
+            im: self.im.saturating_sub(other.im),
+        }
+    }
+
+    /// As a turn in a direction sees what is seen forward, and the other way around.
+    pub(super) fn ahead(self, direction: Direction) -> Self {
+        match direction {
+            Direction::Forward => self,
+            Direction::Reverse => Self {
+                re: self.re.saturating_neg(),
+                ..self
+            },
         }
     }
 
@@ -139,6 +159,7 @@ impl LowOrders {
         let bend = i64::from(bend_q32);
         let stretched = bend + ((bend * (linear >> 4)) >> 28);
         let square = (bend * bend) >> 32;
+        let shorter_q32 = linear - ((linear * linear) >> 32);
         // 1 / (4 P^2) of both, of which 2 pi / 3 and 2 / 3 count.
         let square_q32 = (self.half_block_q32 * self.half_block_q32) >> 32;
         let sampled = |size: i64, share_q16: i64| {
@@ -154,9 +175,11 @@ impl LowOrders {
             let im = mean(self.im[index]) - part(linear, LINEAR_Q16[index])
                 + linear_sampled * (index as i64 + 1)
                 + part(square, SQUARE_Q16[index]);
+            // The samples are as much too large as the turn is too long.
+            let own = |size: i64| size - ((size * shorter_q32) >> 32);
             LowOrder {
-                re: saturated(re),
-                im: saturated(im),
+                re: saturated(own(re)),
+                im: saturated(own(im)),
             }
         })
     }

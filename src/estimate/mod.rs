@@ -20,12 +20,14 @@ mod close;
 mod contrast;
 mod course;
 mod cursor;
+mod damped;
 mod decimate;
 mod delays;
 mod draw;
 mod drift;
 mod fold;
 mod learn;
+mod locked;
 mod lockstep;
 mod lookout;
 mod low;
@@ -66,6 +68,7 @@ use crate::shape::{EncoderShape, ShapeError};
 use crate::step::Flags;
 use agree::Agreement;
 use course::Course;
+use damped::Damped;
 use delays::Delays;
 use drift::Drift;
 use fold::{Fold, FoldShape};
@@ -204,6 +207,7 @@ pub struct Estimator<B> {
     delays: Delays,
     drift: Drift,
     course: Course,
+    damped: Damped,
 }
 
 impl<B: EdgeBuffers> Estimator<B> {
@@ -242,6 +246,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             delays: Delays::NONE,
             drift: Drift::NONE,
             course: Course::NONE,
+            damped: Damped::NONE,
         })
     }
 

@@ -7,13 +7,14 @@
 use core::ops::RangeInclusive;
 use core::task::Poll;
 
+use super::damped::Told;
 use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::Shares;
 use super::order::OrderPlan;
 use super::scale::Fine;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
-use super::speeds::{Bin, Speeds, octaves_q16, power_of_two};
-use crate::log2::LOG2_BITS;
+use super::speeds::{Speeds, octaves_q16, power_of_two};
+use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::recip::Recip;
 use crate::units::STEP_FRACTION_BITS;
 
@@ -53,6 +54,7 @@ impl LowSum {
         &mut self,
         speeds: &Speeds,
         shares: &Shares,
+        stamp: Stamp,
         fine: Fine,
         expected: impl Fn(usize) -> u64,
     ) -> Poll<LowNoise> {
@@ -60,7 +62,7 @@ impl LowSum {
             return Poll::Ready(self.noise());
         };
         self.bin = b + 1;
-        let power = low_power(bin, self.index, expected(b), fine);
+        let power = low_power(speeds, b, self.index, (expected(b), stamp), fine);
         let noise = shares.of_power(speeds, b, power) >> 32;
         self.sum += noise;
         let square = noise.saturating_mul(noise).saturating_mul(3);
@@ -82,18 +84,37 @@ impl LowSum {
 
 /// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
 /// are none, and by both where there are few, as a pair or two can look quiet by chance.
-pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u64 {
+///
+/// A `stamp` that is uncertain at the crossing of edge 0 tilts the turns on either side of it against each other. In a pair of turns that
+/// counts three times, in a sum at the ends of a row alone, where turns may count thrice as much as others.
+pub(super) fn low_power(
+    speeds: &Speeds,
+    b: usize,
+    index: usize,
+    (expected, stamp): (u64, Stamp),
+    fine: Fine,
+) -> u64 {
+    let bin = &speeds.bins[b];
     let pairs = u64::from(bin.pairs);
     if pairs == 0 {
         return expected;
     }
+    let scatter = core::array::from_fn(|index| {
+        let noise = u128::from(bin.scatter[index]) * u128::from(speeds.locked.noise_q32(index));
+        u64::try_from(noise >> 32).unwrap_or(u64::MAX)
+    });
     // From 2^-(32 + LOW_BITS) turn to the coefficients' unit, and a pair has two turns.
     let up = 2 * (fine.bits + COEFFICIENT_BITS - LOW_BITS);
-    let pair_q16 = u128::from(pair_excess_q16(&bin.scatter));
-    let scatter =
-        (u128::from(bin.scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
+    let pair_q16 = u128::from(pair_excess_q16(&scatter));
+    let scatter = (u128::from(scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
     let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
     let prior = 4_u64.saturating_sub(pairs);
+    let (count, at_ends) = (u64::from(bin.count()), 2 * u64::from(bin.runs().max(1)));
+    let tilts = u128::from(tilt_power(stamp.edge, b, index))
+        * u128::from(3 * pairs * count.saturating_sub(3 * at_ends));
+    let tilts = u64::try_from(tilts / u128::from(count.max(1))).unwrap_or(u64::MAX);
+    let alike = at_speed(stamp.order, b).saturating_mul(pairs);
+    let seen = seen.saturating_sub(tilts).max(seen.min(alike));
     // What neighbours share cancels in a sum but at its ends, and every gap adds two.
     let gaps = bin.runs().saturating_sub(1);
     let ends_q16 = (pair_q16 - (1 << 16)) * u128::from(gaps) / u128::from(bin.count().max(1));
@@ -101,6 +122,32 @@ pub(super) fn low_power(bin: &Bin, index: usize, expected: u64, fine: Fine) -> u
     let seen = seen.saturating_add(u64::try_from(ends).unwrap_or(u64::MAX));
     (seen / (pairs + prior)).saturating_mul(pairs)
         + (expected / (pairs + prior)).saturating_mul(prior)
+}
+
+/// Power at one of the lowest orders in a turn, mean over the bins whose turns were compared, in squared units of [`LowOrder`](super::low::LowOrder).
+pub(super) fn mean_low_power(speeds: &Speeds, index: usize, stamp: Stamp) -> Option<u64> {
+    let (sum, turns) = speeds.taken().fold((0, 0), |(sum, turns), (b, bin)| {
+        let power = low_power(speeds, b, index, (0, stamp), Fine { bits: 0 });
+        (
+            sum + u128::from(power) * u128::from(bin.pairs),
+            turns + u128::from(bin.pairs),
+        )
+    });
+    (turns >= 4).then(|| u64::try_from(sum / turns).unwrap_or(u64::MAX))
+}
+
+/// Power at one of the lowest orders of a turn of a bin whose end is off by what a time stamp is, of which `stamp` is the power at the first
+/// turn's speed: 1 / (2 pi n)^2 of it.
+fn tilt_power(stamp: u64, b: usize, index: usize) -> u64 {
+    const OVER_Q16: u64 = 1660;
+    let order = index as u64 + 1;
+    at_speed(stamp, b).saturating_mul(OVER_Q16) / (order * order << 16)
+}
+
+/// A time stamp's power at a bin's speed over that at the first turn's.
+fn at_speed(power: u64, b: usize) -> u64 {
+    let ratio_q16 = power_of_two((16 << LOG2_BITS) - 2 * octaves_q16(b));
+    u64::try_from((u128::from(power) * u128::from(ratio_q16)) >> 16).unwrap_or(u64::MAX)
 }
 
 /// Power at every order of what jitter of the time stamps makes of an estimate.
@@ -121,8 +168,26 @@ pub(super) fn jitter_power(
     u64::try_from(per_edge / (edges * edges * edges)).unwrap_or(u64::MAX)
 }
 
-/// Power of what the time stamp of one edge is uncertain by, at the first turn's speed.
-pub(super) fn stamp_power(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> u64 {
+/// Powers of what time stamps are uncertain by, at the first turn's speed.
+#[derive(Clone, Copy)]
+pub(super) struct Stamp {
+    /// At one edge.
+    pub edge: u64,
+    /// At an order of a turn, of all its edges.
+    pub order: u64,
+}
+
+impl Stamp {
+    pub(super) fn of(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> Self {
+        let edge = stamp_power(plan, jitter_q16, fine);
+        Self {
+            edge,
+            order: edge / plan.edges.max(1) as u64,
+        }
+    }
+}
+
+fn stamp_power(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> u64 {
     let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
     let edges = plan.edges as u128;
     let power = ((jitter_q16 << up) >> (16 - POWER_BITS)) / (edges * edges);
@@ -178,49 +243,85 @@ fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
     sum / count
 }
 
-/// Squares of the shaft's damping over its slowest speed, Q16, in parts of what it makes torque pass for geometry.
+/// Squares of the shaft's damping over its slowest speed, Q32, in parts of what it makes torque pass for geometry.
 #[derive(Clone, Copy)]
 pub(super) struct Damping {
     /// What an order is weighed with.
-    pub likely_q16: u64,
+    pub likely_q32: u64,
     /// What is stated: it is hardly ever more.
-    pub most_q16: u64,
+    pub most_q32: u64,
 }
 
 impl Damping {
-    /// With the shortest and the longest turn taken.
+    /// With the shortest and the longest turn taken, and with what the torque itself tells.
     ///
     /// Beside the angle of torque that goes with the square of a turn's duration t, damping makes one that goes with t^3. Turns of t1 and
     /// t2, the longer, have it pass for geometry by t2 / (t1 + t2) of its ratio to torque's own at t2.
-    pub(super) fn of(speeds: &Speeds, shortest: u64, longest: u64) -> Self {
+    pub(super) fn of(
+        speeds: &Speeds,
+        [shortest, longest]: [u64; 2],
+        stamp: Stamp,
+        told: Option<Told>,
+    ) -> Self {
         let both = Recip::of_u64(shortest.saturating_add(longest));
         let part_q16 = (u128::from(longest) * u128::from(both.mantissa)) >> (both.shift - 16);
-        let shown_q16 = shown_damping_square_q16(speeds);
-        let with = |hidden_q16: u64| {
-            let square = (u128::from(shown_q16.max(hidden_q16)) * part_q16 * part_q16) >> 32;
+        let shown_q32 = shown_damping_square_q16(speeds, stamp) << 16;
+        let told_q32 = told.map_or(u64::MAX, |told| {
+            let reference = Recip::of_u64(speeds.reference());
+            let slowest_q16 =
+                (u128::from(longest) * u128::from(reference.mantissa)) >> (reference.shift - 16);
+            let square = (u128::from(told.expected_q32()) * slowest_q16 * slowest_q16) >> 32;
+            u64::try_from(square).unwrap_or(u64::MAX)
+        });
+        let with = |hidden_q32: u64| {
+            let hidden_q32 = hidden_q32.min(told_q32);
+            let square = (u128::from(shown_q32.max(hidden_q32)) * part_q16 * part_q16) >> 32;
             u64::try_from(square).unwrap_or(u64::MAX)
         };
         Self {
-            likely_q16: with(LIKELY_DAMPING_SQUARE_Q16),
-            most_q16: with(HIDDEN_DAMPING_SQUARE_Q16),
+            likely_q32: with(LIKELY_DAMPING_SQUARE_Q32),
+            most_q32: with(HIDDEN_DAMPING_SQUARE_Q32),
         }
     }
 }
 
+impl Told {
+    /// Square of the damping to expect, Q32. Either friction is all there is, or a drive damps the shaft, by anything up to a quarter of the
+    /// speed: what is told comes near nothing with odds of 1 to 10 e exp(z^2 / 2) then, with the standard error e and z of them told.
+    fn expected_q32(self) -> u64 {
+        let square = self.size_q32.saturating_add(self.error_q32);
+        let [size, error] = [self.size_q32, self.error_q32].map(|part| log2(part.into()));
+        // (z^2 / 2) / ln 2, Q16.
+        let unlike = exp2((size - error).min(8 << LOG2_BITS) + (16 << LOG2_BITS) - HALF_E_LOG2);
+        let unlike = i32::try_from(unlike).unwrap_or(i32::MAX >> 1);
+        let odds = (error - (32 << LOG2_BITS)) / 2 + TEN_LOG2 + unlike;
+        exp2(log2(square.into()) + odds.min(0))
+    }
+}
+
+/// log2 of 10 and of 2 ln 2, Q16.
+const TEN_LOG2: i32 = 217_706;
+const HALF_E_LOG2: i32 = 30_882;
+
 /// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
 /// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. Two standard errors
 /// of that are taken off, and where jitter of the time stamps rules the orders above, so that the slope goes on to rise, nothing is known.
-fn shown_damping_square_q16(speeds: &Speeds) -> u64 {
-    let slowest = speeds.bins.iter().rfind(|bin| bin.pairs >= 3);
-    slowest.map_or(0, |bin| {
-        let [middle, upper] = [3..=3, 6..=6].map(|order| slope_of(&bin.scatter, order));
+fn shown_damping_square_q16(speeds: &Speeds, stamp: Stamp) -> u64 {
+    let slowest = speeds.bins.iter().rposition(|bin| bin.pairs >= 3);
+    slowest.map_or(0, |b| {
+        let bin = &speeds.bins[b];
+        let powers =
+            core::array::from_fn(|index| low_power(speeds, b, index, (0, stamp), Fine { bits: 0 }));
+        if powers[LOW_ORDERS - 1] / 4 < at_speed(stamp.order, b) {
+            return 0;
+        }
+        let [middle, upper] = [3..=3, 6..=6].map(|order| slope_of(&powers, order));
         // So they do where torque locked to the shaft changes with the speed.
-        let [low, high] = [2..=3, 5..=6].map(|orders| slope_of(&bin.scatter, orders));
+        let [low, high] = [2..=3, 5..=6].map(|orders| slope_of(&powers, orders));
         if upper / 4 > middle || high / 7 > low / 2 {
             return 0;
         }
-        let ratio_q16 =
-            (u128::from(slope_of(&bin.scatter, 4..=6)) << 16) / u128::from(bin.scatter[0].max(1));
+        let ratio_q16 = (u128::from(slope_of(&powers, 4..=6)) << 16) / u128::from(powers[0].max(1));
         let root_q8 = u128::from((u64::from(bin.pairs) << 16).isqrt());
         let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 2 * 256);
         u64::try_from(ratio_q16)
@@ -231,7 +332,7 @@ fn shown_damping_square_q16(speeds: &Speeds) -> u64 {
 }
 
 /// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
-const HIDDEN_DAMPING_SQUARE_Q16: u64 = (1 << 16) / 16;
+const HIDDEN_DAMPING_SQUARE_Q32: u64 = (1 << 32) / 16;
 
 /// A quarter of that. Sizes are asked to be twelve times the noise in power, for chance; of a limit they need not be more than it.
-const LIKELY_DAMPING_SQUARE_Q16: u64 = HIDDEN_DAMPING_SQUARE_Q16 / 16;
+const LIKELY_DAMPING_SQUARE_Q32: u64 = HIDDEN_DAMPING_SQUARE_Q32 / 16;

@@ -6,6 +6,7 @@
 
 use core::task::{Poll, ready};
 
+use super::close::saturated;
 use super::course::Falls;
 use super::cursor::Cursor;
 use super::moments::Moments;
@@ -13,7 +14,7 @@ use super::noise::Damping;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
 use super::smooth::OWN_BITS;
-use super::spectrum::Coefficient;
+use super::spectrum::{COEFFICIENT_BITS, Coefficient};
 use crate::log2::{LOG2_BITS, exp2, log2};
 
 /// Torque found.
@@ -66,6 +67,8 @@ pub(super) struct Separation {
     shaft: Shaft,
     /// Torques whose side bands are known, the strongest first.
     known: heapless::Vec<Known, TORQUES_MAX>,
+    /// Orders 1 and 2 of the geometry, once a torque is known.
+    mounting: [Coefficient; 2],
 }
 
 enum Part {
@@ -113,6 +116,7 @@ impl Separation {
             share_q30: moments.separation,
             scale_q30: moments.torque_scale_q30(),
             known: heapless::Vec::new(),
+            mounting: [Coefficient::ZERO; 2],
         }
     }
 
@@ -138,18 +142,30 @@ impl Separation {
                 };
             }
             Part::Clear => {
-                if let Some(torque) = self.known.last_mut() {
+                if let Some(torque) = self.known.last() {
                     let falls = self.shaft.falls;
                     let fall_q30 = times_q30(falls.plain_q30 - falls.weighed_q30, self.scale_q30);
                     let own = torque.beside(torque.order, falls.friction_q16, fall_q30);
                     let whole = torque.size.minus(own);
+                    let found = *torque;
+                    let mounting = self.mounting(orders, share_q30);
+                    let fourth_q16 = falls.fourth_plain_q16 - falls.fourth_weighed_q16;
                     for index in self.cursor.next(BESIDE, plan.single) {
                         let more = torque.beside(index + 1, falls.friction_q16, fall_q30);
-                        orders.difference[index] = orders.difference[index].minus(more);
+                        let products = found.with_mounting(mounting, index + 1, fine, 1 << 30);
+                        let products = self.known.iter().fold(products, |sum, other| {
+                            let both = found.with(*other, index + 1, self.scale_q30, fine);
+                            sum.plus(both.scaled(fourth_q16 << 14))
+                        });
+                        orders.difference[index] =
+                            orders.difference[index].minus(more).minus(products);
                     }
                     ready!(self.cursor.at_end(plan.single));
-                    torque.size = whole;
+                    if let Some(torque) = self.known.last_mut() {
+                        torque.size = whole;
+                    }
                 }
+                self.mounting = self.mounting(orders, share_q30);
                 (self.part, self.cursor) = (Part::Look, Cursor::START);
             }
             Part::Take => {
@@ -185,18 +201,35 @@ impl Separation {
         })
     }
 
+    /// Orders 1 and 2 of the weighed mean without the torque that is known.
+    fn mounting(&self, orders: &Orders, share_q30: i64) -> [Coefficient; 2] {
+        core::array::from_fn(|index| {
+            let torque = self.known.iter().find(|known| known.order == index + 1);
+            let torque = torque.map_or(Coefficient::ZERO, |known| known.size.scaled(share_q30));
+            orders.coefficients[index].minus(torque)
+        })
+    }
+
     /// What the known torques make of an order of the weighed mean beside their own angle.
-    fn beside(&self, order: usize) -> Coefficient {
+    fn beside(&self, order: usize, share_q30: i64, fine: Fine) -> Coefficient {
         let Falls {
             weighed_q30,
             friction_q16,
+            fourth_weighed_q16,
             ..
         } = self.shaft.falls;
         let fall_q30 = times_q30(weighed_q30, self.scale_q30);
-        let each = self.known.iter();
-        each.fold(Coefficient::ZERO, |sum, known| {
-            sum.plus(known.beside(order, friction_q16, fall_q30))
-        })
+        let mut sum = Coefficient::ZERO;
+        for (at, known) in self.known.iter().enumerate() {
+            sum = sum
+                .plus(known.beside(order, friction_q16, fall_q30))
+                .plus(known.with_mounting(self.mounting, order, fine, share_q30));
+            for other in &self.known[..=at] {
+                let both = known.with(*other, order, self.scale_q30, fine);
+                sum = sum.plus(both.scaled(fourth_weighed_q16 << 14));
+            }
+        }
+        sum
     }
 }
 
@@ -227,6 +260,74 @@ impl Known {
             re: of_apart(4 * n, 1).im,
             im: of_apart(-4 * n * n, m).re,
         }
+    }
+}
+
+impl Known {
+    /// What it makes of an order together with another torque, or with itself, at the first turn's speed. The time that a speed w + v takes
+    /// is 1 - v / w + (v / w)^2, where v / w is as large as the slope of the angle r, and what r swings back of v is half of that square more:
+    /// the angle is larger by the integral of 1.5 (dr / d theta)^2.
+    fn with(self, other: Self, order: usize, scale_q30: i64, fine: Fine) -> Coefficient {
+        let orders = [self.order, other.order];
+        let Some(turned) = sum_of(orders, order) else {
+            return Coefficient::ZERO;
+        };
+        let sizes = [self, other].map(|torque| torque.size.scaled(scale_q30));
+        let [a, b] = orders.map(|order| order as i64);
+        let twice = if a == b { 3 } else { 6 };
+        let opposite = if turned == [false; 2] { 1 } else { -1 };
+        let part = opposite * twice * a * b;
+        product(sizes, turned, fine).scaled((part << 29) / order as i64)
+    }
+
+    /// What it makes of an order, of so much of it as `share_q30` says, as the edges are where the disc's mounting puts them.
+    fn with_mounting(
+        self,
+        mounting: [Coefficient; 2],
+        order: usize,
+        fine: Fine,
+        share_q30: i64,
+    ) -> Coefficient {
+        let mut sum = Coefficient::ZERO;
+        for (size, of_mounting) in mounting.into_iter().zip(1..) {
+            if let Some(turned) = sum_of([self.order, of_mounting], order) {
+                let slope = if turned[0] { -1 } else { 1 } * self.order as i64;
+                let torque = self.size.scaled(share_q30);
+                sum = sum.plus(product([torque, size], turned, fine).scaled(slope << 30));
+            }
+        }
+        sum
+    }
+}
+
+/// Which of two orders counts with a minus where they add up to an order; none where they don't.
+fn sum_of([one, other]: [usize; 2], order: usize) -> Option<[bool; 2]> {
+    if one + other == order {
+        Some([false; 2])
+    } else if one == other + order {
+        Some([false, true])
+    } else if other == one + order {
+        Some([true, false])
+    } else {
+        None
+    }
+}
+
+/// -i times the product of two sizes in radians, conjugate where they are `turned`, in their own unit.
+fn product(sizes: [Coefficient; 2], turned: [bool; 2], fine: Fine) -> Coefficient {
+    let [[a, b], [c, d]] = [0, 1].map(|at| {
+        let Coefficient { re, im } = sizes[at];
+        [re, if turned[at] { im.saturating_neg() } else { im }].map(i128::from)
+    });
+    // 2 pi, Q16.
+    const TAU_Q16: i128 = 411_775;
+    let in_unit = |part: i128| {
+        let part = (part * TAU_Q16) >> (16 + 32 + fine.bits + COEFFICIENT_BITS);
+        saturated(i64::try_from(part).unwrap_or(0))
+    };
+    Coefficient {
+        re: in_unit(a * d + b * c),
+        im: in_unit(b * d - a * c),
     }
 }
 
@@ -263,7 +364,7 @@ impl Separation {
             ..
         } = *self;
         let index = order - 1;
-        let beside = self.beside(order);
+        let beside = self.beside(order, share_q30, fine);
         orders.coefficients[index] = orders.coefficients[index].minus(beside);
         let to_exceed = to_exceed(orders, index, share_q30);
         let Orders {
@@ -313,10 +414,10 @@ impl Separation {
         let more = (u128::from(noise_here) * u128::from(taken_q30.unsigned_abs())) >> 30;
         let more = (more * u128::from(taken_q30.unsigned_abs())) >> 30;
         let of_order = difference[index].power() / (order * order) as u64;
-        let damped = |square_q16| (u128::from(of_order) * u128::from(square_q16)) >> 16;
+        let damped = |square_q32| (u128::from(of_order) * u128::from(square_q32)) >> 32;
         let fitted = |power| u64::try_from(power).unwrap_or(u64::MAX);
-        let likely = damped(damping.likely_q16);
-        let hidden = damped(damping.most_q16) - likely;
+        let likely = damped(damping.likely_q32);
+        let hidden = damped(damping.most_q32) - likely;
         torques.hidden = torques.hidden.saturating_add(fitted(hidden));
         let more = fitted(more + likely + u128::from(left_in));
         if more > 0 {

@@ -6,7 +6,7 @@ use super::contrast::Leftovers;
 use super::cursor::Cursor;
 use super::low::LOW_ORDERS;
 use super::moments::{Mean, Moments, Shares, torque_power_q24};
-use super::noise::{LowSum, jitter_power};
+use super::noise::{LowSum, Stamp, jitter_power};
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::scale::Fine;
 use super::smooth::Smoothing;
@@ -136,7 +136,8 @@ impl Settling {
                 let index = low.index;
                 let level = level(noise[index], self.folded);
                 let norm = self.norm;
-                let found = ready!(low.slice(speeds, &self.shares, known.fine, |b| {
+                let stamp = Stamp::of(plan, known.jitter_q16, known.fine);
+                let found = ready!(low.slice(speeds, &self.shares, stamp, known.fine, |b| {
                     Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(level)
                 }));
                 noise[index] = found.power.max(1);

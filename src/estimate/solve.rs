@@ -10,7 +10,7 @@ use super::delays::DelayFit;
 use super::draw::{Believed, Drawing};
 use super::fold::thirds;
 use super::moments::{MeanSpeed, Moments};
-use super::noise::{Damping, jitter_q16};
+use super::noise::{Damping, Stamp, jitter_q16, mean_low_power};
 use super::order::{LockedOrder, OrderPlan};
 use super::pack::{Packed, Packing, with_offsets};
 use super::power::{SplitOrders, single_sizes};
@@ -202,9 +202,13 @@ impl<B: EdgeBuffers> Estimator<B> {
                 let Totals {
                     shortest, longest, ..
                 } = self.totals;
+                let falls = self.course.falls(moments.weight_q16, moments.turns);
+                let stamp = Stamp::of(plan, *jitter, Fine { bits: 0 });
+                let noise = |index| mean_low_power(speeds, index, stamp);
+                let told = self.damped.told(falls.friction_q16, noise);
                 let shaft = Shaft {
-                    damping: Damping::of(speeds, shortest, longest),
-                    falls: self.course.falls(moments.weight_q16, moments.turns),
+                    damping: Damping::of(speeds, [shortest, longest], stamp, told),
+                    falls,
                 };
                 go_to(stage, || Stage::Separate(Separation::new(moments, shaft)));
             }

@@ -1,6 +1,7 @@
 //! The turns taken, by their speed: how often, how long, and how well neighbours agree. All moments that solving needs
 //! come from here.
 
+use super::locked::Locked;
 use super::low::LOW_ORDERS;
 use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::recip::Recip;
@@ -47,6 +48,7 @@ pub(super) struct Speeds {
     /// Duration of the first turn taken, ticks; everything is relative to it.
     reference: u64,
     reference_log: i32,
+    pub locked: Locked,
 }
 
 /// Where a turn's duration falls.
@@ -69,6 +71,7 @@ impl Speeds {
         }; BINS],
         reference: 0,
         reference_log: 0,
+        locked: Locked::NONE,
     };
 
     /// Duration that all others are relative to, ticks; zero before the first turn.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::estimate::speeds::Place;
 
 const TURN: u64 = 1_000_000;
 
@@ -34,7 +35,7 @@ impl Run {
 
     /// Hands on a turn with noise of a size at order 1 and accordingly less above, and a pattern of its own; whether it was taken.
     fn take(&mut self, duration: u64, noise: i32, pattern: [i32; LOW_ORDERS]) -> bool {
-        let bin = self.speeds.place(duration).unwrap().bin;
+        let Place { bin, ratio_q32 } = self.speeds.place(duration).unwrap();
         let low = core::array::from_fn(|index| {
             let size = noise / (index as i32 + 1).pow(2);
             LowOrder {
@@ -44,6 +45,7 @@ impl Run {
         });
         let turn = Seen {
             duration,
+            ratio_q32,
             direction: Direction::Forward,
             bin,
             low,
@@ -130,4 +132,28 @@ fn coarse_time_stamps_that_scatter_for_hundreds_of_turns_reject_none() {
         assert!(run.take(375, 1000, tick));
     }
     assert_eq!(run.pairs(), 399);
+}
+
+#[test]
+fn torque_that_grows_as_the_shaft_slows_is_no_scatter() {
+    let mut run = Run {
+        agreement: Agreement::NONE,
+        speeds: Speeds::NONE,
+        random: 1,
+    };
+    run.speeds.place(TURN).unwrap();
+    for turn in 0..30 {
+        let duration = TURN + turn * TURN / 100;
+        // 30 million at the first turn's speed: 600,000 more in each turn, of which noise is a six-hundredth.
+        let square = (duration as f64 / TURN as f64).powi(2);
+        let locked = (3e7 * square) as i32;
+        assert!(run.take(duration, 1000, [locked; LOW_ORDERS]), "{turn}");
+    }
+    assert!(run.pairs() > 24, "{}", run.pairs());
+    let scatter: u64 = run.speeds.bins.iter().map(|bin| bin.scatter[0]).sum();
+    let noise = (u128::from(scatter) * u128::from(run.speeds.locked.noise_q32(0))) >> 32;
+    let of_pair = noise / u128::from(run.pairs());
+    // Twice two parts of a uniform noise of 1000.
+    assert!(scatter / u64::from(run.pairs()) > 1 << 38);
+    assert!((600_000..3_000_000).contains(&of_pair), "{of_pair}");
 }

@@ -52,3 +52,81 @@ fn side_bands_are_those_of_a_turn_of_falling_speed() {
         }
     }
 }
+
+/// What the angle is at edges that a swing passes at the time, in turns: the mean of the whole by an order.
+#[test]
+fn products_are_those_of_the_motion_itself() {
+    // Swings of orders 2 and 3, radians: the angle is r where the slope of the time's is -(1 + slope)^(-1/2).
+    let swings = [(2, 3e-3, 0.4), (3, 2e-3, -1.1)];
+    let fine = Fine { bits: 4 };
+    let unit = 2_f64.powi(40) / core::f64::consts::TAU;
+    let known = swings.map(|(order, size, phase): (usize, f64, f64)| Known {
+        order,
+        // The sums hold what is off with a minus.
+        size: Coefficient {
+            re: (-size / 2.0 * unit * phase.cos()) as i32,
+            im: (-size / 2.0 * unit * phase.sin()) as i32,
+        },
+    });
+    // (w + v)^2 = w^2 (1 - 2 dr / d theta).
+    let slope = |theta: f64| -> f64 {
+        let parts = swings.iter();
+        parts
+            .map(|&(n, size, phase)| -size * n as f64 * (n as f64 * theta + phase).sin())
+            .sum()
+    };
+    let time_slope = |theta: f64| (1.0 - 2.0 * slope(theta)).sqrt().recip() - 1.0 - slope(theta);
+    for order in [1, 4, 5, 6] {
+        // i n times an order is that of the slope.
+        let [mut re, mut im] = [0.0; 2];
+        for theta in (0..SAMPLES).map(angle) {
+            let (sin, cos) = (order as f64 * theta).sin_cos();
+            re += time_slope(theta) * cos / SAMPLES as f64;
+            im -= time_slope(theta) * sin / SAMPLES as f64;
+        }
+        let exact = [im, -re].map(|part| -part / order as f64 * unit);
+        let mut told = Coefficient::ZERO;
+        for (at, one) in known.iter().enumerate() {
+            for other in &known[..=at] {
+                told = told.plus(one.with(*other, order, 1 << 30, fine));
+            }
+        }
+        let off = (f64::from(told.re) - exact[0]).hypot(f64::from(told.im) - exact[1]);
+        let size = exact[0].hypot(exact[1]);
+        assert!(
+            size > 1e5 && off < 0.02 * size,
+            "{order}: {told:?} {exact:?}"
+        );
+    }
+}
+
+#[test]
+fn torque_is_met_where_the_mounting_puts_the_edges() {
+    let fine = Fine { bits: 4 };
+    let unit = 2_f64.powi(40) / core::f64::consts::TAU;
+    let (torque, mounting) = (6e-4, [5e-4, 1e-4]);
+    let of = |size: f64, phase: f64| Coefficient {
+        re: (size / 2.0 * unit * phase.cos()) as i32,
+        im: (size / 2.0 * unit * phase.sin()) as i32,
+    };
+    let known = Known {
+        order: 5,
+        size: of(-torque, 0.3),
+    };
+    let mounted = [of(mounting[0], 0.7), of(mounting[1], -1.9)];
+    let error =
+        |theta: f64| mounting[0] * (theta + 0.7).cos() + mounting[1] * (2.0 * theta - 1.9).cos();
+    let swing = |theta: f64| torque * (5.0 * theta + 0.3).cos();
+    for order in [3, 4, 6, 7] {
+        let [mut re, mut im] = [0.0; 2];
+        for theta in (0..SAMPLES).map(angle) {
+            let met = -(swing(theta - error(theta)) - swing(theta)) / SAMPLES as f64 * unit;
+            let (sin, cos) = (order as f64 * theta).sin_cos();
+            re += met * cos;
+            im -= met * sin;
+        }
+        let told = known.with_mounting(mounted, order, fine, 1 << 30);
+        let off = (f64::from(told.re) - re).hypot(f64::from(told.im) - im);
+        assert!(off < 0.01 * re.hypot(im), "{order}: {told:?} {re} {im}");
+    }
+}
