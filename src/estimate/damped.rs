@@ -4,6 +4,9 @@
 //! with 1 / w^3. Both and the disc are fitted to the lowest orders of the turns by least squares, and the order with the most torque says
 //! how much of the third there is.
 
+use core::task::{Poll, ready};
+
+use super::cursor::Cursor;
 use super::low::{LOW_ORDERS, LowOrder};
 use crate::edge::Direction;
 
@@ -78,13 +81,20 @@ impl Damped {
         }
     }
 
-    /// The damping beyond friction that goes with a power of the speed, by the order with the most torque.
-    /// `noise` is the power of a turn at one of the lowest orders, in squared units of theirs.
-    pub(super) fn told(
-        &self,
-        friction_q16: i64,
-        noise: impl Fn(usize) -> Option<u64>,
-    ) -> Option<Told> {
+    /// Square of an order's torque over the order.
+    fn strength(&self, fit: &Fit, index: usize) -> u128 {
+        let [re, im] = [0, 1].map(|part| {
+            let [second, _] = fit.fitted(self.orders[index].map(|sum| sum[part]));
+            i64::try_from(second >> BITS)
+                .unwrap_or(i64::MAX)
+                .unsigned_abs()
+                / (index as u64 + 1)
+        });
+        u128::from(re).pow(2) + u128::from(im).pow(2)
+    }
+
+    /// The second and the third regressor without what others hold of them; none where turns are few or of one speed.
+    fn fit(&self) -> Option<Fit> {
         if self.turns < TURNS {
             return None;
         }
@@ -94,57 +104,169 @@ impl Damped {
         let squares = self.products[0] - second * means[0];
         let mixed = self.products[1] - second * means[1];
         let share_q20 = (mixed << BITS) / squares.max(1);
-        // What of the third regressor the others leave.
         let left = self.products[2] - third * means[1] - ((mixed * share_q20) >> BITS);
-        if left <= 0 || squares <= 0 {
-            return None;
+        (left > 0 && squares > 0).then_some(Fit {
+            means,
+            squares,
+            share_q20,
+            left,
+        })
+    }
+}
+
+/// A fit of the regressors to sums.
+#[derive(Clone, Copy)]
+struct Fit {
+    /// Of the second and the third regressor.
+    means: [i128; 2],
+    /// Sum of the second one's squares about its mean.
+    squares: i128,
+    /// How much of the third one is the second.
+    share_q20: i128,
+    /// Sum of squares that the others leave of the third one.
+    left: i128,
+}
+
+impl Fit {
+    const NONE: Self = Self {
+        means: [0; 2],
+        squares: 0,
+        share_q20: 0,
+        left: 0,
+    };
+
+    /// Sums times the regressors, without what the ones before hold of each.
+    fn fitted(&self, [first, second, third]: [i128; 3]) -> [i128; 2] {
+        let second = second - first * self.means[0];
+        let third = third - first * self.means[1] - ((second * self.share_q20) >> BITS);
+        [second, third]
+    }
+}
+
+/// What comes next of a [`Telling`].
+#[derive(Clone, Copy)]
+enum Step {
+    Fit,
+    /// The order with the most torque is looked for.
+    Strength(Cursor),
+    /// Real and imaginary part of that.
+    Size(Cursor),
+    Parts,
+    Error,
+}
+
+/// Tells the damping beyond friction by the order with the most torque, in slices.
+pub(super) struct Telling {
+    step: Step,
+    fit: Fit,
+    /// The most torque yet, and its order less one.
+    strength: u128,
+    index: usize,
+    /// Torque at the first turn's speed, and what goes with the third regressor, Q8: real and imaginary part.
+    parts: [[i128; 2]; 2],
+    power: i128,
+    across: i128,
+    along: i128,
+}
+
+impl Telling {
+    pub(super) const START: Self = Self {
+        step: Step::Fit,
+        fit: Fit::NONE,
+        strength: 0,
+        index: 0,
+        parts: [[0; 2]; 2],
+        power: 1,
+        across: 0,
+        along: 0,
+    };
+
+    /// With friction that goes with a power of the speed, and `noise`, slice by slice, the power of a turn at one of the lowest orders, in
+    /// squared units of theirs.
+    pub(super) fn slice(
+        &mut self,
+        damped: &Damped,
+        friction_q16: i64,
+        noise: impl FnOnce(usize) -> Poll<Option<u64>>,
+    ) -> Poll<Option<Told>> {
+        match &mut self.step {
+            Step::Fit => {
+                let Some(fit) = damped.fit() else {
+                    return Poll::Ready(None);
+                };
+                (self.fit, self.step) = (fit, Step::Strength(Cursor::START));
+            }
+            Step::Strength(cursor) => {
+                for index in cursor.next(1, LOW_ORDERS) {
+                    let strength = damped.strength(&self.fit, index);
+                    if strength >= self.strength {
+                        (self.strength, self.index) = (strength, index);
+                    }
+                }
+                ready!(cursor.at_end(LOW_ORDERS));
+                self.step = Step::Size(Cursor::START);
+            }
+            Step::Size(cursor) => {
+                let Fit { squares, left, .. } = self.fit;
+                for part in cursor.next(1, 2) {
+                    let sums = damped.orders[self.index].map(|sum| sum[part]);
+                    let [second, third] = self.fit.fitted(sums);
+                    self.parts[part] = [(second << BITS) / squares, (third << (BITS + 8)) / left];
+                }
+                ready!(cursor.at_end(2));
+                self.step = Step::Parts;
+            }
+            Step::Parts => {
+                self.take_parts(damped, friction_q16);
+                self.step = Step::Error;
+            }
+            Step::Error => {
+                let noise = ready!(noise(self.index));
+                return Poll::Ready(noise.map(|noise| self.told(noise)));
+            }
         }
-        let fitted = |[first, second, third]: [i128; 3]| {
-            let second = second - first * means[0];
-            let third = third - first * means[1] - ((second * share_q20) >> BITS);
-            [second, third]
-        };
-        let strength = |index: usize| {
-            let [re, im] = [0, 1].map(|part| {
-                let [second, _] = fitted(self.orders[index].map(|sum| sum[part]));
-                i64::try_from(second >> BITS)
-                    .unwrap_or(i64::MAX)
-                    .unsigned_abs()
-                    / (index as u64 + 1)
-            });
-            u128::from(re).pow(2) + u128::from(im).pow(2)
-        };
-        let index = (0..LOW_ORDERS).max_by_key(|&index| strength(index))?;
-        let order = index as i128 + 1;
-        // Torque at the first turn's speed, and what goes with the third regressor, Q8.
-        let [re, im] = [0, 1].map(|part| {
-            let [second, third] = fitted(self.orders[index].map(|sum| sum[part]));
-            [(second << BITS) / squares, (third << (BITS + 8)) / left]
-        });
+        Poll::Pending
+    }
+
+    /// In parts of the torque: across it is damping's, along it nothing should be, but for what turns of falling speed make.
+    fn take_parts(&mut self, damped: &Damped, friction_q16: i64) {
+        let order = self.index as i128 + 1;
+        let [re, im] = self.parts;
         let power = (re[0] * re[0] + im[0] * im[0]).max(1);
-        let [_, fall] = fitted(self.falls);
-        let fall_q32 = (fall << BITS) / left;
-        // In parts of the torque: across it is damping's, along it nothing should be, but for what turns of falling speed make.
+        let [_, fall] = self.fit.fitted(damped.falls);
+        let fall_q32 = (fall << BITS) / self.fit.left;
         let across = ((order * (im[1] * re[0] - re[1] * im[0])) << 24) / power;
         let along = ((order * (re[1] * re[0] + im[1] * im[0])) << 24) / power;
         let share_q16 = |product: i128| (product << 17) / power;
-        let across =
+        self.across =
             across - ((fall_q32 * (i128::from(friction_q16) + share_q16(im[0] * im[0]))) >> 16);
-        let along = along + ((fall_q32 * share_q16(re[0] * im[0])) >> 16);
-        let noise = i128::from(noise(index)?) / 2;
-        let error = (((order * order * noise) << (2 * BITS)) / left << 32) / power;
+        self.along = along + ((fall_q32 * share_q16(re[0] * im[0])) >> 16);
+        self.power = power;
+    }
+
+    fn told(&self, noise: u64) -> Told {
+        let order = self.index as i128 + 1;
+        let noise = i128::from(noise) / 2;
+        let per_regressor = ((order * order * noise) << (2 * BITS)) / self.fit.left;
+        let error = (per_regressor << 32) / self.power;
         let square = |part_q32: i128| (part_q32 * part_q32) >> 32;
         let fits = |value: i128| u64::try_from(value).unwrap_or(u64::MAX);
-        Some(Told {
-            size_q32: fits(square(across)),
-            error_q32: fits(error + square(along)).max(1),
-        })
+        Told {
+            size_q32: fits(square(self.across)),
+            error_q32: fits(error + square(self.along)).max(1),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::cursor::whole;
+
+    fn tell(damped: &Damped, noise: u64) -> Option<Told> {
+        let mut telling = Telling::START;
+        whole(|| telling.slice(damped, 0, |_| Poll::Ready(Some(noise))))
+    }
 
     /// What is told of torque at order 2 on a shaft of such a damping over the first turn's speed, and how noise is uncertain to make it.
     fn told(damping: f64, noise: u64) -> Told {
@@ -161,7 +283,7 @@ mod tests {
             low[1].im += (swing * damping * time / 2.0) as i32;
             damped.take(Direction::Forward, (time * 4_294_967_296.0) as u64, &low, 0);
         }
-        damped.told(0, |_| Some(noise)).expect("turns enough")
+        tell(&damped, noise).expect("turns enough")
     }
 
     #[test]
@@ -186,6 +308,6 @@ mod tests {
                 0,
             );
         }
-        assert!(damped.told(0, |_| Some(1)).is_none());
+        assert!(tell(&damped, 1).is_none());
     }
 }

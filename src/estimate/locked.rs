@@ -4,7 +4,10 @@
 //! of it. A regression of the differences on those of the squares takes that out: recursive least squares, as the pairs come. Where the speed
 //! only wanders its changes go with the noise itself, and nothing is taken out.
 
+use core::task::Poll;
+
 use super::close::saturated;
+use super::cursor::Cursor;
 use super::low::{LOW_ORDERS, LowOrder};
 use crate::recip::Recip;
 
@@ -68,14 +71,47 @@ impl Locked {
         }
     }
 
-    /// How much of an order's scatter is noise, Q32. A wandering speed's changes cancel, so that the square of their sum hardly ever is four
+    /// How much of an order's scatter is noise, Q32: a long division, to be made once. A wandering speed's changes cancel, so that the square of their sum hardly ever is four
     /// times the sum of their squares.
-    pub(super) fn noise_q32(&self, index: usize) -> u64 {
+    fn noise_q32(&self, index: usize) -> u64 {
         let trend = u128::from(self.trend_q32.unsigned_abs()).pow(2) >> 36;
         if trend <= 4 * u128::from(self.squares_q28) {
             return 1 << 32;
         }
         let left = (u128::from(self.left[index]) << 32) / u128::from(self.all[index].max(1));
         u64::try_from(left).unwrap_or(1 << 32).min(1 << 32)
+    }
+}
+
+/// How much of the scatter of each of the lowest orders is noise, worked out in slices.
+#[derive(Clone, Copy)]
+pub(super) struct NoiseShares {
+    /// Q32.
+    q32: [u64; LOW_ORDERS],
+    cursor: Cursor,
+}
+
+/// Orders of a slice.
+const ORDERS: usize = 3;
+
+impl NoiseShares {
+    pub(super) const START: Self = Self {
+        q32: [0; LOW_ORDERS],
+        cursor: Cursor::START,
+    };
+
+    pub(super) fn slice(&mut self, locked: &Locked) -> Poll<()> {
+        for index in self.cursor.next(ORDERS, LOW_ORDERS) {
+            self.q32[index] = locked.noise_q32(index);
+        }
+        self.cursor.at_end(LOW_ORDERS)
+    }
+
+    /// What of the orders' scatter is noise.
+    pub(super) fn of(&self, scatter: &[u64; LOW_ORDERS]) -> [u64; LOW_ORDERS] {
+        core::array::from_fn(|index| {
+            let noise = u128::from(scatter[index]) * u128::from(self.q32[index]);
+            u64::try_from(noise >> 32).unwrap_or(u64::MAX)
+        })
     }
 }

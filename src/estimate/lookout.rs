@@ -3,9 +3,10 @@
 use core::task::{Poll, ready};
 
 use super::cursor::{Cursor, whole};
+use super::locked::NoiseShares;
 use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::{Mean, Moments, Shares, torque_power_q24};
-use super::noise::{LowSum, Stamp, jitter_power, jitter_q16, low_power};
+use super::noise::{LowSum, Scatter, Stamp, jitter_power, jitter_q16};
 use super::order::OrderPlan;
 use super::scale::Fine;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
@@ -26,6 +27,7 @@ pub struct Lookout {
     moments: Moments,
     shares: Shares,
     jitter_q16: u128,
+    noise_shares: NoiseShares,
     /// Powers at every order: of time stamps' jitter, and of geometry.
     jitter: u64,
     geometry: u64,
@@ -40,6 +42,8 @@ pub struct Lookout {
 enum Part {
     Begin,
     Jitter,
+    /// What of the turns' scatter is noise.
+    Scatter,
     Geometry([[i64; 2]; CLASSES_MAX]),
     Level(LowLevel),
     Low(u128, LowSum),
@@ -72,6 +76,7 @@ impl Lookout {
             moments: Moments::NONE,
             shares: Shares::NONE,
             jitter_q16: 0,
+            noise_shares: NoiseShares::START,
             jitter: 0,
             geometry: 0,
             slope: 0,
@@ -108,6 +113,15 @@ impl Default for Lookout {
     }
 }
 
+fn scatter<'a>(speeds: &'a Speeds, noise: &'a NoiseShares, stamp: Stamp) -> Scatter<'a> {
+    Scatter {
+        speeds,
+        noise,
+        stamp,
+        fine: FINE,
+    }
+}
+
 impl LowLevel {
     const fn of(index: usize) -> Self {
         Self {
@@ -119,13 +133,13 @@ impl LowLevel {
     }
 
     /// In the end, the level over that of a turn of the first one's speed, Q24.
-    fn slice(&mut self, speeds: &Speeds, stamp: Stamp) -> Poll<u128> {
-        let Some((b, bin)) = speeds.taken().find(|(b, _)| *b >= self.bin) else {
+    fn slice(&mut self, scatter: Scatter<'_>) -> Poll<u128> {
+        let Some((b, bin)) = scatter.speeds.taken().find(|(b, _)| *b >= self.bin) else {
             return Poll::Ready((self.seen << 24) / self.torque.max(1));
         };
         self.bin = b + 1;
         let pairs = u128::from(bin.pairs);
-        self.seen += u128::from(low_power(speeds, b, self.index, (0, stamp), FINE)) * pairs;
+        self.seen += u128::from(scatter.low_power(b, self.index, 0)) * pairs;
         self.torque += u128::from(torque_power_q24(b)) * pairs;
         Poll::Pending
     }
@@ -160,6 +174,10 @@ impl<B: EdgeBuffers> Estimator<B> {
                 lookout.shares = lookout.moments.shares(Mean::Weighed);
                 let (plan, stamp) = (lookout.plan, lookout.jitter_q16);
                 lookout.jitter = jitter_power(plan, speeds, &lookout.shares, stamp, FINE);
+                lookout.part = Part::Scatter;
+            }
+            Part::Scatter => {
+                ready!(lookout.noise_shares.slice(&speeds.locked));
                 lookout.part = Part::Geometry([[0; 2]; CLASSES_MAX]);
             }
             Part::Geometry(of_class) => {
@@ -180,8 +198,9 @@ impl<B: EdgeBuffers> Estimator<B> {
                 lookout.part = Part::Level(LowLevel::of(0));
             }
             Part::Level(level) => {
-                let level_q24 =
-                    ready!(level.slice(speeds, Stamp::of(lookout.plan, lookout.jitter_q16, FINE)));
+                let stamp = Stamp::of(lookout.plan, lookout.jitter_q16, FINE);
+                let scatter = scatter(speeds, &lookout.noise_shares, stamp);
+                let level_q24 = ready!(level.slice(scatter));
                 lookout.part = Part::Low(level_q24, LowSum::of(level.index));
             }
             Part::Low(level_q24, low) => {
@@ -191,7 +210,8 @@ impl<B: EdgeBuffers> Estimator<B> {
                     u64::try_from(expected).unwrap_or(u64::MAX)
                 };
                 let stamp = Stamp::of(lookout.plan, lookout.jitter_q16, FINE);
-                let found = ready!(low.slice(speeds, &lookout.shares, stamp, FINE, expected));
+                let scatter = scatter(speeds, &lookout.noise_shares, stamp);
+                let found = ready!(low.slice(scatter, &lookout.shares, expected));
                 let order = index + 1;
                 if order > LOW_ORDERS / 2 {
                     let slope = found.power.saturating_mul((order as u64).pow(4)) / 3;

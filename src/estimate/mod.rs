@@ -21,6 +21,7 @@ mod contrast;
 mod course;
 mod cursor;
 mod damped;
+mod damping;
 mod decimate;
 mod delays;
 mod draw;

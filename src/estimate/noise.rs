@@ -7,15 +7,14 @@
 use core::ops::RangeInclusive;
 use core::task::Poll;
 
-use super::damped::Told;
+use super::locked::NoiseShares;
 use super::low::{LOW_BITS, LOW_ORDERS};
 use super::moments::Shares;
 use super::order::OrderPlan;
 use super::scale::Fine;
 use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::{Speeds, octaves_q16, power_of_two};
-use crate::log2::{LOG2_BITS, exp2, log2};
-use crate::recip::Recip;
+use crate::log2::LOG2_BITS;
 use crate::units::STEP_FRACTION_BITS;
 
 /// Noise of one of the lowest orders.
@@ -35,8 +34,9 @@ pub(super) struct LowSum {
     pub index: usize,
     sum: u128,
     spread: u128,
-    /// The next bin to look at.
+    /// The next bin to look at, and the power of one turn of it once that is known.
     bin: usize,
+    power: Option<u64>,
 }
 
 impl LowSum {
@@ -46,23 +46,27 @@ impl LowSum {
             sum: 0,
             spread: 0,
             bin: 0,
+            power: None,
         }
     }
 
-    /// Adds a speed of the estimate whose turns have `shares`; `expected` of a turn of a bin where no pairs tell.
+    /// Adds a speed of the estimate, in two slices: the power of its turns first, then what their `shares` make of it.
+    /// `expected` of a turn of a bin where no pairs tell.
     pub(super) fn slice(
         &mut self,
-        speeds: &Speeds,
+        scatter: Scatter<'_>,
         shares: &Shares,
-        stamp: Stamp,
-        fine: Fine,
         expected: impl Fn(usize) -> u64,
     ) -> Poll<LowNoise> {
+        let speeds = scatter.speeds;
         let Some((b, bin)) = speeds.taken().find(|(b, _)| *b >= self.bin) else {
             return Poll::Ready(self.noise());
         };
+        let Some(power) = self.power.take() else {
+            self.power = Some(scatter.low_power(b, self.index, expected(b)));
+            return Poll::Pending;
+        };
         self.bin = b + 1;
-        let power = low_power(speeds, b, self.index, (expected(b), stamp), fine);
         let noise = shares.of_power(speeds, b, power) >> 32;
         self.sum += noise;
         let square = noise.saturating_mul(noise).saturating_mul(3);
@@ -82,58 +86,85 @@ impl LowSum {
     }
 }
 
-/// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
-/// are none, and by both where there are few, as a pair or two can look quiet by chance.
-///
-/// A `stamp` that is uncertain at the crossing of edge 0 tilts the turns on either side of it against each other. In a pair of turns that
-/// counts three times, in a sum at the ends of a row alone, where turns may count thrice as much as others.
-pub(super) fn low_power(
-    speeds: &Speeds,
-    b: usize,
-    index: usize,
-    (expected, stamp): (u64, Stamp),
-    fine: Fine,
-) -> u64 {
-    let bin = &speeds.bins[b];
-    let pairs = u64::from(bin.pairs);
-    if pairs == 0 {
-        return expected;
-    }
-    let scatter = core::array::from_fn(|index| {
-        let noise = u128::from(bin.scatter[index]) * u128::from(speeds.locked.noise_q32(index));
-        u64::try_from(noise >> 32).unwrap_or(u64::MAX)
-    });
-    // From 2^-(32 + LOW_BITS) turn to the coefficients' unit, and a pair has two turns.
-    let up = 2 * (fine.bits + COEFFICIENT_BITS - LOW_BITS);
-    let pair_q16 = u128::from(pair_excess_q16(&scatter));
-    let scatter = (u128::from(scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
-    let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
-    let prior = 4_u64.saturating_sub(pairs);
-    let (count, at_ends) = (u64::from(bin.count()), 2 * u64::from(bin.runs().max(1)));
-    let tilts = u128::from(tilt_power(stamp.edge, b, index))
-        * u128::from(3 * pairs * count.saturating_sub(3 * at_ends));
-    let tilts = u64::try_from(tilts / u128::from(count.max(1))).unwrap_or(u64::MAX);
-    let alike = at_speed(stamp.order, b).saturating_mul(pairs);
-    let seen = seen.saturating_sub(tilts).max(seen.min(alike));
-    // What neighbours share cancels in a sum but at its ends, and every gap adds two.
-    let gaps = bin.runs().saturating_sub(1);
-    let ends_q16 = (pair_q16 - (1 << 16)) * u128::from(gaps) / u128::from(bin.count().max(1));
-    let ends = (u128::from(seen) * ends_q16) >> 16;
-    let seen = seen.saturating_add(u64::try_from(ends).unwrap_or(u64::MAX));
-    (seen / (pairs + prior)).saturating_mul(pairs)
-        + (expected / (pairs + prior)).saturating_mul(prior)
+/// What the scatter of pairs of turns is read with.
+#[derive(Clone, Copy)]
+pub(super) struct Scatter<'a> {
+    pub speeds: &'a Speeds,
+    pub noise: &'a NoiseShares,
+    /// In the squared unit of `fine`.
+    pub stamp: Stamp,
+    pub fine: Fine,
 }
 
-/// Power at one of the lowest orders in a turn, mean over the bins whose turns were compared, in squared units of [`LowOrder`](super::low::LowOrder).
-pub(super) fn mean_low_power(speeds: &Speeds, index: usize, stamp: Stamp) -> Option<u64> {
-    let (sum, turns) = speeds.taken().fold((0, 0), |(sum, turns), (b, bin)| {
-        let power = low_power(speeds, b, index, (0, stamp), Fine { bits: 0 });
-        (
-            sum + u128::from(power) * u128::from(bin.pairs),
-            turns + u128::from(bin.pairs),
-        )
-    });
-    (turns >= 4).then(|| u64::try_from(sum / turns).unwrap_or(u64::MAX))
+impl Scatter<'_> {
+    /// Power of one of the lowest orders in one turn of a bin, by the pairs of turns compared; by what is `expected` where there
+    /// are none, and by both where there are few, as a pair or two can look quiet by chance.
+    ///
+    /// A stamp that is uncertain at the crossing of edge 0 tilts the turns on either side of it against each other. In a pair of turns that
+    /// counts three times, in a sum at the ends of a row alone, where turns may count thrice as much as others.
+    pub(super) fn low_power(&self, b: usize, index: usize, expected: u64) -> u64 {
+        let Self {
+            speeds,
+            noise,
+            stamp,
+            fine,
+        } = *self;
+        let bin = &speeds.bins[b];
+        let pairs = u64::from(bin.pairs);
+        if pairs == 0 {
+            return expected;
+        }
+        let scatter = noise.of(&bin.scatter);
+        // From 2^-(32 + LOW_BITS) turn to the coefficients' unit, and a pair has two turns.
+        let up = 2 * (fine.bits + COEFFICIENT_BITS - LOW_BITS);
+        let pair_q16 = u128::from(pair_excess_q16(&scatter));
+        let scatter =
+            (u128::from(scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
+        let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
+        let prior = 4_u64.saturating_sub(pairs);
+        let (count, at_ends) = (u64::from(bin.count()), 2 * u64::from(bin.runs().max(1)));
+        let tilts = u128::from(tilt_power(stamp.edge, b, index))
+            * u128::from(3 * pairs * count.saturating_sub(3 * at_ends));
+        let tilts = u64::try_from(tilts / u128::from(count.max(1))).unwrap_or(u64::MAX);
+        let alike = at_speed(stamp.order, b).saturating_mul(pairs);
+        let seen = seen.saturating_sub(tilts).max(seen.min(alike));
+        // What neighbours share cancels in a sum but at its ends, and every gap adds two.
+        let gaps = bin.runs().saturating_sub(1);
+        let ends_q16 = (pair_q16 - (1 << 16)) * u128::from(gaps) / u128::from(bin.count().max(1));
+        let ends = (u128::from(seen) * ends_q16) >> 16;
+        let seen = seen.saturating_add(u64::try_from(ends).unwrap_or(u64::MAX));
+        (seen / (pairs + prior)).saturating_mul(pairs)
+            + (expected / (pairs + prior)).saturating_mul(prior)
+    }
+}
+
+/// Power at one of the lowest orders in a turn, mean over the bins whose turns were compared.
+pub(super) struct MeanLowPower {
+    sum: u128,
+    turns: u128,
+    /// The next bin to look at.
+    bin: usize,
+}
+
+impl MeanLowPower {
+    pub(super) const START: Self = Self {
+        sum: 0,
+        turns: 0,
+        bin: 0,
+    };
+
+    /// Adds a bin; none in the end where few turns were compared.
+    pub(super) fn slice(&mut self, scatter: Scatter<'_>, index: usize) -> Poll<Option<u64>> {
+        let Some((b, bin)) = scatter.speeds.taken().find(|(b, _)| *b >= self.bin) else {
+            let mean = |turns| u64::try_from(self.sum / turns).unwrap_or(u64::MAX);
+            return Poll::Ready((self.turns >= 4).then(|| mean(self.turns)));
+        };
+        self.bin = b + 1;
+        let power = scatter.low_power(b, index, 0);
+        self.sum += u128::from(power) * u128::from(bin.pairs);
+        self.turns += u128::from(bin.pairs);
+        Poll::Pending
+    }
 }
 
 /// Power at one of the lowest orders of a turn of a bin whose end is off by what a time stamp is, of which `stamp` is the power at the first
@@ -141,11 +172,11 @@ pub(super) fn mean_low_power(speeds: &Speeds, index: usize, stamp: Stamp) -> Opt
 fn tilt_power(stamp: u64, b: usize, index: usize) -> u64 {
     const OVER_Q16: u64 = 1660;
     let order = index as u64 + 1;
-    at_speed(stamp, b).saturating_mul(OVER_Q16) / (order * order << 16)
+    at_speed(stamp, b).saturating_mul(OVER_Q16) / ((order * order) << 16)
 }
 
 /// A time stamp's power at a bin's speed over that at the first turn's.
-fn at_speed(power: u64, b: usize) -> u64 {
+pub(super) fn at_speed(power: u64, b: usize) -> u64 {
     let ratio_q16 = power_of_two((16 << LOG2_BITS) - 2 * octaves_q16(b));
     u64::try_from((u128::from(power) * u128::from(ratio_q16)) >> 16).unwrap_or(u64::MAX)
 }
@@ -234,7 +265,7 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
 }
 
 /// Mean over orders of the scatter times the order's fourth power: the same at all of them where speed is a random walk.
-fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
+pub(super) fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
     let (mut sum, mut count) = (0_u64, 0);
     for order in orders {
         sum = sum.saturating_add(scatter[order - 1].saturating_mul((order as u64).pow(4)));
@@ -242,97 +273,3 @@ fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
     }
     sum / count
 }
-
-/// Squares of the shaft's damping over its slowest speed, Q32, in parts of what it makes torque pass for geometry.
-#[derive(Clone, Copy)]
-pub(super) struct Damping {
-    /// What an order is weighed with.
-    pub likely_q32: u64,
-    /// What is stated: it is hardly ever more.
-    pub most_q32: u64,
-}
-
-impl Damping {
-    /// With the shortest and the longest turn taken, and with what the torque itself tells.
-    ///
-    /// Beside the angle of torque that goes with the square of a turn's duration t, damping makes one that goes with t^3. Turns of t1 and
-    /// t2, the longer, have it pass for geometry by t2 / (t1 + t2) of its ratio to torque's own at t2.
-    pub(super) fn of(
-        speeds: &Speeds,
-        [shortest, longest]: [u64; 2],
-        stamp: Stamp,
-        told: Option<Told>,
-    ) -> Self {
-        let both = Recip::of_u64(shortest.saturating_add(longest));
-        let part_q16 = (u128::from(longest) * u128::from(both.mantissa)) >> (both.shift - 16);
-        let shown_q32 = shown_damping_square_q16(speeds, stamp) << 16;
-        let told_q32 = told.map_or(u64::MAX, |told| {
-            let reference = Recip::of_u64(speeds.reference());
-            let slowest_q16 =
-                (u128::from(longest) * u128::from(reference.mantissa)) >> (reference.shift - 16);
-            let square = (u128::from(told.expected_q32()) * slowest_q16 * slowest_q16) >> 32;
-            u64::try_from(square).unwrap_or(u64::MAX)
-        });
-        let with = |hidden_q32: u64| {
-            let hidden_q32 = hidden_q32.min(told_q32);
-            let square = (u128::from(shown_q32.max(hidden_q32)) * part_q16 * part_q16) >> 32;
-            u64::try_from(square).unwrap_or(u64::MAX)
-        };
-        Self {
-            likely_q32: with(LIKELY_DAMPING_SQUARE_Q32),
-            most_q32: with(HIDDEN_DAMPING_SQUARE_Q32),
-        }
-    }
-}
-
-impl Told {
-    /// Square of the damping to expect, Q32. Either friction is all there is, or a drive damps the shaft, by anything up to a quarter of the
-    /// speed: what is told comes near nothing with odds of 1 to 10 e exp(z^2 / 2) then, with the standard error e and z of them told.
-    fn expected_q32(self) -> u64 {
-        let square = self.size_q32.saturating_add(self.error_q32);
-        let [size, error] = [self.size_q32, self.error_q32].map(|part| log2(part.into()));
-        // (z^2 / 2) / ln 2, Q16.
-        let unlike = exp2((size - error).min(8 << LOG2_BITS) + (16 << LOG2_BITS) - HALF_E_LOG2);
-        let unlike = i32::try_from(unlike).unwrap_or(i32::MAX >> 1);
-        let odds = (error - (32 << LOG2_BITS)) / 2 + TEN_LOG2 + unlike;
-        exp2(log2(square.into()) + odds.min(0))
-    }
-}
-
-/// log2 of 10 and of 2 ln 2, Q16.
-const TEN_LOG2: i32 = 217_706;
-const HALF_E_LOG2: i32 = 30_882;
-
-/// Square of the shaft's damping over its slowest speed, Q16, as far as the noise shows it: torque swings the speed by
-/// 1 / (i n w + d), so at order 1 a damped shaft has less noise than the orders above promise, by 1 + (d / w)^2. Two standard errors
-/// of that are taken off, and where jitter of the time stamps rules the orders above, so that the slope goes on to rise, nothing is known.
-fn shown_damping_square_q16(speeds: &Speeds, stamp: Stamp) -> u64 {
-    let slowest = speeds.bins.iter().rposition(|bin| bin.pairs >= 3);
-    slowest.map_or(0, |b| {
-        let bin = &speeds.bins[b];
-        let powers =
-            core::array::from_fn(|index| low_power(speeds, b, index, (0, stamp), Fine { bits: 0 }));
-        if powers[LOW_ORDERS - 1] / 4 < at_speed(stamp.order, b) {
-            return 0;
-        }
-        let [middle, upper] = [3..=3, 6..=6].map(|order| slope_of(&powers, order));
-        // So they do where torque locked to the shaft changes with the speed.
-        let [low, high] = [2..=3, 5..=6].map(|orders| slope_of(&powers, orders));
-        if upper / 4 > middle || high / 7 > low / 2 {
-            return 0;
-        }
-        let ratio_q16 = (u128::from(slope_of(&powers, 4..=6)) << 16) / u128::from(powers[0].max(1));
-        let root_q8 = u128::from((u64::from(bin.pairs) << 16).isqrt());
-        let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 2 * 256);
-        u64::try_from(ratio_q16)
-            .unwrap_or(u64::MAX)
-            .clamp(1 << 16, 17 << 16)
-            - (1 << 16)
-    })
-}
-
-/// Damping that no scatter of a few turns shows: a quarter of the slowest speed.
-const HIDDEN_DAMPING_SQUARE_Q32: u64 = (1 << 32) / 16;
-
-/// A quarter of that. Sizes are asked to be twelve times the noise in power, for chance; of a limit they need not be more than it.
-const LIKELY_DAMPING_SQUARE_Q32: u64 = HIDDEN_DAMPING_SQUARE_Q32 / 16;

@@ -4,9 +4,10 @@ use core::task::{Poll, ready};
 
 use super::contrast::Leftovers;
 use super::cursor::Cursor;
+use super::locked::NoiseShares;
 use super::low::LOW_ORDERS;
 use super::moments::{Mean, Moments, Shares, torque_power_q24};
-use super::noise::{LowSum, Stamp, jitter_power};
+use super::noise::{LowSum, Scatter, Stamp, jitter_power};
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::scale::Fine;
 use super::smooth::Smoothing;
@@ -61,6 +62,7 @@ pub(super) struct Known<'a> {
     pub moments: &'a Moments,
     pub leftovers: Leftovers,
     pub speeds: &'a Speeds,
+    pub noise_shares: &'a NoiseShares,
     /// As [`jitter_q16`] has it.
     pub jitter_q16: u128,
     pub fine: Fine,
@@ -136,8 +138,13 @@ impl Settling {
                 let index = low.index;
                 let level = level(noise[index], self.folded);
                 let norm = self.norm;
-                let stamp = Stamp::of(plan, known.jitter_q16, known.fine);
-                let found = ready!(low.slice(speeds, &self.shares, stamp, known.fine, |b| {
+                let scatter = Scatter {
+                    speeds,
+                    noise: known.noise_shares,
+                    stamp: Stamp::of(plan, known.jitter_q16, known.fine),
+                    fine: known.fine,
+                };
+                let found = ready!(low.slice(scatter, &self.shares, |b| {
                     Ratio128::new(u128::from(torque_power_q24(b)) << 32, norm).times(level)
                 }));
                 noise[index] = found.power.max(1);

@@ -6,16 +6,18 @@ use super::close::{ClassMeans, Closing, Scales, SumScale};
 use super::contrast::Contrasting;
 use super::course::Straightening;
 use super::cursor::Cursor;
+use super::damping::DampingFit;
 use super::delays::DelayFit;
 use super::draw::{Believed, Drawing};
 use super::fold::thirds;
+use super::locked::NoiseShares;
 use super::moments::{MeanSpeed, Moments};
-use super::noise::{Damping, Stamp, jitter_q16, mean_low_power};
+use super::noise::{Scatter, Stamp, jitter_q16};
 use super::order::{LockedOrder, OrderPlan};
 use super::pack::{Packed, Packing, with_offsets};
 use super::power::{SplitOrders, single_sizes};
 use super::scale::Fine;
-use super::separate::{Separation, Shaft};
+use super::separate::Separation;
 use super::settle::{Estimated, Known, Settling};
 use super::solution::{Findings, Solution, SolveError};
 use super::solver::{Coarse, Solver, Stage};
@@ -89,6 +91,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         self.lose_track();
         solver.plan = self.plan();
         solver.moments = Moments::of(&self.speeds, &self.weighing, self.totals.two_speeds());
+        solver.noise_shares = NoiseShares::START;
         solver.torques.clear();
         solver.stage = Stage::Fold;
         Ok(())
@@ -102,6 +105,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             plan,
             moments,
             jitter_q16: jitter,
+            noise_shares,
             fine,
             leftovers,
             curves,
@@ -146,6 +150,10 @@ impl<B: EdgeBuffers> Estimator<B> {
             Stage::ClassMeans(means) => {
                 *offsets = ready!(means.slice(parts.sum, classes));
                 *jitter = jitter_q16(plan, speeds);
+                go_to(stage, || Stage::Scatter);
+            }
+            Stage::Scatter => {
+                ready!(noise_shares.slice(&speeds.locked));
                 go_to(stage, || {
                     Stage::Take(Coarse::PlainContrast, TakeOrders::START)
                 });
@@ -176,6 +184,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                     moments,
                     leftovers: *leftovers,
                     speeds,
+                    noise_shares,
                     jitter_q16: *jitter,
                     fine: fine_now,
                 };
@@ -199,17 +208,21 @@ impl<B: EdgeBuffers> Estimator<B> {
                     let scratch = parts.cells.as_chunks_mut().0;
                     split.slice(parts.sum, scratch, plan, sizes)
                 });
+                let falls = self.course.falls(moments.weight_q16, moments.turns);
+                go_to(stage, || Stage::Damp(DampingFit::new(falls)));
+            }
+            Stage::Damp(fit) => {
                 let Totals {
                     shortest, longest, ..
                 } = self.totals;
-                let falls = self.course.falls(moments.weight_q16, moments.turns);
-                let stamp = Stamp::of(plan, *jitter, Fine { bits: 0 });
-                let noise = |index| mean_low_power(speeds, index, stamp);
-                let told = self.damped.told(falls.friction_q16, noise);
-                let shaft = Shaft {
-                    damping: Damping::of(speeds, [shortest, longest], stamp, told),
-                    falls,
+                let fine = Fine { bits: 0 };
+                let scatter = Scatter {
+                    speeds,
+                    noise: noise_shares,
+                    stamp: Stamp::of(plan, *jitter, fine),
+                    fine,
                 };
+                let shaft = ready!(fit.slice(&self.damped, scatter, [shortest, longest]));
                 go_to(stage, || Stage::Separate(Separation::new(moments, shaft)));
             }
             Stage::Separate(separation) => {

@@ -4,8 +4,10 @@ use super::close::{ClassMeans, Closing};
 use super::contrast::{Contrasting, Leftovers};
 use super::course::{Curve, Straightening};
 use super::cursor::Cursor;
+use super::damping::DampingFit;
 use super::delays::{DelayFit, SolvedDelays};
 use super::draw::Drawing;
+use super::locked::NoiseShares;
 use super::moments::{MeanSpeed, Moments};
 use super::order::{ORDERS_MAX, OrderPlan};
 use super::pack::{Packed, Packing};
@@ -26,6 +28,7 @@ pub struct Solver {
     pub(super) moments: Moments,
     /// Of a time stamp, as [`jitter_q16`](super::noise::jitter_q16) has it.
     pub(super) jitter_q16: u128,
+    pub(super) noise_shares: NoiseShares,
     pub(super) fine: Fine,
     pub(super) leftovers: Leftovers,
     /// What the weighed and the plain mean hold of the speed's own course.
@@ -55,10 +58,13 @@ pub(super) enum Stage {
     /// The speed's own course is taken out of the weighed mean.
     Straighten(Straightening),
     ClassMeans(ClassMeans),
+    /// What of the turns' scatter is noise.
+    Scatter,
     /// The orders of a coarse sum are taken.
     Take(Coarse, TakeOrders),
     Settle(Settling),
     Split(SplitOrders),
+    Damp(DampingFit),
     Separate(Separation),
     Weigh(Weighting),
     /// What is to be drawn over the weighed mean, order by order.
@@ -91,6 +97,7 @@ impl Solver {
             plan: OrderPlan::NONE,
             moments: Moments::NONE,
             jitter_q16: 0,
+            noise_shares: NoiseShares::START,
             fine: Fine { bits: 0 },
             leftovers: Leftovers {
                 plain: [0; 2],
@@ -126,13 +133,13 @@ impl Solver {
         match self.stage {
             Stage::Begin | Stage::Fold => 0,
             Stage::Close(_) => 1,
-            Stage::Contrast(_) | Stage::Straighten(_) | Stage::ClassMeans(_) => 7,
+            Stage::Contrast(_) | Stage::Straighten(_) | Stage::ClassMeans(_) | Stage::Scatter => 7,
             Stage::Take(Coarse::PlainContrast, _) => 10,
             Stage::Take(Coarse::Contrast, _) => 20,
             Stage::Take(Coarse::Difference, _) => 30,
             Stage::Settle(_) => 40,
             Stage::Split(_) => 50,
-            Stage::Separate(_) => 65,
+            Stage::Damp(_) | Stage::Separate(_) => 65,
             Stage::Weigh(_) => 67,
             Stage::Differ(_) | Stage::Delays(_) | Stage::Undelay(_) => 75,
             Stage::Draw(_) => 78,

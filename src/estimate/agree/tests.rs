@@ -1,4 +1,6 @@
 use super::*;
+use crate::estimate::cursor::whole;
+use crate::estimate::locked::NoiseShares;
 use crate::estimate::speeds::Place;
 
 const TURN: u64 = 1_000_000;
@@ -151,8 +153,10 @@ fn torque_that_grows_as_the_shaft_slows_is_no_scatter() {
     }
     assert!(run.pairs() > 24, "{}", run.pairs());
     let scatter: u64 = run.speeds.bins.iter().map(|bin| bin.scatter[0]).sum();
-    let noise = (u128::from(scatter) * u128::from(run.speeds.locked.noise_q32(0))) >> 32;
-    let of_pair = noise / u128::from(run.pairs());
+    let mut shares = NoiseShares::START;
+    whole(|| shares.slice(&run.speeds.locked));
+    let [noise, ..] = shares.of(&[scatter; LOW_ORDERS]);
+    let of_pair = noise / u64::from(run.pairs());
     // Twice two parts of a uniform noise of 1000.
     assert!(scatter / u64::from(run.pairs()) > 1 << 38);
     assert!((600_000..3_000_000).contains(&of_pair), "{of_pair}");
