@@ -4,6 +4,7 @@
 //! Where the speed falls within the turns, torque shows at the orders beside its own too. That is taken out first, the strongest torque's
 //! before the next one is looked for.
 
+use core::ops::Range;
 use core::task::{Poll, ready};
 
 use super::close::saturated;
@@ -53,8 +54,11 @@ const CERTAIN: u64 = 12;
 const UNLIKE_BITS: u32 = 28;
 const UNLIKE_SHARE_SQUARE_Q30: u128 = 256 << 30;
 
-/// Orders of a slice that a torque's side bands are taken out of.
-const BESIDE: usize = 12;
+/// Orders of a slice that a torque's side bands and its products with those before it are taken out of.
+const BESIDE: usize = 8;
+
+/// Torques of a slice whose side bands at an order are added up.
+const KNOWN: usize = 4;
 
 /// Takes torque, where there is evidence of it, out of the weighed mean, whose noise grows by what it costs.
 pub(super) struct Separation {
@@ -69,6 +73,9 @@ pub(super) struct Separation {
     known: heapless::Vec<Known, TORQUES_MAX>,
     /// Orders 1 and 2 of the geometry, once a torque is known.
     mounting: [Coefficient; 2],
+    /// How many of the known torques, and what they make of the order that is taken next beside their own angle.
+    passed: Cursor,
+    beside: Coefficient,
 }
 
 enum Part {
@@ -117,6 +124,8 @@ impl Separation {
             scale_q30: moments.torque_scale_q30(),
             known: heapless::Vec::new(),
             mounting: [Coefficient::ZERO; 2],
+            passed: Cursor::START,
+            beside: Coefficient::ZERO,
         }
     }
 
@@ -169,11 +178,15 @@ impl Separation {
                 (self.part, self.cursor) = (Part::Look, Cursor::START);
             }
             Part::Take => {
-                for index in self.cursor.next(1, plan.single) {
-                    if !plan.is_class_order(index + 1) {
-                        self.take(index + 1, share_q30, orders, fine, torques);
-                    }
+                let order = self.cursor.count() + 1;
+                if order <= plan.single && !plan.is_class_order(order) {
+                    let known = self.passed.next(KNOWN, self.known.len());
+                    self.add_beside(known, order, share_q30, fine);
+                    ready!(self.passed.at_end(self.known.len()));
+                    self.take(order, share_q30, orders, fine, torques);
+                    (self.passed, self.beside) = (Cursor::START, Coefficient::ZERO);
                 }
+                self.cursor.next(1, plan.single);
                 return self.cursor.at_end(plan.single);
             }
         }
@@ -210,8 +223,8 @@ impl Separation {
         })
     }
 
-    /// What the known torques make of an order of the weighed mean beside their own angle.
-    fn beside(&self, order: usize, share_q30: i64, fine: Fine) -> Coefficient {
+    /// Adds what some of the known torques make of an order of the weighed mean beside their own angle, alone and with those before them.
+    fn add_beside(&mut self, which: Range<usize>, order: usize, share_q30: i64, fine: Fine) {
         let Falls {
             weighed_q30,
             friction_q16,
@@ -219,8 +232,9 @@ impl Separation {
             ..
         } = self.shaft.falls;
         let fall_q30 = times_q30(weighed_q30, self.scale_q30);
-        let mut sum = Coefficient::ZERO;
-        for (at, known) in self.known.iter().enumerate() {
+        let mut sum = self.beside;
+        for at in which {
+            let known = self.known[at];
             sum = sum
                 .plus(known.beside(order, friction_q16, fall_q30))
                 .plus(known.with_mounting(self.mounting, order, fine, share_q30));
@@ -229,7 +243,7 @@ impl Separation {
                 sum = sum.plus(both.scaled(fourth_weighed_q16 << 14));
             }
         }
-        sum
+        self.beside = sum;
     }
 }
 
@@ -361,10 +375,10 @@ impl Separation {
         let Self {
             shaft: Shaft { damping, .. },
             scale_q30,
+            beside,
             ..
         } = *self;
         let index = order - 1;
-        let beside = self.beside(order, share_q30, fine);
         orders.coefficients[index] = orders.coefficients[index].minus(beside);
         let to_exceed = to_exceed(orders, index, share_q30);
         let Orders {
