@@ -1,7 +1,7 @@
 //! Longest slice of solving and of looking out, in QEMU, for encoders of many shapes: `cargo qemu --bin qemu_slices`.
 //!
-//! The steps are made up: a disc with errors of its own, at two speeds, with torque ripple. What counts is the shape: few and many
-//! classes, numbers of edges with and without divisors.
+//! The steps are made up: a disc with errors of its own, at two speeds or slower from turn to turn, with torque ripple. What counts is the
+//! shape: few and many classes, numbers of edges with and without divisors.
 #![no_std]
 #![no_main]
 
@@ -38,6 +38,25 @@ const SHAPES: [(u32, u32); 12] = [
     (180, 6),
     (58, 2),
     (12, 6),
+];
+
+/// How the encoders are turned.
+#[derive(Clone, Copy, Debug)]
+enum Ride {
+    /// Seven turns at one speed, then four times as fast; torque of one order.
+    TwoSpeeds,
+    /// Slower from turn to turn.
+    RunDown,
+    /// The same, with more orders of torque than are listed.
+    Cogging,
+}
+
+const RIDES: [Ride; 3] = [Ride::TwoSpeeds, Ride::RunDown, Ride::Cogging];
+
+/// Orders of the torques.
+const ONE: [u32; 1] = [5];
+const MANY: [u32; 19] = [
+    3, 5, 8, 9, 10, 11, 13, 14, 15, 17, 18, 19, 20, 22, 23, 25, 26, 27, 28,
 ];
 
 const EDGES: usize = 10_000;
@@ -89,16 +108,18 @@ fn main() -> ! {
 
 fn run(memory: &mut Memory) -> Option<()> {
     let counter = InstructionCounter::start(Peripherals::take()?.SYST);
-    for (edges, classes) in SHAPES {
-        measure(memory, edges, classes, &counter)?;
+    for ride in RIDES {
+        for (edges, classes) in SHAPES {
+            measure(memory, ride, (edges, classes), &counter)?;
+        }
     }
     Some(())
 }
 
 fn measure(
     memory: &mut Memory,
-    edges: u32,
-    classes: u32,
+    ride: Ride,
+    (edges, classes): (u32, u32),
     counter: &InstructionCounter,
 ) -> Option<()> {
     let shape = EncoderShape::new(edges, classes).ok()?;
@@ -110,7 +131,7 @@ fn measure(
         blocks,
     };
     let mut estimator = Estimator::new(shape, Anchor::Index, buffers).ok()?;
-    let mut rig = Rig::new(edges);
+    let mut rig = Rig::new(edges, ride);
     let mut longest = [0_u64; 2];
     while estimator.totals().turns < 14 {
         if let Progress::TurnTaken(_) = estimator.push(&Outcome::Step(rig.next())) {
@@ -136,7 +157,8 @@ fn measure(
         }
     }
     hprintln!(
-        "edges={} classes={} look_out_longest={} solve_longest={} solve_slices={}",
+        "ride={:?} edges={} classes={} look_out_longest={} solve_longest={} solve_slices={}",
+        ride,
         edges,
         classes,
         longest[0],
@@ -148,6 +170,7 @@ fn measure(
 
 /// Makes steps up.
 struct Rig {
+    ride: Ride,
     edges: u32,
     edge: u32,
     turns: u32,
@@ -156,8 +179,9 @@ struct Rig {
 }
 
 impl Rig {
-    const fn new(edges: u32) -> Self {
+    const fn new(edges: u32, ride: Ride) -> Self {
         Self {
+            ride,
             edges,
             edge: 0,
             turns: 0,
@@ -180,15 +204,28 @@ impl Rig {
             .random
             .wrapping_mul(1_664_525)
             .wrapping_add(1_013_904_223);
-        // Seven turns at one speed, then four times as fast.
-        let base: u32 = if self.turns < 8 { 40_000 } else { 10_000 };
-        let angle = Turn32(
-            (u32::MAX / self.edges)
-                .wrapping_mul(self.edge)
-                .wrapping_mul(5),
-        );
-        let swing = (i64::from(sin_cos(angle).0) * i64::from(base)) >> (SINE_BITS + 6);
-        let swing = if self.turns < 8 { swing } else { swing / 16 };
+        let base: u32 = match self.ride {
+            Ride::TwoSpeeds if self.turns < 8 => 40_000,
+            Ride::TwoSpeeds => 10_000,
+            Ride::RunDown | Ride::Cogging => {
+                20_000 + 1500 * self.turns + 1500 * self.edge / self.edges
+            }
+        };
+        let orders = match self.ride {
+            Ride::TwoSpeeds | Ride::RunDown => &ONE[..],
+            Ride::Cogging => &MANY,
+        };
+        let angle = (u32::MAX / self.edges).wrapping_mul(self.edge);
+        let sines = orders
+            .iter()
+            .map(|order| i64::from(sin_cos(Turn32(angle.wrapping_mul(*order))).0));
+        let swing = (sines.sum::<i64>() * i64::from(base)) >> (SINE_BITS + 6);
+        let swing = match self.ride {
+            Ride::TwoSpeeds if self.turns < 8 => swing,
+            Ride::TwoSpeeds => swing / 16,
+            // Of one torque, a swing that goes with the square of the duration.
+            Ride::RunDown | Ride::Cogging => (swing * i64::from(base / 1000).pow(2)) >> 10,
+        };
         let noise = self.random >> 28;
         let before = if self.edge == 0 {
             self.edges
