@@ -134,8 +134,7 @@ impl Agreement {
             && let Some(bin) = speeds.bins.get_mut(turn.bin)
         {
             bin.pairs = bin.pairs.saturating_add(1);
-            let squares = turn.squares(&other);
-            for (sum, square) in bin.scatter.iter_mut().zip(squares) {
+            for (sum, square) in bin.scatter.iter_mut().zip(turn.squares(&other)) {
                 *sum = sum.saturating_add(square);
             }
             let growth_q32 = turn.growth_q32(&other);

@@ -130,9 +130,10 @@ impl Course {
                 quotient(third - before, 4 * ONE + next_q32 + ended.both_q32)
             });
             let path = ended.path(before_q32, next_q32, third, fourth);
-            self.slowing.bends +=
-                times(ended.bend_q32.into(), ended.bend_q32.into()) << (PATH_BITS - 32);
-            self.slowing.thirds += third;
+            let square_q32 = times(ended.bend_q32.into(), ended.bend_q32.into());
+            let slowing = &mut self.slowing;
+            slowing.bends = slowing.bends.saturating_add(square_q32 << (PATH_BITS - 32));
+            slowing.thirds = slowing.thirds.saturating_add(third);
             self.add(&ended, path, weighing);
             // In the new turn's unit of time.
             let ratio = ONE + next_q32;

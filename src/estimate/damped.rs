@@ -105,7 +105,8 @@ impl Damped {
         let mixed = self.products[1] - second * means[1];
         let share_q20 = (mixed << BITS) / squares.max(1);
         let left = self.products[2] - third * means[1] - ((mixed * share_q20) >> BITS);
-        (left > 0 && squares > 0).then_some(Fit {
+        // Speeds within a thousandth tell nothing but how the sums are rounded.
+        (left > 0 && squares > turns << (2 * (BITS - 10))).then_some(Fit {
             means,
             squares,
             share_q20,
@@ -248,8 +249,8 @@ impl Telling {
         let order = self.index as i128 + 1;
         let noise = i128::from(noise) / 2;
         let per_regressor = ((order * order * noise) << (2 * BITS)) / self.fit.left;
-        let error = (per_regressor << 32) / self.power;
-        let square = |part_q32: i128| (part_q32 * part_q32) >> 32;
+        let error = per_regressor.saturating_mul(1 << 32) / self.power;
+        let square = |part_q32: i128| part_q32.saturating_mul(part_q32) >> 32;
         let fits = |value: i128| u64::try_from(value).unwrap_or(u64::MAX);
         Told {
             size_q32: fits(square(self.across)),

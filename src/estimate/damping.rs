@@ -7,10 +7,16 @@ use super::cursor::Cursor;
 use super::damped::{Damped, Telling, Told};
 use super::low::LOW_ORDERS;
 use super::noise::{MeanLowPower, Scatter, at_speed, slope_of};
-use super::separate::Shaft;
 use super::speeds::{Bin, Speeds};
 use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::recip::Recip;
+
+/// What is known of the shaft.
+#[derive(Clone, Copy)]
+pub(super) struct Shaft {
+    pub damping: Damping,
+    pub falls: Falls,
+}
 
 /// What is known of the shaft, worked out in slices.
 pub(super) struct DampingFit {

@@ -71,8 +71,8 @@ impl Locked {
         }
     }
 
-    /// How much of an order's scatter is noise, Q32: a long division, to be made once. A wandering speed's changes cancel, so that the square of their sum hardly ever is four
-    /// times the sum of their squares.
+    /// How much of an order's scatter is noise, Q32: a long division, to be made once. A wandering speed's changes cancel, so that the
+    /// square of their sum hardly ever is four times the sum of their squares.
     fn noise_q32(&self, index: usize) -> u64 {
         let trend = u128::from(self.trend_q32.unsigned_abs()).pow(2) >> 36;
         if trend <= 4 * u128::from(self.squares_q28) {

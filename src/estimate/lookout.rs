@@ -27,6 +27,7 @@ pub struct Lookout {
     moments: Moments,
     shares: Shares,
     jitter_q16: u128,
+    stamp: Stamp,
     noise_shares: NoiseShares,
     /// Powers at every order: of time stamps' jitter, and of geometry.
     jitter: u64,
@@ -76,6 +77,7 @@ impl Lookout {
             moments: Moments::NONE,
             shares: Shares::NONE,
             jitter_q16: 0,
+            stamp: Stamp::NONE,
             noise_shares: NoiseShares::START,
             jitter: 0,
             geometry: 0,
@@ -172,8 +174,9 @@ impl<B: EdgeBuffers> Estimator<B> {
             }
             Part::Jitter => {
                 lookout.shares = lookout.moments.shares(Mean::Weighed);
-                let (plan, stamp) = (lookout.plan, lookout.jitter_q16);
-                lookout.jitter = jitter_power(plan, speeds, &lookout.shares, stamp, FINE);
+                let (plan, jitter_q16) = (lookout.plan, lookout.jitter_q16);
+                lookout.jitter = jitter_power(plan, speeds, &lookout.shares, jitter_q16, FINE);
+                lookout.stamp = Stamp::of(plan, jitter_q16, FINE);
                 lookout.part = Part::Scatter;
             }
             Part::Scatter => {
@@ -198,8 +201,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                 lookout.part = Part::Level(LowLevel::of(0));
             }
             Part::Level(level) => {
-                let stamp = Stamp::of(lookout.plan, lookout.jitter_q16, FINE);
-                let scatter = scatter(speeds, &lookout.noise_shares, stamp);
+                let scatter = scatter(speeds, &lookout.noise_shares, lookout.stamp);
                 let level_q24 = ready!(level.slice(scatter));
                 lookout.part = Part::Low(level_q24, LowSum::of(level.index));
             }
@@ -209,8 +211,7 @@ impl<B: EdgeBuffers> Estimator<B> {
                     let expected = (level_q24 * u128::from(torque_power_q24(b))) >> 24;
                     u64::try_from(expected).unwrap_or(u64::MAX)
                 };
-                let stamp = Stamp::of(lookout.plan, lookout.jitter_q16, FINE);
-                let scatter = scatter(speeds, &lookout.noise_shares, stamp);
+                let scatter = scatter(speeds, &lookout.noise_shares, lookout.stamp);
                 let found = ready!(low.slice(scatter, &lookout.shares, expected));
                 let order = index + 1;
                 if order > LOW_ORDERS / 2 {
@@ -248,11 +249,7 @@ impl<B: EdgeBuffers> Estimator<B> {
         Outlook {
             error: root(lookout.now + standing),
             after_twice: root(lookout.twice + standing),
-            stamp: root(
-                Stamp::of(lookout.plan, lookout.jitter_q16, FINE)
-                    .edge
-                    .into(),
-            ),
+            stamp: root(lookout.stamp.edge.into()),
         }
     }
 

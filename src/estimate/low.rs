@@ -176,10 +176,13 @@ impl LowOrders {
                 + linear_sampled * (index as i64 + 1)
                 + part(square, SQUARE_Q16[index]);
             // The samples are as much too large as the turn is too long.
-            let own = |size: i64| size - ((size * shorter_q32) >> 32);
+            let own = |size: i64| {
+                let size = i64::from(saturated(size));
+                saturated(size - ((size * shorter_q32) >> 32))
+            };
             LowOrder {
-                re: saturated(own(re)),
-                im: saturated(own(im)),
+                re: own(re),
+                im: own(im),
             }
         })
     }

@@ -209,20 +209,18 @@ pub(super) struct Stamp {
 }
 
 impl Stamp {
+    pub(super) const NONE: Self = Self { edge: 0, order: 0 };
+
     pub(super) fn of(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> Self {
-        let edge = stamp_power(plan, jitter_q16, fine);
+        let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
+        let edges = plan.edges as u128;
+        let power = ((jitter_q16 << up) >> (16 - POWER_BITS)) / (edges * edges);
+        let edge = u64::try_from(power).unwrap_or(u64::MAX);
         Self {
             edge,
-            order: edge / plan.edges.max(1) as u64,
+            order: edge / plan.edges as u64,
         }
     }
-}
-
-fn stamp_power(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> u64 {
-    let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
-    let edges = plan.edges as u128;
-    let power = ((jitter_q16 << up) >> (16 - POWER_BITS)) / (edges * edges);
-    u64::try_from(power).unwrap_or(u64::MAX)
 }
 
 /// Variance of a time stamp at the first turn's speed, in squared step fractions, Q16: a second difference of two turns has

@@ -10,7 +10,7 @@ use core::task::{Poll, ready};
 use super::close::saturated;
 use super::course::Falls;
 use super::cursor::Cursor;
-use super::damping::Damping;
+use super::damping::Shaft;
 use super::moments::Moments;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
@@ -91,13 +91,6 @@ struct Known {
     order: usize,
     /// In the difference.
     size: Coefficient,
-}
-
-/// What is known of the shaft.
-#[derive(Clone, Copy)]
-pub(super) struct Shaft {
-    pub damping: Damping,
-    pub falls: Falls,
 }
 
 /// What is known of every single order; order n at n - 1.
@@ -275,9 +268,7 @@ impl Known {
             im: of_apart(-4 * n * n, m).re,
         }
     }
-}
 
-impl Known {
     /// What it makes of an order together with another torque, or with itself, at the first turn's speed. The time that a speed w + v takes
     /// is 1 - v / w + (v / w)^2, where v / w is as large as the slope of the angle r, and what r swings back of v is half of that square more:
     /// the angle is larger by the integral of 1.5 (dr / d theta)^2.
