@@ -120,7 +120,7 @@ fn the_reference_in_double_precision_leaves_out_the_same_turns() {
             .zip(&reference.error)
             .map(|(a, b)| a - b)
             .collect();
-        // The core's rounding makes 2e-7, a turn more or less a millionth.
-        assert!(rms(&apart) < 3.5e-7, "seed {seed}: {:e}", rms(&apart));
+        // The core's rounding makes 2e-7, torque put at a class order another 2e-7, a turn more or less a millionth.
+        assert!(rms(&apart) < 2.7e-7, "seed {seed}: {:e}", rms(&apart));
     }
 }

@@ -152,7 +152,8 @@ impl Separation {
                     let found = *torque;
                     let mounting = self.mounting(orders, share_q30);
                     let fourth_q16 = falls.fourth_plain_q16 - falls.fourth_weighed_q16;
-                    for index in self.cursor.next(BESIDE, plan.single) {
+                    let orders_now = self.cursor.next(BESIDE, plan.single);
+                    for index in orders_now.filter(|index| !plan.is_class_order(index + 1)) {
                         let more = torque.beside(index + 1, falls.friction_q16, fall_q30);
                         let products = found.with_mounting(mounting, index + 1, fine, 1 << 30);
                         let products = self.known.iter().fold(products, |sum, other| {
