@@ -100,10 +100,10 @@ impl Damped {
         }
         let turns = i128::from(self.turns);
         let [second, third] = self.sums.map(i128::from);
-        let means = [second / turns, third / turns];
+        let means = [quotient(second, turns), quotient(third, turns)];
         let squares = self.products[0] - second * means[0];
         let mixed = self.products[1] - second * means[1];
-        let share_q20 = (mixed << BITS) / squares.max(1);
+        let share_q20 = quotient(mixed << BITS, squares);
         let left = self.products[2] - third * means[1] - ((mixed * share_q20) >> BITS);
         // Speeds within a thousandth tell nothing but how the sums are rounded.
         (left > 0 && squares > turns << (2 * (BITS - 10))).then_some(Fit {
@@ -212,7 +212,10 @@ impl Telling {
                 for part in cursor.next(1, 2) {
                     let sums = damped.orders[self.index].map(|sum| sum[part]);
                     let [second, third] = self.fit.fitted(sums);
-                    self.parts[part] = [(second << BITS) / squares, (third << (BITS + 8)) / left];
+                    self.parts[part] = [
+                        quotient(second << BITS, squares),
+                        quotient(third << (BITS + 8), left),
+                    ];
                 }
                 ready!(cursor.at_end(2));
                 self.step = Step::Parts;
@@ -235,10 +238,10 @@ impl Telling {
         let [re, im] = self.parts;
         let power = (re[0] * re[0] + im[0] * im[0]).max(1);
         let [_, fall] = self.fit.fitted(damped.falls);
-        let fall_q32 = (fall << BITS) / self.fit.left;
-        let across = ((order * (im[1] * re[0] - re[1] * im[0])) << 24) / power;
-        let along = ((order * (re[1] * re[0] + im[1] * im[0])) << 24) / power;
-        let share_q16 = |product: i128| (product << 17) / power;
+        let fall_q32 = quotient(fall << BITS, self.fit.left);
+        let across = quotient((order * (im[1] * re[0] - re[1] * im[0])) << 24, power);
+        let along = quotient((order * (re[1] * re[0] + im[1] * im[0])) << 24, power);
+        let share_q16 = |product: i128| quotient(product << 17, power);
         self.across =
             across - ((fall_q32 * (i128::from(friction_q16) + share_q16(im[0] * im[0]))) >> 16);
         self.along = along + ((fall_q32 * share_q16(re[0] * im[0])) >> 16);
@@ -248,8 +251,8 @@ impl Telling {
     fn told(&self, noise: u64) -> Told {
         let order = self.index as i128 + 1;
         let noise = i128::from(noise) / 2;
-        let per_regressor = ((order * order * noise) << (2 * BITS)) / self.fit.left;
-        let error = per_regressor.saturating_mul(1 << 32) / self.power;
+        let per_regressor = quotient((order * order * noise) << (2 * BITS), self.fit.left);
+        let error = quotient(per_regressor.saturating_mul(1 << 32), self.power);
         let square = |part_q32: i128| part_q32.saturating_mul(part_q32) >> 32;
         let fits = |value: i128| u64::try_from(value).unwrap_or(u64::MAX);
         Told {
@@ -257,6 +260,12 @@ impl Telling {
             error_q32: fits(error + square(self.along)).max(1),
         }
     }
+}
+
+/// A quotient by a divisor above zero, once in the code: a long division takes two kilobytes of it.
+#[inline(never)]
+fn quotient(value: i128, divisor: i128) -> i128 {
+    value / divisor.max(1)
 }
 
 #[cfg(test)]
