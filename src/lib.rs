@@ -43,6 +43,7 @@ pub mod timebase;
 pub mod trig;
 pub mod units;
 pub mod wheel;
+mod wide;
 #[cfg(feature = "device")]
 pub mod wire;
 

@@ -4,6 +4,7 @@ use crate::edge::Direction;
 use crate::shape::EncoderShape;
 use crate::step::{Flags, Step};
 use crate::units::Ticks;
+use crate::wide::over;
 
 /// Parts of a turn.
 const PARTS: u32 = 16;
@@ -83,7 +84,7 @@ impl Pace {
             return 0;
         }
         let way = u128::from(edges) * u128::from(clock_hz) * PER_MINUTE;
-        let speed = way / (u128::from(self.edges) * u128::from(ticks.max(1)));
+        let speed = over(way, u128::from(self.edges) * u128::from(ticks.max(1)));
         u32::try_from(speed).unwrap_or(u32::MAX).max(1)
     }
 }

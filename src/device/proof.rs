@@ -26,6 +26,7 @@ use crate::recip::Recip;
 use crate::shape::EncoderShape;
 use crate::step::{Flags, Step};
 use crate::units::{TICK_FRACTION_BITS, TickDelta8, Ticks, TurnDelta32};
+use crate::wide::{over, over_signed};
 use sums::{Powers, Sums};
 
 /// Least gain in power, as a share of both (Q30): one part in 64.
@@ -125,7 +126,7 @@ impl Proof {
     pub fn figures(&self) -> Figures {
         let turns = u128::from(self.turns.max(1));
         let root = |sum: u128| {
-            let mean_q8 = u64::try_from(sum / turns).unwrap_or(u64::MAX);
+            let mean_q8 = u64::try_from(over(sum, turns)).unwrap_or(u64::MAX);
             // The root of Q8 has Q4.
             u32::try_from((mean_q8.isqrt() + 8) >> 4).unwrap_or(u32::MAX)
         };
@@ -229,7 +230,7 @@ impl Shares {
         let excess = 90_u32.saturating_sub(both.leading_zeros());
         let [old, new, both] = [old, new, both].map(|power| (power >> excess).cast_signed());
         #[allow(clippy::cast_possible_truncation)]
-        let share = (((old - new) << 30) / both.max(1)) as i64;
+        let share = over_signed((old - new) << 30, both.max(1)) as i64;
         self.count += 1;
         self.sum_q30 += share;
         self.squares_q30 += (share * share) >> 30;

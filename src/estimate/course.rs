@@ -15,6 +15,7 @@ use super::speeds::{Place, Weighing};
 use crate::edge::Direction;
 use crate::recip::Recip;
 use crate::units::Turn32;
+use crate::wide::over_signed;
 
 /// Edges of a slice.
 const EDGES: usize = 300;
@@ -184,7 +185,7 @@ impl Course {
             bends,
             thirds,
         } = self.slowing;
-        let third_q16 = i128::from(thirds) * (3 << 15) / i128::from(bends.max(1));
+        let third_q16 = over_signed(i128::from(thirds) * (3 << 15), bends.max(1).into());
         let power_q16 = third_q16.clamp(0, 2 << 16);
         Falls {
             weighed_q30: Ratio::new(14, weight_q16).times(weighed),

@@ -9,6 +9,7 @@ use core::task::{Poll, ready};
 use super::cursor::Cursor;
 use super::low::{LOW_ORDERS, LowOrder};
 use crate::edge::Direction;
+use crate::wide::over_signed;
 
 /// Fraction bits of the regressors.
 const BITS: u32 = 20;
@@ -262,10 +263,9 @@ impl Telling {
     }
 }
 
-/// A quotient by a divisor above zero, once in the code: a long division takes two kilobytes of it.
-#[inline(never)]
+/// A quotient by a divisor above zero.
 fn quotient(value: i128, divisor: i128) -> i128 {
-    value / divisor.max(1)
+    over_signed(value, divisor.max(1))
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::noise::{MeanLowPower, Scatter, at_speed, slope_of};
 use super::speeds::{Bin, Speeds};
 use crate::log2::{LOG2_BITS, exp2, log2};
 use crate::recip::Recip;
+use crate::wide::over;
 
 /// What is known of the shaft.
 #[derive(Clone, Copy)]
@@ -159,9 +160,12 @@ fn shown_square_q16(bin: &Bin, stamp: u64, powers: &[u64; LOW_ORDERS]) -> u64 {
     if upper / 4 > middle || high / 7 > low / 2 {
         return 0;
     }
-    let ratio_q16 = (u128::from(slope_of(powers, 4..=6)) << 16) / u128::from(powers[0].max(1));
+    let ratio_q16 = over(
+        u128::from(slope_of(powers, 4..=6)) << 16,
+        powers[0].max(1).into(),
+    );
     let root_q8 = u128::from((u64::from(bin.pairs) << 16).isqrt());
-    let ratio_q16 = ratio_q16 * root_q8 / (root_q8 + 2 * 256);
+    let ratio_q16 = over(ratio_q16 * root_q8, root_q8 + 2 * 256);
     u64::try_from(ratio_q16)
         .unwrap_or(u64::MAX)
         .clamp(1 << 16, 17 << 16)

@@ -11,6 +11,7 @@ use super::fold::FoldShape;
 use super::scale::Fine;
 use crate::edge::Direction;
 use crate::shape::CLASSES_MAX;
+use crate::wide::{over, over_signed};
 
 /// Fraction bits of a relative duration here.
 const RATIO_BITS: u32 = 16;
@@ -143,14 +144,14 @@ impl DelayFit {
         let (square, duration, turns) = moments.sums();
         let class = self.class;
         let (a, b) = (moments.by_square[class], moments.by_duration[class]);
-        let slope_q8 = ((square * b - duration * a) >> (RATIO_BITS - 8)) / determinant;
-        let level_q8 = ((turns * a - duration * b) << 8) / determinant;
+        let slope_q8 = over_signed((square * b - duration * a) >> (RATIO_BITS - 8), determinant);
+        let level_q8 = over_signed((turns * a - duration * b) << 8, determinant);
         // Sum of rho^2 (x - c - d / rho)^2 = squares - c by_square - d by_duration.
         let explained = (level_q8 * a + ((slope_q8 * b) << RATIO_BITS)) >> 8;
         self.residual += moments.squares[class].saturating_sub(explained.max(0).unsigned_abs());
         // The sum over a class's intervals, to one edge.
-        self.slopes_q8[class] = saturated_i64(slope_q8 / lines);
-        self.levels_q8[class] = saturated_i64(level_q8 / lines);
+        self.slopes_q8[class] = saturated_i64(over_signed(slope_q8, lines));
+        self.levels_q8[class] = saturated_i64(over_signed(level_q8, lines));
     }
 
     fn finish(
@@ -163,11 +164,13 @@ impl DelayFit {
         let classes = shape.classes as usize;
         let lines = u128::from(shape.edges / shape.classes);
         let freedom = u128::from(moments.turns.saturating_sub(2).max(1)) * classes as u128;
-        let variance = (self.residual / freedom) >> RATIO_BITS;
+        let variance = over(self.residual, freedom) >> RATIO_BITS;
         // Var d = s^2 square / determinant; Q16 for the 8 bits of the slope.
-        let slope_variance_q16 = (variance * (moments.square >> RATIO_BITS))
-            / (determinant.unsigned_abs() >> RATIO_BITS).max(1)
-            / (lines * lines);
+        let slope_variance_q16 = over(
+            variance * (moments.square >> RATIO_BITS),
+            (determinant.unsigned_abs() >> RATIO_BITS).max(1),
+        );
+        let slope_variance_q16 = over(slope_variance_q16, lines * lines);
         let largest_of = |angles: &[i64]| angles.iter().map(|x| x.unsigned_abs()).max();
         let angle_q8 = angles(&self.slopes_q8, classes);
         let largest = u128::from(largest_of(&angle_q8).unwrap_or(0));

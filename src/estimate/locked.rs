@@ -10,6 +10,7 @@ use super::close::saturated;
 use super::cursor::Cursor;
 use super::low::{LOW_ORDERS, LowOrder};
 use crate::recip::Recip;
+use crate::wide::over;
 
 /// The regression.
 pub(super) struct Locked {
@@ -78,7 +79,10 @@ impl Locked {
         if trend <= 4 * u128::from(self.squares_q28) {
             return 1 << 32;
         }
-        let left = (u128::from(self.left[index]) << 32) / u128::from(self.all[index].max(1));
+        let left = over(
+            u128::from(self.left[index]) << 32,
+            self.all[index].max(1).into(),
+        );
         u64::try_from(left).unwrap_or(1 << 32).min(1 << 32)
     }
 }

@@ -13,6 +13,7 @@ use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::Speeds;
 use super::{EdgeBuffers, Estimator, Outlook};
 use crate::shape::CLASSES_MAX;
+use crate::wide::{over, over_signed};
 
 /// Pairs of turns that say how good a mean is: with fewer it looks better by chance too often.
 const PAIRS_MIN: u16 = 5;
@@ -137,7 +138,7 @@ impl LowLevel {
     /// In the end, the level over that of a turn of the first one's speed, Q24.
     fn slice(&mut self, scatter: Scatter<'_>) -> Poll<u128> {
         let Some((b, bin)) = scatter.speeds.taken().find(|(b, _)| *b >= self.bin) else {
-            return Poll::Ready((self.seen << 24) / self.torque.max(1));
+            return Poll::Ready(over(self.seen << 24, self.torque));
         };
         self.bin = b + 1;
         let pairs = u128::from(bin.pairs);
@@ -269,7 +270,7 @@ impl<B: EdgeBuffers> Estimator<B> {
             squares += i128::from(*square);
             of_means += i128::from(*sum) * i128::from(*sum);
         }
-        let squares = squares - of_means / lines;
+        let squares = squares - over_signed(of_means, lines);
         // The turn taken last is folded into the sum while the next one comes.
         let mut weight_q16 = weight_q16;
         if let Some(place) = self
@@ -281,10 +282,13 @@ impl<B: EdgeBuffers> Estimator<B> {
         }
         let edges = i128::from(shape.edges);
         // A step between two errors has twice the power of either; all orders together have an error's.
-        let per_order = (squares.max(0).unsigned_abs() << 20) / (2 * edges * edges).unsigned_abs();
+        let per_order = over(
+            squares.max(0).unsigned_abs() << 20,
+            (2 * edges * edges).unsigned_abs(),
+        );
         let weight_q8 = u128::from(weight_q16 >> 8).max(1);
         let up = 2 * (shape.unit_shift + FINE.bits) + POWER_BITS + 16 - 20;
-        u64::try_from((per_order << up) / (weight_q8 * weight_q8)).unwrap_or(u64::MAX)
+        u64::try_from(over(per_order << up, weight_q8 * weight_q8)).unwrap_or(u64::MAX)
     }
 }
 

@@ -9,6 +9,7 @@ use core::task::Poll;
 use super::scale::Ratio;
 use super::speeds::{BINS, Bin, Speeds, Weighing, octaves_q16, power_of_two};
 use crate::log2::LOG2_BITS;
+use crate::wide::{over, over_signed};
 
 /// One, in the unit of a turn's share of an estimate.
 const ONE_Q30: i64 = 1 << 30;
@@ -62,10 +63,10 @@ impl Moments {
         let weighed_square = (0..BINS)
             .map(|b| (square(b) * i128::from(weighed[b])) >> 30)
             .sum();
-        let plain_square = (0..BINS).map(square).sum::<i128>() / i128::from(turns.max(1));
+        let plain_square = over_signed((0..BINS).map(square).sum(), turns.max(1).into());
         let difference = plain_square - weighed_square;
         let separation = if two_speeds && difference > 0 {
-            i64::try_from((weighed_square << 30) / difference).ok()
+            i64::try_from(over_signed(weighed_square << 30, difference)).ok()
         } else {
             None
         };
@@ -106,7 +107,10 @@ impl Moments {
         let plain = if self.separation.is_some() {
             // a u_w + b u_1 = torque, a + b = geometry
             let excess = torque - ((geometry * self.weighed_square) >> 30);
-            (excess << 30) / (self.plain_square - self.weighed_square).max(1)
+            over_signed(
+                excess << 30,
+                (self.plain_square - self.weighed_square).max(1),
+            )
         } else {
             0
         };
@@ -130,7 +134,7 @@ impl Moments {
     /// Torque's angle at the first turn's speed over its part in the plain less the weighed mean: 1 / (u_1 - u_w), Q30.
     pub(super) fn torque_scale_q30(&self) -> i64 {
         let difference = (self.plain_square - self.weighed_square).max(1);
-        i64::try_from((1_i128 << 62) / difference).unwrap_or(i64::MAX)
+        i64::try_from(over_signed(1 << 62, difference)).unwrap_or(i64::MAX)
     }
 }
 
@@ -151,9 +155,13 @@ impl MeanSpeed {
         self.bin = b + 1;
         // Speed is one over duration; turns of a bin are alike.
         let count = u128::from(bin.count());
-        let mean_square_q32 = u128::from(bin.square()) / count;
+        let mean_square_q32 = over(bin.square().into(), count);
         let duration_q32 = (mean_square_q32 << 32).isqrt();
-        let speed_q16 = (1_u128 << 48).checked_div(duration_q32).unwrap_or(0);
+        let speed_q16 = if duration_q32 == 0 {
+            0
+        } else {
+            over(1 << 48, duration_q32)
+        };
         let share = u128::from(moments.weighed[b].unsigned_abs());
         self.sum_q16 += (speed_q16 * count * share) >> 30;
         Poll::Pending

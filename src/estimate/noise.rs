@@ -16,6 +16,7 @@ use super::spectrum::{COEFFICIENT_BITS, POWER_BITS};
 use super::speeds::{Speeds, octaves_q16, power_of_two};
 use crate::log2::LOG2_BITS;
 use crate::units::STEP_FRACTION_BITS;
+use crate::wide::over;
 
 /// Noise of one of the lowest orders.
 pub(super) struct LowNoise {
@@ -70,15 +71,20 @@ impl LowSum {
         let noise = shares.of_power(speeds, b, power) >> 32;
         self.sum += noise;
         let square = noise.saturating_mul(noise).saturating_mul(3);
-        if let Some(part) = square.checked_div(2 * u128::from(bin.pairs)) {
+        if bin.pairs > 0 {
+            let part = over(square, 2 * u128::from(bin.pairs));
             self.spread = self.spread.saturating_add(part);
         }
         Poll::Pending
     }
 
     fn noise(&self) -> LowNoise {
-        let one_pair = self.spread / self.sum.max(1);
-        let pairs = self.sum.checked_div(one_pair).unwrap_or(u128::MAX);
+        let one_pair = over(self.spread, self.sum);
+        let pairs = if one_pair == 0 {
+            u128::MAX
+        } else {
+            over(self.sum, one_pair)
+        };
         LowNoise {
             power: u64::try_from(self.sum + 2 * one_pair).unwrap_or(u64::MAX),
             pairs: u32::try_from(pairs).unwrap_or(u32::MAX),
@@ -118,19 +124,24 @@ impl Scatter<'_> {
         // From 2^-(32 + LOW_BITS) turn to the coefficients' unit, and a pair has two turns.
         let up = 2 * (fine.bits + COEFFICIENT_BITS - LOW_BITS);
         let pair_q16 = u128::from(pair_excess_q16(&scatter));
-        let scatter =
-            (u128::from(scatter[index]) << (up + 16 - 1)) / (u128::from(pairs) * pair_q16);
+        let scatter = over(
+            u128::from(scatter[index]) << (up + 16 - 1),
+            u128::from(pairs) * pair_q16,
+        );
         let seen = u64::try_from(scatter).unwrap_or(u64::MAX);
         let prior = 4_u64.saturating_sub(pairs);
         let (count, at_ends) = (u64::from(bin.count()), 2 * u64::from(bin.runs().max(1)));
         let tilts = u128::from(tilt_power(stamp.edge, b, index))
             * u128::from(3 * pairs * count.saturating_sub(3 * at_ends));
-        let tilts = u64::try_from(tilts / u128::from(count.max(1))).unwrap_or(u64::MAX);
+        let tilts = u64::try_from(over(tilts, count.max(1).into())).unwrap_or(u64::MAX);
         let alike = at_speed(stamp.order, b).saturating_mul(pairs);
         let seen = seen.saturating_sub(tilts).max(seen.min(alike));
         // What neighbours share cancels in a sum but at its ends, and every gap adds two.
         let gaps = bin.runs().saturating_sub(1);
-        let ends_q16 = (pair_q16 - (1 << 16)) * u128::from(gaps) / u128::from(bin.count().max(1));
+        let ends_q16 = over(
+            (pair_q16 - (1 << 16)) * u128::from(gaps),
+            bin.count().max(1).into(),
+        );
         let ends = (u128::from(seen) * ends_q16) >> 16;
         let seen = seen.saturating_add(u64::try_from(ends).unwrap_or(u64::MAX));
         (seen / (pairs + prior)).saturating_mul(pairs)
@@ -156,7 +167,7 @@ impl MeanLowPower {
     /// Adds a bin; none in the end where few turns were compared.
     pub(super) fn slice(&mut self, scatter: Scatter<'_>, index: usize) -> Poll<Option<u64>> {
         let Some((b, bin)) = scatter.speeds.taken().find(|(b, _)| *b >= self.bin) else {
-            let mean = |turns| u64::try_from(self.sum / turns).unwrap_or(u64::MAX);
+            let mean = |turns| u64::try_from(over(self.sum, turns)).unwrap_or(u64::MAX);
             return Poll::Ready((self.turns >= 4).then(|| mean(self.turns)));
         };
         self.bin = b + 1;
@@ -196,7 +207,7 @@ pub(super) fn jitter_power(
     let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
     let edges = plan.edges as u128;
     let per_edge = ((jitter_q16 * (norm >> 32)) << up) >> (32 - POWER_BITS);
-    u64::try_from(per_edge / (edges * edges * edges)).unwrap_or(u64::MAX)
+    u64::try_from(over(per_edge, edges * edges * edges)).unwrap_or(u64::MAX)
 }
 
 /// Powers of what time stamps are uncertain by, at the first turn's speed.
@@ -214,7 +225,7 @@ impl Stamp {
     pub(super) fn of(plan: OrderPlan, jitter_q16: u128, fine: Fine) -> Self {
         let up = 2 * (32 - STEP_FRACTION_BITS + fine.bits);
         let edges = plan.edges as u128;
-        let power = ((jitter_q16 << up) >> (16 - POWER_BITS)) / (edges * edges);
+        let power = over((jitter_q16 << up) >> (16 - POWER_BITS), edges * edges);
         let edge = u64::try_from(power).unwrap_or(u64::MAX);
         Self {
             edge,
@@ -242,7 +253,7 @@ pub(super) fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
         }
     }
     least.map_or(0, |(sum_q16, turns)| {
-        sum_q16 / (12 * plan.edges as u128 * turns)
+        over(sum_q16, 12 * plan.edges as u128 * turns)
     })
 }
 
@@ -256,7 +267,7 @@ pub(super) fn jitter_q16(plan: OrderPlan, speeds: &Speeds) -> u128 {
 fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
     // Where the speed changes, so does what torque of one order makes of its neighbours: the lesser of two slopes is noise alone.
     let slope = slope_of(scatter, 2..=3).min(slope_of(scatter, 4..=6));
-    let ratio_q16 = (u128::from(scatter[0]) << 16) / u128::from(slope.max(1));
+    let ratio_q16 = over(u128::from(scatter[0]) << 16, slope.max(1).into());
     let ratio_q16 = u64::try_from(ratio_q16).unwrap_or(u64::MAX).min(5 << 14);
     const EXCESS_Q16: u64 = 58_982;
     (1 << 16) + ((((ratio_q16 * ratio_q16) >> 16) * EXCESS_Q16) >> 16)

@@ -7,6 +7,7 @@ use super::cursor::Cursor;
 use super::scale::Fine;
 use crate::shape::CLASSES_MAX;
 use crate::units::TurnDelta32;
+use crate::wide::over;
 
 /// RMS of what varies within the classes and of their means together.
 pub(super) fn with_offsets(rms: u32, class_offsets: &[TurnDelta32]) -> u32 {
@@ -14,7 +15,7 @@ pub(super) fn with_offsets(rms: u32, class_offsets: &[TurnDelta32]) -> u32 {
     let offsets = class_offsets
         .iter()
         .map(|offset| square(offset.0.unsigned_abs()));
-    let mean = offsets.sum::<u128>() / class_offsets.len().max(1) as u128;
+    let mean = over(offsets.sum(), class_offsets.len().max(1) as u128);
     u32::try_from((square(rms) + mean).isqrt()).unwrap_or(u32::MAX)
 }
 
@@ -85,7 +86,7 @@ impl Packing {
             *cell = packed;
         }
         ready!(self.cursor.at_end(edges));
-        let rms = (self.squares / edges.max(1) as u128).isqrt();
+        let rms = over(self.squares, edges.max(1) as u128).isqrt();
         Poll::Ready(Packed {
             shift,
             rms: u32::try_from(rms).unwrap_or(u32::MAX),

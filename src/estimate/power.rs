@@ -9,6 +9,7 @@ use super::spectrum::{Coefficient, POWER_BITS, Sample};
 use super::transform::TakeOrders;
 use crate::trig::sin_cos;
 use crate::units::Turn32;
+use crate::wide::over;
 
 /// Edges and orders of a slice.
 const EDGES: usize = 400;
@@ -80,7 +81,7 @@ impl SplitOrders {
                 if plan.common_count() == 0 {
                     return Poll::Ready(0);
                 }
-                let common = (self.steps << 28) / u128::from(self.gain_q28.max(1));
+                let common = over(self.steps << 28, self.gain_q28.max(1).into());
                 return Poll::Ready(u64::try_from(common).unwrap_or(u64::MAX));
             }
         }
@@ -99,7 +100,7 @@ impl SplitOrders {
             self.before = error;
         }
         ready!(self.cursor.at_end(errors.len()));
-        self.steps = (self.steps << POWER_BITS) / errors.len().max(1) as u128;
+        self.steps = over(self.steps << POWER_BITS, errors.len().max(1) as u128);
         Poll::Ready(())
     }
 

@@ -6,6 +6,7 @@
 //! and m - 2 with a tilt. So both are counted as noise there.
 
 use super::order::LOCKED_MAX;
+use crate::wide::over;
 
 /// An order far above its neighbours, with its power in 2^-8 of the squared sequence unit, and the root of that.
 #[derive(Clone, Copy)]
@@ -64,8 +65,8 @@ pub(super) fn product(list: &StandingOrders, mounting: [u64; 2], turn: u64, orde
     }
     // u_m = m 2 |c_m| 2 pi / turn, and the product's angle is u_m u_n / order, in |c| half of that. The edges' displacement times the
     // swing's slope is half of that on either side: in |c| 2 pi m |c_m c_1| / turn. Both are in Q8; sizes are in Q4.
-    let both = (seen / 2 + swings / u128::from(order)).saturating_mul(FOUR_PI_Q8);
-    u32::try_from(both / (u128::from(turn.max(1)) << 12)).unwrap_or(u32::MAX)
+    let both = (seen / 2 + over(swings, order.into())).saturating_mul(FOUR_PI_Q8);
+    u32::try_from(over(both, u128::from(turn.max(1)) << 12)).unwrap_or(u32::MAX)
 }
 
 const FOUR_PI_Q8: u128 = 3217;
@@ -77,7 +78,7 @@ pub(super) fn strongest_swing(list: &StandingOrders, order: usize) -> u64 {
     let swings = list
         .iter()
         .map(|standing| u128::from(standing.power) * square(standing.order.into()));
-    u64::try_from(swings.max().unwrap_or(0) / square(order as u64)).unwrap_or(u64::MAX)
+    u64::try_from(over(swings.max().unwrap_or(0), square(order as u64))).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]

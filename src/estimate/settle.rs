@@ -12,6 +12,7 @@ use super::order::{ORDERS_MAX, OrderPlan};
 use super::scale::Fine;
 use super::smooth::Smoothing;
 use super::speeds::Speeds;
+use crate::wide::over;
 
 /// Orders of a slice.
 const ORDERS: usize = 32;
@@ -186,8 +187,10 @@ impl Settling {
     /// `last`.
     fn common(&self, plan: OrderPlan, last: u64) -> u64 {
         // Beyond K the sum of (K / n)^4 is K / 3.
-        let tail =
-            u128::from(last) * 2 * plan.single as u128 / (3 * plan.common_count().max(1) as u128);
+        let tail = over(
+            u128::from(last) * 2 * plan.single as u128,
+            3 * plan.common_count().max(1) as u128,
+        );
         u64::try_from(u128::from(self.jitter) + tail)
             .unwrap_or(u64::MAX)
             .max(1)
@@ -219,7 +222,7 @@ impl Ratio128 {
         // Whatever is lost of either is below one part in a million.
         let down = 88_u32.saturating_sub(numerator.leading_zeros());
         Self {
-            q40: ((numerator >> down) << 40) / (denominator >> down).max(1),
+            q40: over((numerator >> down) << 40, denominator >> down),
         }
     }
 

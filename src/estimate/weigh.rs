@@ -15,6 +15,7 @@ use super::sizes::{Sizing, excess, margin};
 use super::smooth::OWN_BITS;
 use super::spectrum::Coefficient;
 use crate::log2::{LOG2_BITS, exp2, log2};
+use crate::wide::over;
 
 /// One in Q15, the unit of a weight.
 pub(super) const WEIGHT_ONE: u32 = 1 << 15;
@@ -264,7 +265,7 @@ const COMMON_MARGIN_Q8: u64 = 282;
 /// shows up no larger than noise is not believed, and what is five times as large nearly is. Whatever their true size, the expected
 /// error's power is at most 1.2 times that of the estimate itself, and two fifths of it where there is nothing.
 fn mounting_weight(power: u64, noise: u64) -> u32 {
-    let ratio = (u128::from(noise) << 15) / u128::from(power.max(1));
+    let ratio = over(u128::from(noise) << 15, power.max(1).into());
     #[allow(clippy::cast_possible_truncation)]
     let ratio = ratio.min(WEIGHT_ONE.into()) as u32;
     WEIGHT_ONE - ((ratio * ratio) >> WEIGHT_ONE.trailing_zeros())
@@ -288,7 +289,7 @@ fn wiener(size: u64, noise: u64) -> u32 {
         return 0;
     }
     #[allow(clippy::cast_possible_truncation)]
-    let weight = ((u128::from(size) << 15) / total) as u32;
+    let weight = over(u128::from(size) << 15, total) as u32;
     const FLOOR: u32 = WEIGHT_ONE * 3 / 10;
     weight.saturating_sub(FLOOR) * 10 / 7
 }

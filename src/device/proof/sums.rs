@@ -1,6 +1,7 @@
 //! One turn with one table: running sums, and at its end what they leave of the power.
 
 use crate::units::TickDelta8;
+use crate::wide::over;
 
 /// Farthest that an edge may be off, 2^-32 turn: a sixteenth of a turn. A turn with more is not used.
 const OFF_MOST: i32 = 1 << 28;
@@ -72,8 +73,8 @@ impl Sums {
         let bend = 3 * square - (n * n - 1) * first;
         let n = u128::from(edges);
         // The sums of the squares of 1, of x and of that.
-        let slope_norm = n * (n * n - 1) / 3;
-        let bend_norm = 4 * n * (n * n - 1) * (n * n - 4) / 5;
+        let slope_norm = over(n * (n * n - 1), 3);
+        let bend_norm = over(4 * n * (n * n - 1) * (n * n - 4), 5);
         let angle = self
             .squares
             .saturating_sub(share(first, n))
@@ -86,8 +87,8 @@ impl Sums {
             .saturating_sub(share(last, n))
             .saturating_sub(share(interval_slope, slope_norm));
         Powers {
-            interval: (interval << 8) / n,
-            angle: (angle << 8) / n,
+            interval: over(interval << 8, n),
+            angle: over(angle << 8, n),
         }
     }
 }
@@ -103,5 +104,5 @@ fn share(sum: i128, norm: u128) -> u128 {
     let size = sum.unsigned_abs();
     let down = 66_u32.saturating_sub(size.leading_zeros());
     let top = size >> down;
-    ((top * top) / norm.max(1)) << (2 * down)
+    over(top * top, norm) << (2 * down)
 }
