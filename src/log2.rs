@@ -5,6 +5,7 @@ pub const LOG2_BITS: u32 = 16;
 
 /// log2 of `value` in Q16, error below 3.5e-5; the logarithm of zero is taken as that of one half.
 #[must_use]
+#[inline(never)]
 pub fn log2(value: u128) -> i32 {
     if value == 0 {
         return -(1 << LOG2_BITS);
@@ -41,6 +42,7 @@ const fn q30(x: f64) -> i64 {
 
 /// 2^`exponent` (Q16) as an integer, relative error below 1e-5 (and at least one half of an integer step), saturating at 2^63.
 #[must_use]
+#[inline(never)]
 pub fn exp2(exponent: i32) -> u64 {
     let whole = exponent >> LOG2_BITS;
     if whole >= 63 {

@@ -138,6 +138,7 @@ impl Fit {
     };
 
     /// Sums times the regressors, without what the ones before hold of each.
+    #[inline(never)]
     fn fitted(&self, [first, second, third]: [i128; 3]) -> [i128; 2] {
         let second = second - first * self.means[0];
         let third = third - first * self.means[1] - ((second * self.share_q20) >> BITS);

@@ -183,10 +183,7 @@ impl DelayFit {
             return None;
         }
         // A delay of t ticks makes an edge's error smaller by t / reference of a turn.
-        let ticks = |angle_q8: i64| {
-            let product = i128::from(angle_q8) * i128::from(reference);
-            i32::try_from(-product >> (32 - shape.unit_shift)).unwrap_or(0)
-        };
+        let ticks = |angle_q8| ticks(angle_q8, reference, shape.unit_shift);
         // In reverse the other edge of the channel passes, and what is late is behind.
         let of_class = |class: usize| match moments.direction {
             Direction::Forward => ticks(angle_q8[class]),
@@ -246,6 +243,13 @@ impl SolvedDelays {
             *offset = saturated(i64::from(*offset) - saturated_i64(angle >> 24));
         }
     }
+}
+
+/// A delay, 2^-8 tick, whose angle is that with the duration of a turn.
+#[inline(never)]
+fn ticks(angle_q8: i64, reference: u64, unit_shift: u32) -> i32 {
+    let product = i128::from(angle_q8) * i128::from(reference);
+    i32::try_from(-product >> (32 - unit_shift)).unwrap_or(0)
 }
 
 #[allow(clippy::cast_possible_truncation)]

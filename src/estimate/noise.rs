@@ -274,6 +274,7 @@ fn pair_excess_q16(scatter: &[u64; LOW_ORDERS]) -> u64 {
 }
 
 /// Mean over orders of the scatter times the order's fourth power: the same at all of them where speed is a random walk.
+#[inline(never)]
 pub(super) fn slope_of(scatter: &[u64; LOW_ORDERS], orders: RangeInclusive<usize>) -> u64 {
     let (mut sum, mut count) = (0_u64, 0);
     for order in orders {

@@ -15,7 +15,7 @@ use super::moments::Moments;
 use super::order::{ORDERS_MAX, OrderPlan, OrderSet, TORQUES_MAX, TorqueOrder};
 use super::scale::Fine;
 use super::smooth::OWN_BITS;
-use super::spectrum::{COEFFICIENT_BITS, Coefficient};
+use super::spectrum::{COEFFICIENT_BITS, Coefficient, scaled};
 use crate::log2::{LOG2_BITS, exp2, log2};
 
 /// Torque found.
@@ -156,8 +156,10 @@ impl Separation {
                     for index in orders_now.filter(|index| !plan.is_class_order(index + 1)) {
                         let more = torque.beside(index + 1, falls.friction_q16, fall_q30);
                         let products = found.with_mounting(mounting, index + 1, fine, 1 << 30);
-                        let products = self.known.iter().fold(products, |sum, other| {
-                            let both = found.with(*other, index + 1, self.scale_q30, fine);
+                        let with_others = self.known.iter().filter_map(|other| {
+                            found.with(*other, index + 1, self.scale_q30, fine)
+                        });
+                        let products = with_others.fold(products, |sum, both| {
                             sum.plus(both.scaled(fourth_q16 << 14))
                         });
                         orders.difference[index] =
@@ -233,8 +235,9 @@ impl Separation {
                 .plus(known.beside(order, friction_q16, fall_q30))
                 .plus(known.with_mounting(self.mounting, order, fine, share_q30));
             for other in &self.known[..=at] {
-                let both = known.with(*other, order, self.scale_q30, fine);
-                sum = sum.plus(both.scaled(fourth_weighed_q16 << 14));
+                if let Some(both) = known.with(*other, order, self.scale_q30, fine) {
+                    sum = sum.plus(both.scaled(fourth_weighed_q16 << 14));
+                }
             }
         }
         self.beside = sum;
@@ -260,30 +263,28 @@ impl Known {
             };
             return own.scaled(fall_q30 / n);
         }
-        let of_apart = |times: i64, by: i64| {
+        let of_apart_q30 = |times: i64, by: i64| {
             let share_q30 = (times << 30) / (by * (n * n - m * m));
-            self.size.scaled(times_q30(share_q30, fall_q30))
+            times_q30(share_q30, fall_q30)
         };
         Coefficient {
-            re: of_apart(4 * n, 1).im,
-            im: of_apart(-4 * n * n, m).re,
+            re: scaled(self.size.im, of_apart_q30(4 * n, 1)),
+            im: scaled(self.size.re, of_apart_q30(-4 * n * n, m)),
         }
     }
 
     /// What it makes of an order together with another torque, or with itself, at the first turn's speed. The time that a speed w + v takes
     /// is 1 - v / w + (v / w)^2, where v / w is as large as the slope of the angle r, and what r swings back of v is half of that square more:
-    /// the angle is larger by the integral of 1.5 (dr / d theta)^2.
-    fn with(self, other: Self, order: usize, scale_q30: i64, fine: Fine) -> Coefficient {
+    /// the angle is larger by the integral of 1.5 (dr / d theta)^2. None of orders that don't add up to it.
+    fn with(self, other: Self, order: usize, scale_q30: i64, fine: Fine) -> Option<Coefficient> {
         let orders = [self.order, other.order];
-        let Some(turned) = sum_of(orders, order) else {
-            return Coefficient::ZERO;
-        };
+        let turned = sum_of(orders, order)?;
         let sizes = [self, other].map(|torque| torque.size.scaled(scale_q30));
         let [a, b] = orders.map(|order| order as i64);
         let twice = if a == b { 3 } else { 6 };
         let opposite = if turned == [false; 2] { 1 } else { -1 };
         let part = opposite * twice * a * b;
-        product(sizes, turned, fine).scaled((part << 29) / order as i64)
+        Some(product(sizes, turned, fine).scaled((part << 29) / order as i64))
     }
 
     /// What it makes of an order, of so much of it as `share_q30` says, as the edges are where the disc's mounting puts them.
@@ -320,6 +321,7 @@ fn sum_of([one, other]: [usize; 2], order: usize) -> Option<[bool; 2]> {
 }
 
 /// -i times the product of two sizes in radians, conjugate where they are `turned`, in their own unit.
+#[inline(never)]
 fn product(sizes: [Coefficient; 2], turned: [bool; 2], fine: Fine) -> Coefficient {
     let [[a, b], [c, d]] = [0, 1].map(|at| {
         let Coefficient { re, im } = sizes[at];

@@ -55,14 +55,11 @@ impl Coefficient {
     }
 
     /// Both parts times `factor_q30` in Q30, capped.
+    #[inline(never)]
     pub(super) fn scaled(self, factor_q30: i64) -> Self {
-        let times = |x: i32| {
-            let product = (i128::from(x) * i128::from(factor_q30)) >> 30;
-            i32::try_from(product).unwrap_or(if x < 0 { i32::MIN } else { i32::MAX })
-        };
         Self {
-            re: times(self.re),
-            im: times(self.im),
+            re: scaled(self.re, factor_q30),
+            im: scaled(self.im, factor_q30),
         }
     }
 
@@ -86,6 +83,15 @@ impl Coefficient {
     }
 }
 
+/// A part times `factor_q30` in Q30, capped with its own sign.
+pub(super) fn scaled(part: i32, factor_q30: i64) -> i32 {
+    let (whole, low) = (factor_q30 >> 32, factor_q30 & i64::from(u32::MAX));
+    // Beyond 2^40 the product is far beyond 32 bits, whatever the low half adds.
+    let high = (i64::from(part) * whole).clamp(-1 << 40, 1 << 40);
+    let product = (high << 2) + ((i64::from(part) * low) >> 30);
+    i32::try_from(product).unwrap_or(if part < 0 { i32::MIN } else { i32::MAX })
+}
+
 /// Sequences that tests look into.
 #[cfg(test)]
 pub(super) mod waves {
@@ -104,5 +110,27 @@ pub(super) mod waves {
                     .round() as i32
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scaled;
+
+    #[test]
+    fn parts_are_scaled_as_in_128_bits() {
+        let parts = [i32::MIN, -1_234_567, -1, 0, 1, 7_654_321, i32::MAX];
+        let ends = [0, 1, 1 << 30, (1 << 32) - 1, 1 << 32, 1 << 41, i64::MAX];
+        for factor in ends
+            .into_iter()
+            .flat_map(|end| [end, !end, end / 3, -(end / 5)])
+        {
+            for part in parts {
+                let product = (i128::from(part) * i128::from(factor)) >> 30;
+                let capped = if part < 0 { i32::MIN } else { i32::MAX };
+                let expected = i32::try_from(product).unwrap_or(capped);
+                assert_eq!(scaled(part, factor), expected, "{part} {factor}");
+            }
+        }
     }
 }
