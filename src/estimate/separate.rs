@@ -152,16 +152,16 @@ impl Separation {
                     let found = *torque;
                     let mounting = self.mounting(orders, share_q30);
                     let fourth_q16 = falls.fourth_plain_q16 - falls.fourth_weighed_q16;
+                    let pairs_q30 = self.pairs_q30(fourth_q16);
                     let orders_now = self.cursor.next(BESIDE, plan.single);
                     for index in orders_now.filter(|index| !plan.is_class_order(index + 1)) {
                         let more = torque.beside(index + 1, falls.friction_q16, fall_q30);
                         let products = found.with_mounting(mounting, index + 1, fine, 1 << 30);
-                        let with_others = self.known.iter().filter_map(|other| {
-                            found.with(*other, index + 1, self.scale_q30, fine)
-                        });
-                        let products = with_others.fold(products, |sum, both| {
-                            sum.plus(both.scaled(fourth_q16 << 14))
-                        });
+                        let with_others = self
+                            .known
+                            .iter()
+                            .filter_map(|other| found.with(*other, index + 1, pairs_q30, fine));
+                        let products = with_others.fold(products, Coefficient::plus);
                         orders.difference[index] =
                             orders.difference[index].minus(more).minus(products);
                     }
@@ -228,6 +228,7 @@ impl Separation {
             ..
         } = self.shaft.falls;
         let fall_q30 = times_q30(weighed_q30, self.scale_q30);
+        let pairs_q30 = self.pairs_q30(fourth_weighed_q16);
         let mut sum = self.beside;
         for at in which {
             let known = self.known[at];
@@ -235,12 +236,18 @@ impl Separation {
                 .plus(known.beside(order, friction_q16, fall_q30))
                 .plus(known.with_mounting(self.mounting, order, fine, share_q30));
             for other in &self.known[..=at] {
-                if let Some(both) = known.with(*other, order, self.scale_q30, fine) {
-                    sum = sum.plus(both.scaled(fourth_weighed_q16 << 14));
+                if let Some(both) = known.with(*other, order, pairs_q30, fine) {
+                    sum = sum.plus(both);
                 }
             }
         }
         self.beside = sum;
+    }
+
+    /// What two torques make of a sum with a mean fourth power of the duration, over what they make with their sizes in the difference, Q30.
+    fn pairs_q30(&self, fourth_q16: i64) -> i64 {
+        let once_q30 = times_q30(fourth_q16 << 14, self.scale_q30);
+        times_q30(once_q30, self.scale_q30)
     }
 }
 
@@ -273,18 +280,18 @@ impl Known {
         }
     }
 
-    /// What it makes of an order together with another torque, or with itself, at the first turn's speed. The time that a speed w + v takes
+    /// What it makes of an order together with another torque, or with itself, times `share_q30`. The time that a speed w + v takes
     /// is 1 - v / w + (v / w)^2, where v / w is as large as the slope of the angle r, and what r swings back of v is half of that square more:
     /// the angle is larger by the integral of 1.5 (dr / d theta)^2. None of orders that don't add up to it.
-    fn with(self, other: Self, order: usize, scale_q30: i64, fine: Fine) -> Option<Coefficient> {
+    fn with(self, other: Self, order: usize, share_q30: i64, fine: Fine) -> Option<Coefficient> {
         let orders = [self.order, other.order];
         let turned = sum_of(orders, order)?;
-        let sizes = [self, other].map(|torque| torque.size.scaled(scale_q30));
         let [a, b] = orders.map(|order| order as i64);
         let twice = if a == b { 3 } else { 6 };
         let opposite = if turned == [false; 2] { 1 } else { -1 };
         let part = opposite * twice * a * b;
-        Some(product(sizes, turned, fine).scaled((part << 29) / order as i64))
+        let factor_q30 = times_q30((part << 29) / order as i64, share_q30);
+        Some(product([self.size, other.size], turned, factor_q30, fine))
     }
 
     /// What it makes of an order, of so much of it as `share_q30` says, as the edges are where the disc's mounting puts them.
@@ -299,8 +306,8 @@ impl Known {
         for (size, of_mounting) in mounting.into_iter().zip(1..) {
             if let Some(turned) = sum_of([self.order, of_mounting], order) {
                 let slope = if turned[0] { -1 } else { 1 } * self.order as i64;
-                let torque = self.size.scaled(share_q30);
-                sum = sum.plus(product([torque, size], turned, fine).scaled(slope << 30));
+                let factor_q30 = times_q30(slope << 30, share_q30);
+                sum = sum.plus(product([self.size, size], turned, factor_q30, fine));
             }
         }
         sum
@@ -320,26 +327,28 @@ fn sum_of([one, other]: [usize; 2], order: usize) -> Option<[bool; 2]> {
     }
 }
 
-/// -i times the product of two sizes in radians, conjugate where they are `turned`, in their own unit.
+/// -i times a factor and the product of two sizes in radians, conjugate where they are `turned`, in their own unit. The factor comes before the
+/// product is rounded: from a fast first turn to a slow one what two torques make grows by a million and more.
 #[inline(never)]
-fn product(sizes: [Coefficient; 2], turned: [bool; 2], fine: Fine) -> Coefficient {
+fn product(sizes: [Coefficient; 2], turned: [bool; 2], factor_q30: i64, fine: Fine) -> Coefficient {
     let [[a, b], [c, d]] = [0, 1].map(|at| {
         let Coefficient { re, im } = sizes[at];
-        [re, if turned[at] { im.saturating_neg() } else { im }].map(i128::from)
+        [re, if turned[at] { im.saturating_neg() } else { im }].map(i64::from)
     });
     // 2 pi, Q16.
-    const TAU_Q16: i128 = 411_775;
-    let in_unit = |part: i128| {
-        let part = (part * TAU_Q16) >> (16 + 32 + fine.bits + COEFFICIENT_BITS);
-        saturated(i64::try_from(part).unwrap_or(0))
+    const TAU_Q16: i64 = 411_775;
+    let in_unit = |part: i64| {
+        let part = times_q30(times_q30(part, TAU_Q16), factor_q30);
+        saturated(part >> (16 + 32 - 30 + fine.bits + COEFFICIENT_BITS))
     };
     Coefficient {
-        re: in_unit(a * d + b * c),
-        im: in_unit(b * d - a * c),
+        re: in_unit((a * d).saturating_add(b * c)),
+        im: in_unit((b * d).saturating_sub(a * c)),
     }
 }
 
 /// Product of two factors in Q30.
+#[inline(never)]
 fn times_q30(a: i64, b: i64) -> i64 {
     let product = (i128::from(a) * i128::from(b)) >> 30;
     i64::try_from(product).unwrap_or(if product < 0 { i64::MIN } else { i64::MAX })

@@ -2,6 +2,10 @@
 
 extern crate std;
 use super::*;
+use crate::edge::Direction;
+use crate::estimate::course::Course;
+use crate::estimate::damping::Damping;
+use crate::estimate::speeds::{Speeds, Weighing};
 use std::vec::Vec;
 
 const SAMPLES: usize = 4096;
@@ -130,5 +134,85 @@ fn torque_is_met_where_the_mounting_puts_the_edges() {
         let told = known.with_mounting(mounted, order, fine, 1 << 30);
         let off = (f64::from(told.re) - re).hypot(f64::from(told.im) - im);
         assert!(off < 0.01 * re.hypot(im), "{order}: {told:?} {re} {im}");
+    }
+}
+
+/// What is left at orders 1 to 20 of a weighed mean of five turns each of these durations, with a torque at order 5 as it is in turns of
+/// 40 million ticks.
+fn left_of_torque(durations: [u64; 2], torque: Known, fine: Fine) -> Vec<Coefficient> {
+    let mut speeds = Speeds::NONE;
+    let mut weighing = Weighing::NEW;
+    let turns: Vec<_> = durations.into_iter().flat_map(|ticks| [ticks; 5]).collect();
+    let places: Vec<_> = turns
+        .iter()
+        .map(|&ticks| speeds.place(ticks).unwrap())
+        .collect();
+    for (at, &place) in places.iter().enumerate() {
+        weighing.add(place.bin);
+        speeds.count(place, at % 2 == 0);
+    }
+    let mut course = Course::NONE;
+    for (&ticks, &place) in turns.iter().zip(&places) {
+        course.take((ticks, Direction::Forward, place), None, 0, &weighing);
+    }
+    let moments = Moments::of(&speeds, &weighing, true);
+
+    let mean = |weight: &dyn Fn(usize) -> f64, power: i32| {
+        let parts = turns.iter().zip(&places).map(|(&ticks, place)| {
+            let weight = weight(place.bin);
+            [weight, weight * (ticks as f64 / 40e6).powi(power)]
+        });
+        let [weights, sum] = parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
+        (sum / weights * f64::from(1 << 30)) as i64
+    };
+    let means = |power| {
+        let weighed = mean(&|bin| weighing.weight_q16(bin) as f64, power);
+        [weighed, mean(&|_| 1.0, power) - weighed]
+    };
+    let mut orders = std::boxed::Box::new(Orders {
+        coefficients: [Coefficient::ZERO; ORDERS_MAX],
+        noise: [1000; ORDERS_MAX],
+        own: [0; ORDERS_MAX],
+        difference: [Coefficient::ZERO; ORDERS_MAX],
+        doubt: [1_000_000; ORDERS_MAX],
+    });
+    let twice = torque.with(torque, 10, 1 << 30, fine).unwrap();
+    for (order, size, power) in [(5, torque.size, 2), (10, twice, 4)] {
+        let [weighed, more] = means(power).map(|share| size.scaled(share));
+        (orders.coefficients[order - 1], orders.difference[order - 1]) = (weighed, more);
+    }
+
+    let damping = Damping {
+        likely_q32: 0,
+        most_q32: 0,
+    };
+    let falls = course.falls(moments.weight_q16, moments.turns);
+    let mut separation = Separation::new(&moments, Shaft { damping, falls });
+    let mut torques = Torques::NONE;
+    let plan = OrderPlan::new(10_000, 2500, 1000);
+    while separation
+        .slice(plan, &mut orders, fine, &mut torques)
+        .is_pending()
+    {}
+    orders.coefficients[..20].to_vec()
+}
+
+#[test]
+fn products_are_taken_out_as_well_from_a_fast_first_turn_as_from_a_slow_one() {
+    let torque = Known {
+        order: 5,
+        size: Coefficient {
+            re: 12_000_000,
+            im: -8_000_000,
+        },
+    };
+    for durations in [[40_000_000, 1_000_000], [1_000_000, 40_000_000]] {
+        for (index, left) in left_of_torque(durations, torque, Fine { bits: 4 })
+            .into_iter()
+            .enumerate()
+        {
+            let order = index + 1;
+            assert!(left.power() < 100 * 100, "{durations:?} {order}: {left:?}");
+        }
     }
 }
