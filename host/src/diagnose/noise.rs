@@ -96,7 +96,7 @@ impl Tails {
         };
         let error = (square(white) / count).sqrt();
         let skewed = off(0.0);
-        if skewed.abs() < FAR * error {
+        if skewed.abs() <= FAR * error {
             return about(0.0).collect();
         }
         let (mut near, mut far) = (0.0, -FAR.copysign(skewed));
@@ -329,6 +329,14 @@ fn square(white: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn weights_of_innovations_that_are_all_alike_are_alike() {
+        for white in [0.0, 2.0] {
+            let weights = Tails::Student.weights(&[white; 100]);
+            assert!(weights.iter().all(|weight| *weight == weights[0]));
+        }
+    }
 
     #[test]
     fn weights_leave_the_mean_of_skewed_noise_where_it_is() {
