@@ -13,13 +13,16 @@ struct Run {
 }
 
 impl Run {
+    /// Before the first turn.
+    const NEW: Self = Self {
+        agreement: Agreement::NONE,
+        speeds: Speeds::NONE,
+        random: 1,
+    };
+
     /// After some turns that agree.
     fn settled() -> Self {
-        let mut run = Self {
-            agreement: Agreement::NONE,
-            speeds: Speeds::NONE,
-            random: 1,
-        };
+        let mut run = Self::NEW;
         run.speeds.place(TURN).unwrap();
         for _ in 0..6 {
             assert!(run.take(TURN, 1000, [0; LOW_ORDERS]));
@@ -124,11 +127,7 @@ fn turns_that_stay_rough_are_taken_in_the_end_and_said_to_scatter() {
 #[test]
 fn coarse_time_stamps_that_scatter_for_hundreds_of_turns_reject_none() {
     // A clock of 375 ticks a turn: a tick is 2^36 / 375 at each order.
-    let mut run = Run {
-        agreement: Agreement::NONE,
-        speeds: Speeds::NONE,
-        random: 1,
-    };
+    let mut run = Run::NEW;
     for _ in 0..400 {
         let tick = core::array::from_fn(|_| run.noise(45_000_000));
         assert!(run.take(375, 1000, tick));
@@ -138,11 +137,7 @@ fn coarse_time_stamps_that_scatter_for_hundreds_of_turns_reject_none() {
 
 #[test]
 fn torque_that_grows_as_the_shaft_slows_is_no_scatter() {
-    let mut run = Run {
-        agreement: Agreement::NONE,
-        speeds: Speeds::NONE,
-        random: 1,
-    };
+    let mut run = Run::NEW;
     run.speeds.place(TURN).unwrap();
     for turn in 0..30 {
         let duration = TURN + turn * TURN / 100;
