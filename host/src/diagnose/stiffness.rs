@@ -5,6 +5,8 @@
 //! forgets what that made of its speed (G. E. Uhlenbeck, L. S. Ornstein, Physical Review 36, 1930). But that goes by the noise's being
 //! white, which nobody knows: noise that forgets at a rate says b to that rate itself and no better.
 
+use rayon::prelude::*;
+
 use super::lsq::{self, Solution};
 use super::model::{Board, Fit, Model};
 use super::pattern::Pattern;
@@ -70,21 +72,22 @@ impl Board {
             return;
         }
         let rate = self.edge_rate();
-        let held = |share: f64| self.forgetting(share * rate, model).map(|one| (share, one));
-        let Some((_, (_, loose))) = held(0.0) else {
+        let held = |share: f64| {
+            let (board, cost) = self.forgetting(share * rate, model)?;
+            Some((share, board, cost))
+        };
+        let Some((_, _, loose)) = held(0.0) else {
             return;
         };
-        let tried = FORGETS.into_iter().filter_map(held);
-        let mut tried: Vec<_> = tried
-            .map(|(share, (one, cost))| (share, one, cost))
-            .collect();
+        let tried = FORGETS.par_iter().filter_map(|share| held(*share));
+        let mut tried: Vec<_> = tried.collect();
         for _ in 0..NEARER {
             // Best at the end of all rates is what does not move as a shaft does.
             let between = least(&tried).and_then(held);
-            let Some((share, (board, cost))) = between else {
+            let Some(between) = between else {
                 return;
             };
-            tried.push((share, board, cost));
+            tried.push(between);
             tried.sort_by(|one, other| one.0.total_cmp(&other.0));
         }
         let best = tried
@@ -104,11 +107,13 @@ impl Board {
     fn forget(&mut self, model: &Model) -> bool {
         let now = self.hold_now().forgets;
         let most = self.edge_rate();
-        let each = ABOUT.map(|share| {
+        let each = ABOUT.par_iter().map(|share| {
             let tried = now > 0.0 && share * now < most;
-            tried.then(|| self.forgetting(share * now, model))
+            tried.then(|| self.forgetting(share * now, model)).flatten()
         });
-        let [Some(loose), less, Some(same), more] = each.map(Option::flatten) else {
+        let mut each = each.collect::<Vec<_>>().into_iter();
+        let mut next = || each.next().flatten();
+        let (Some(loose), less, Some(same), more) = (next(), next(), next(), next()) else {
             return false;
         };
         let others = [less, more].into_iter().flatten();

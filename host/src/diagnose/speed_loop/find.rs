@@ -26,7 +26,7 @@ const OTHERS: i32 = 40;
 const OTHER: f64 = 3.7e-3;
 /// Slowest and fastest rate that is looked for, of edges.
 const RATES: Range<f64> = 0.02..20.0;
-/// Rates that are looked at closer.
+/// Rates that are looked at closer at first; of more edges half as many each time.
 const KEPT: usize = 64;
 /// A rate that samples the right instants among others shows as well: ratios to the right one are of numbers up to this.
 const RELATED: u32 = 16;
@@ -282,18 +282,24 @@ fn seen(board: &Board, fit: &Fit) -> Vec<Seen> {
 
 /// The rate next to one that explains most.
 fn nearby(seen: &[Seen], mut rate: f64) -> f64 {
-    let most = most(seen);
-    let mut step = APART / most as f64;
-    let whole = |rate: &f64| sums(seen, *rate, most).0;
+    let mut step = APART / most(seen) as f64;
     for _ in 0..ROUNDS {
         let steps = -STEPS..=STEPS;
         let near = steps.map(|by| rate * (1.0 + f64::from(by) * step / f64::from(STEPS)));
-        rate = near
-            .max_by(|a, b| whole(a).total_cmp(&whole(b)))
-            .unwrap_or(rate);
+        rate = explains_most(seen, near.collect()).unwrap_or(rate);
         step *= 4.0 / f64::from(STEPS);
     }
     rate
+}
+
+/// The one of some rates that explains most of all edges.
+fn explains_most(seen: &[Seen], rates: Vec<f64>) -> Option<f64> {
+    let most = most(seen);
+    let each = rates.into_par_iter();
+    let each = each.map(|rate| (sums(seen, rate, most).0, rate));
+    let each: Vec<(f64, f64)> = each.collect();
+    let best = each.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, rate)| rate)
 }
 
 /// Edges of the longest recording.
@@ -309,18 +315,21 @@ fn rate(seen: &[Seen]) -> Option<f64> {
     let (slow, fast) = per_s.fold((f64::INFINITY, 0.0_f64), |all, one| {
         (all.0.min(one), all.1.max(one))
     });
-    let (least_hz, span) = (slow * RATES.start, fast * RATES.end / (slow * RATES.start));
+    let range_hz = slow * RATES.start..fast * RATES.end;
+    let span = range_hz.end / range_hz.start;
     let mut edges = FIRST.min(most);
     let mut apart = APART / edges as f64;
     let count = (span.ln() / apart) as usize;
-    let rates = (0..count).map(|at| least_hz * (at as f64 * apart).exp());
+    let rates = (0..count).map(|at| range_hz.start * (at as f64 * apart).exp());
     let mut rates: Vec<f64> = rates.collect();
+    let mut kept = KEPT;
     let best = loop {
         let each = rates.par_iter();
         let each = each.map(|rate| (sigmas(seen, *rate, edges), *rate));
         let mut each: Vec<(f64, f64)> = each.collect();
         each.sort_by(|a, b| b.0.total_cmp(&a.0));
-        each.truncate(KEPT);
+        each.truncate(kept);
+        kept = (kept / 2).max(1);
         if edges == most {
             break each.first()?.1;
         }
@@ -335,7 +344,7 @@ fn rate(seen: &[Seen]) -> Option<f64> {
     let best = nearby(seen, best);
     let related = (1..=RELATED).flat_map(|up| (1..=RELATED).map(move |down| (up, down)));
     let related = related.map(|(up, down)| best * f64::from(up) / f64::from(down));
-    let whole = |rate: &f64| sums(seen, *rate, most).0;
-    let rate = related.max_by(|a, b| whole(a).total_cmp(&whole(b)))?;
+    let related = related.filter(|rate| range_hz.contains(rate));
+    let rate = explains_most(seen, related.collect())?;
     Some(nearby(seen, rate))
 }
