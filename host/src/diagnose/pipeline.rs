@@ -43,19 +43,15 @@ pub fn diagnose(
             bench.turn(by)?;
         }
     }
-    speed_loop::find(&mut benches);
+    let first = some(&benches, stages(&benches)[0])?;
+    speed_loop::find(&mut benches, first);
     let mut stages = stages(&benches).into_iter();
     let some_of = |benches: &[Bench], few: Option<i64>| -> Vec<Record> {
         let each = benches.iter().map(|bench| &bench.record);
         each.map(|record| few.map_or_else(|| record.clone(), |few| record.of_some(few)))
             .collect()
     };
-    let few = stages.next().flatten();
-    let first = benches.iter().map(|bench| match few {
-        Some(few) => bench.along(bench.record.of_some(few)),
-        None => Ok(bench.clone()),
-    });
-    let mut given = first.collect::<Result<Vec<_>, _>>()?;
+    let mut given = some(&benches, stages.next().flatten())?;
     let mut board = Board::new(given.clone());
     progress(0.15, "Searching");
     let mut found = search::search(&mut board);
@@ -247,6 +243,15 @@ fn stages(benches: &[Bench]) -> Vec<Option<i64>> {
     let mut stages: Vec<_> = some.into_iter().flatten().map(Some).collect();
     stages.push(None);
     stages
+}
+
+/// The same with so many edges of the disc.
+fn some(benches: &[Bench], few: Option<i64>) -> Result<Vec<Bench>, DiagnoseError> {
+    let each = benches.iter().map(|bench| match few {
+        Some(few) => Ok(bench.along(bench.record.of_some(few))?),
+        None => Ok(bench.clone()),
+    });
+    each.collect()
 }
 
 /// Edges of a disc that make about so many of a recording's, where leaving out the others is worth it.

@@ -42,18 +42,24 @@ const TIMEOUT: f64 = 20.0;
 const LINES: usize = 8;
 const WIDE: usize = 2;
 
-/// Puts the speed loop that drives the shaft of undeclared drives into what was found of each recording, where the edges show one.
-pub fn find(benches: &mut [Bench]) {
+/// Puts the speed loop that drives the shaft of undeclared drives into what was found of each recording, where the edges show one. How the
+/// drive holds the shaft otherwise goes by `some` edges of the recordings, which tell that as well.
+pub fn find(benches: &mut [Bench], some: Vec<Bench>) {
     let undriven = benches
         .iter()
         .all(|bench| bench.twin.drive == Drive::Unknown);
     if !undriven {
         return;
     }
-    let (board, fit, before) = {
-        let board = Board::new(benches.to_vec());
-        board.at_its_noise(&search::nuisances(&board))
-    };
+    let mut board = Board::new(some);
+    if board.edges() < benches.iter().map(|bench| bench.record.len()).sum() {
+        let all = benches.iter().map(|bench| bench.record.clone());
+        let Some(more) = board.along(all.collect(), &search::nuisances(&board)) else {
+            return;
+        };
+        board = more;
+    }
+    let (board, fit, before) = board.at_its_noise(&search::nuisances(&board));
     // As many rates are tried as differ by a part of an interval.
     let tried = (RATES.end / RATES.start).ln() * board.edges() as f64 / APART;
     let sure = SURE + 2.0 * tried.ln();
