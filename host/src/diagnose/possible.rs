@@ -1,5 +1,8 @@
 //! What no machine can be: friction that drives a shaft, edges that pass each other, a disc that is off its centre by more than any.
 
+use std::f64::consts::TAU;
+
+use super::bench::Bench;
 use super::effect::{Carrier, Effect, Growth, Here, Site};
 use super::model::{Board, Model, Term};
 use super::pattern::LARGE;
@@ -8,6 +11,8 @@ use crate::mechanism::Mechanism;
 /// Speeds at which friction is seen, and part of its largest that errors of its numbers may make push.
 const SPEEDS: u32 = 8;
 const FREE: f64 = 0.05;
+/// Edges within the time constant of what settles, at the least.
+const SETTLES: usize = 8;
 /// Order that torques of motors and gears stay below: more edges a turn show all of them as they are.
 const HIGHEST: f64 = 64.0;
 
@@ -16,13 +21,13 @@ impl Board {
     #[must_use]
     pub fn can_be(&self, model: &Model) -> bool {
         let mut terms = model.terms.iter();
-        terms.all(|term| !self.is_alias(&term.effect))
+        terms.all(|term| !self.is_alias(&term.effect) && self.shows_settle(&term.effect))
             && self.keeps_order(model)
             && self.dissipates(model)
     }
 
     /// Whether an order of the disc is another effect's: past half of the edges it is that of a lower one, and what is the same at each line
-    /// is that of edge classes. Torques past it and above those of motors and gears show nowhere but where the shaft hardly moves, as
+    /// is that of edge classes, where these are no more numbers than the wave. Torques past it and above those of motors and gears show nowhere but where the shaft hardly moves, as
     /// anything does that happens there; so do those that edges show as less than once a turn, where the drive is unknown.
     #[must_use]
     pub fn is_alias(&self, effect: &Effect) -> bool {
@@ -34,7 +39,7 @@ impl Board {
             let lines = (record.of_edges / record.classes) as f64;
             let fast = order > 0.5 * record.edges as f64;
             match effect.site {
-                Site::Disc(_) => fast || (order / lines).fract() == 0.0,
+                Site::Disc(_) => fast || record.channels() < 3 && (order / lines).fract() == 0.0,
                 Site::Torque => {
                     let edges = record.edges as f64;
                     let off = order - edges * (order / edges).round();
@@ -42,6 +47,18 @@ impl Board {
                 }
                 _ => false,
             }
+        })
+    }
+
+    /// Whether edges show how an effect settles: what is over within a few of them is there all along.
+    fn shows_settle(&self, effect: &Effect) -> bool {
+        let Carrier::Settling(from_s, tau_s) = effect.carrier else {
+            return true;
+        };
+        self.benches.iter().any(|bench| {
+            let times = &bench.record.time_s;
+            let before = |time_s: f64| times.partition_point(|time| *time <= time_s);
+            before(from_s + tau_s) - before(from_s) >= SETTLES
         })
     }
 
@@ -142,7 +159,7 @@ impl Board {
     }
 
     /// Whether all edges come in their order with what a model shifts: an edge does not pass the next one, and one of many that are off
-    /// alike does not come near it. No rhythm and no play is larger than a machine's.
+    /// alike does not come near it, nor does one that swings go as fast as the shaft. No rhythm and no play is larger than a machine's.
     #[must_use]
     fn keeps_order(&self, model: &Model) -> bool {
         let shifts = |term: &&Term| {
@@ -151,7 +168,7 @@ impl Board {
         let [_, run_out] = Mechanism::Bearing.card().range("runout_rad");
         model.terms.iter().filter(shifts).all(|term| {
             let (most, amplitude) = match term.effect.carrier {
-                Carrier::Order(_) | Carrier::Tone(_) => (LARGE, run_out),
+                Carrier::Order(_) | Carrier::Tone(_) | Carrier::Chirp(..) => (LARGE, run_out),
                 Carrier::Direction => (1.0, run_out),
                 _ => (1.0, f64::INFINITY),
             };
@@ -160,7 +177,18 @@ impl Board {
                 .iter()
                 .fold(0.0, |sum: f64, size| sum.hypot(*size));
             let varies = term.effect.growth != Growth::Constant;
+            let goes = |bench: &Bench| {
+                let hz = match term.effect.carrier {
+                    Carrier::Tone(hz) => hz,
+                    Carrier::Chirp(hz, rate) => {
+                        hz.abs().max((hz + rate * bench.record.seconds()).abs())
+                    }
+                    _ => 0.0,
+                };
+                TAU * hz * size < LARGE * bench.leaps.speed()
+            };
             (varies || size <= amplitude)
+                && self.benches.iter().all(goes)
                 && self.benches.iter().all(|bench| {
                     let columns = bench.columns(&term.effect);
                     let off = |at: usize| {

@@ -291,3 +291,15 @@ fn the_score_of_a_free_disc_tells_what_changes_at_a_place() {
         );
     }
 }
+
+#[test]
+fn what_settles_within_a_few_edges_is_no_drift() {
+    let board = board(PAIR_FAST);
+    let times = &board.benches[0].record.time_s;
+    let [few, many] = [4, 100].map(|edges| {
+        let carrier = Carrier::Settling(times[0], times[edges] - times[0]);
+        let effect = Effect::new(Site::Level(On::ALL), carrier);
+        board.can_be(&Model::default().with(&[effect], 0))
+    });
+    assert!(!few && many);
+}
