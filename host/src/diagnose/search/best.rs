@@ -101,7 +101,7 @@ pub fn another_disc(board: &Board, bank: &Bank, fit: &Fit, cells: usize) -> Opti
 
 /// Evidence that some cells have together, each beside those before it, up to what is enough: what a few effects explain needs no disc.
 /// Nor does what another size of the declared one explains.
-fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) -> f64 {
+pub fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64) -> f64 {
     let mut board = board.clone();
     let drawn = correct::of_disc(&board);
     let sized = drawn.iter().flat_map(|slopes| board.correct(slopes));
@@ -269,8 +269,9 @@ impl<'a> Beside<'a> {
             model.add_open(&own_errors(board, &model, effects), group);
             let next = board.fit(&model);
             let drags = board.undriven && effects.iter().all(Effect::is_friction);
-            // What does not recur is what a drive that nobody declared did there.
-            if !drags || judge::recurs(board, &next, group) {
+            // What does not recur is what a drive that nobody declared did there, and a little of what counts as noise is how it goes on.
+            let shows = self.fit.rss - next.rss > LOUD * self.fit.rss;
+            if !drags || shows && judge::recurs(board, &next, group) {
                 return worth(next).filter(|(_, next)| board.can_be(&next.model));
             }
         }

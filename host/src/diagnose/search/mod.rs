@@ -7,7 +7,7 @@ mod open;
 
 use rayon::prelude::*;
 
-pub use best::{ALIKE, candidates, torque_orders, worth};
+pub use best::{ALIKE, candidates, together, torque_orders, worth};
 pub use classes::joins;
 pub use open::{nuisances, with};
 
