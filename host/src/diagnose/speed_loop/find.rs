@@ -9,6 +9,7 @@ use statrs::statistics::Statistics;
 
 use super::{Tie, Unsaid};
 use crate::diagnose::bench::Bench;
+use crate::diagnose::cells::Bank;
 use crate::diagnose::disc;
 use crate::diagnose::model::{Board, Fit};
 use crate::diagnose::plant::Hold;
@@ -38,6 +39,8 @@ const FITTED: usize = 3;
 /// Intervals of the mean speed without an edge after which a loop sees a standstill.
 const TIMEOUT: f64 = 20.0;
 
+/// Effects that may do as much as a loop.
+const FEW: usize = 2;
 /// Frequencies at which a few missing effects may do most, and how many steps of the spectrum each is wide to either side.
 const LINES: usize = 8;
 const WIDE: usize = 2;
@@ -81,7 +84,10 @@ pub fn find(benches: &mut [Bench], some: Vec<Bench>) {
         own.is_some_and(|own| own.own.gains.kp > 0.0)
     });
     let (_, _, after) = looped.at_its_noise(&search::nuisances(&looped));
-    if holds && after < before - sure && broad(&board, &looped) > sure {
+    let fall = before - after;
+    // A tone or two do as much as a loop that samples twice in each of their periods.
+    let few = || search::together(&board, &Bank::new(&board), &fit, FEW, fall);
+    if holds && fall > sure && broad(&board, &looped) > sure && few() < fall {
         for (bench, with) in benches.iter_mut().zip(looped.benches) {
             bench.found = with.found;
         }
