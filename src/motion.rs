@@ -83,6 +83,13 @@ impl Motion {
         self.last = ticks;
     }
 
+    /// Notes edges that did not come, where steady motion has them, `interval` apart.
+    pub fn push_lost(&mut self, edges: u16, interval: u32) {
+        for _ in 0..edges {
+            self.push(self.last.saturating_add(Ticks::from(interval)), interval);
+        }
+    }
+
     /// [`Motion::push`] where history [`Motion::is_full`] and the interval is below STANDING. Returns the next
     /// [`Motion::quick_limit`].
     #[inline]

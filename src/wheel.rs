@@ -8,10 +8,14 @@
 //! lost tooth shows as a gap at the wrong place.) A gap anywhere but at the end of the count is booked as lost or extra edges, resynchronised and flagged, as is a turn that ends without one.
 //!
 //! Without missing teeth position counts from the first edge. In steady motion an interval of 1.6 pitches or more is taken
-//! as lost pulses (up to three, booked as lost), and one below the glitch gate as a spurious pulse; the slots are suspect
-//! for one turn. Lost pulses in unsteady motion can't be seen.
+//! as lost pulses (up to [`LOST`], booked as lost), and one below the glitch gate as a spurious pulse; the slots are suspect
+//! for one turn. Motion stays steady as if they had come, so that the next ones that are lost are counted as well. Lost
+//! pulses in unsteady motion can't be seen.
 
 mod config;
+
+/// Pulses lost one after the other that are counted; more of them are a standstill.
+const LOST: u16 = 14;
 
 use crate::counter::Counter;
 use crate::edge::{Direction, Sample};
@@ -145,17 +149,19 @@ impl WheelDecoder {
         } else {
             0
         };
-        self.pitch = pitch;
-        self.motion.push(sample.ticks, pitch);
         if lost > 0 {
             self.faults.lost = self
                 .faults
                 .lost
                 .saturating_add(u32::from(lost * self.pitch_edges()));
             self.suspect();
-            self.pitch = 0;
+            self.motion.push_lost(lost, self.pitch);
+            self.motion
+                .push(sample.ticks, self.motion.interval(sample.ticks));
             return self.accept(sample, 1 + lost * self.pitch_edges(), 0, Flags::SPIKE);
         }
+        self.pitch = pitch;
+        self.motion.push(sample.ticks, pitch);
         let outcome = self.accept(sample, 1, 0, Flags::NONE);
         // The count must not run into the missing teeth.
         if self.config.missing > 0 && self.status.contains(Flags::REFERENCED) {
@@ -211,19 +217,12 @@ impl WheelDecoder {
 
     /// Pulses missing before this one, in steady motion.
     fn lost(&self, pitch: u32) -> u16 {
-        let tenths = u64::from(pitch) * 10;
-        let last = u64::from(self.pitch);
+        let (tenths, last) = (u64::from(pitch) * 10, u64::from(self.pitch));
         if !self.motion.is_steady() || tenths < last * 16 {
-            0
-        } else if tenths < last * 25 {
-            1
-        } else if tenths < last * 35 {
-            2
-        } else if tenths < last * 45 {
-            3
-        } else {
-            0
+            return 0;
         }
+        let longest = (1..=LOST).find(|lost| tenths < last * u64::from(lost * 10 + 15));
+        longest.unwrap_or(0)
     }
 
     /// Counts the last of `advance` slots; the ones before are the gap's or lost ones.
@@ -258,9 +257,10 @@ impl WheelDecoder {
 
     fn suspect(&mut self) {
         self.status = self.status.with(Flags::TURN_SUSPECT);
-        self.motion.unsettle();
         if self.config.missing == 0 {
             self.suspect = self.counter.slots();
+        } else {
+            self.motion.unsettle();
         }
     }
 }
