@@ -23,7 +23,7 @@ use quadcal::corrector::Corrector;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::edge::Sample;
 use quadcal::estimate::{Anchor, Estimator, Progress, StaticBuffers};
-use quadcal::interval::{Interval, IntervalConfig};
+use quadcal::interval::{ErrorChange, Interval, IntervalConfig};
 use quadcal::shape::{CLASSES_MAX, EncoderShape};
 use quadcal::step::Outcome;
 use quadcal::table::ErrorTable;
@@ -169,7 +169,7 @@ fn chain_block(decoder: &mut QuadratureDecoder, corrector: &mut Corrector<'_>, s
 fn time_block(interval: &mut Interval, outcomes: &[Outcome]) {
     for outcome in outcomes {
         if let Outcome::Step(step) = black_box(outcome) {
-            interval.push(step, TurnDelta32(0));
+            interval.push(step, ErrorChange::NONE);
             black_box(&interval);
         }
     }
