@@ -133,7 +133,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             Related {
                 angle,
                 moved,
-                change: self.change(step.edge, moved),
+                change: self.change(self.newest().number, step.edge, moved),
                 interval: step.interval,
                 delay: class.delay,
             }
@@ -164,16 +164,15 @@ impl<'a, E: Entry> Corrector<'a, E> {
 
     /// Whether a step with these flags follows the last one plainly.
     #[inline]
-    fn follows(&self, flags: Flags) -> bool {
+    pub(crate) fn follows(&self, flags: Flags) -> bool {
         flags.within(RELATION) == self.related
     }
 
-    /// Difference of errors to an edge from the newest, `moved` away: what the way is short of the grid's.
+    /// Difference of errors from one edge to another, `moved` away: what the way is short of the grid's.
     #[inline]
-    fn change(&self, edge: u32, moved: TurnDelta32) -> ErrorChange {
+    pub(crate) fn change(&self, from: u32, to: u32, moved: TurnDelta32) -> ErrorChange {
         let grid = self.table.grid();
-        let way = grid.angle(edge).minus(grid.angle(self.newest().number));
-        ErrorChange::from_to(moved, way)
+        ErrorChange::from_to(moved, grid.angle(to).minus(grid.angle(from)))
     }
 
     /// A step that may not follow the one before plainly.
@@ -189,7 +188,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
         let (moved, change) = match self.recent() {
             Some(last) if comparable && self.applies(last.flags) == referenced => {
                 let moved = angle.minus(last.angle);
-                (moved, self.change(step.edge, moved))
+                (moved, self.change(last.number, step.edge, moved))
             }
             _ => (TurnDelta32(self.grid_steps(step)), ErrorChange::NONE),
         };
@@ -304,11 +303,17 @@ impl<'a, E: Entry> Corrector<'a, E> {
     /// have been seen. `None` before the first edge. For the control loop; no division.
     #[must_use]
     pub fn angle_at(&self, now: Ticks) -> Option<Turn32> {
-        let (last, place) = (self.last()?, self.newest());
+        let last = self.last()?;
+        Some(self.go_on(&last, self.newest().number, now))
+    }
+
+    /// [`Self::angle_at`] from an edge with its number, in the present direction.
+    pub(crate) fn go_on(&self, last: &CorrectedEdge, number: u32, now: Ticks) -> Turn32 {
         if last.interval == 0 {
-            return Some(last.angle);
+            return last.angle;
         }
-        let next = self.next_edge(place.number, place.direction);
+        let direction = self.newest().direction;
+        let next = self.next_edge(number, direction);
         let way = self
             .table
             .angle(next, self.applies(last.flags))
@@ -316,13 +321,50 @@ impl<'a, E: Entry> Corrector<'a, E> {
             .0
             .unsigned_abs();
         // An edge that is captured late may have been passed already.
-        let limit = i64::from(way) + last.way_in(self.table.delay(next, place.direction));
+        let limit = i64::from(way) + last.way_in(self.table.delay(next, direction));
         let travel = last.way_until(now).min(limit).max(-i64::from(way)) as i32;
-        let travel = travel.wrapping_mul(place.direction.sign());
-        Some(last.angle.plus(TurnDelta32(travel)))
+        last.angle
+            .plus(TurnDelta32(travel.wrapping_mul(direction.sign())))
     }
 
-    fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
+    /// The edge's number that [`Self::last`] has, its direction, and the angle of the edge that comes after it.
+    pub(crate) fn place(&self) -> (u32, Direction, Turn32) {
+        let last = self.newest();
+        let next = self.next_edge(last.number, last.direction);
+        let ahead = self.table.angle(next, self.applies(last.flags));
+        (last.number, last.direction, ahead)
+    }
+
+    /// Angle of the edge after `edge`, which [`Self::follows`] plainly; `step` is what takes one to the next, 1 or -1.
+    #[inline]
+    pub(crate) fn angle_beyond(&self, edge: u32, step: i32) -> Turn32 {
+        let mut next = edge.wrapping_add_signed(step);
+        if next as usize >= self.entries.len() {
+            // Round the turn's end, or no entries.
+            let edges = self.table.shape().edges();
+            if next == edges {
+                next = 0;
+            } else if next > edges {
+                next = edges - 1;
+            }
+        }
+        let class = self.classes[next as usize % 4];
+        self.table.angle_with(next, class.offset, self.entries)
+    }
+
+    /// What the delays do to an edge crossed plainly.
+    #[inline]
+    pub(crate) fn plain_delay(&self, edge: u32) -> Delay {
+        self.classes[edge as usize % 4].delay
+    }
+
+    /// The table in use.
+    pub(crate) const fn table(&self) -> &ErrorTable<'a, E> {
+        &self.table
+    }
+
+    /// The edge that comes after another.
+    pub(crate) fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
         let edges = self.table.shape().edges();
         match direction {
             Direction::Forward if edge.wrapping_add(1) >= edges => 0,

@@ -119,7 +119,7 @@ impl IntervalConfig {
 /// One accepted interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Passed {
+pub(crate) struct Passed {
     /// Angle moved, 2^-60 turn, 0 where it is unknown or the direction changed.
     moved: i64,
     /// Duration as captured, `u32::MAX` if unknown.
@@ -138,7 +138,9 @@ const UNKNOWN: Passed = Passed {
 };
 
 impl Passed {
-    fn speed(&self) -> Speed {
+    /// Mean speed over it; 0 where it is not known.
+    #[inline]
+    pub(crate) fn speed(&self) -> Speed {
         if self.moved == 0 {
             Speed::ZERO
         } else {
@@ -186,21 +188,37 @@ impl Interval {
     pub fn push_delayed(&mut self, step: &Step, change: ErrorChange, stretch: TickDelta8) {
         let plain =
             step.advance == 1 && step.interval != u32::MAX && !step.flags.contains(Flags::REVERSED);
-        let moved = if plain {
-            self.moved_by(1, step.direction)
-                .wrapping_sub(widen(change.0))
+        let passed = if plain {
+            self.plainly(step, change, stretch)
         } else {
-            self.moved_oddly(step, change)
+            Passed {
+                moved: self.moved_oddly(step, change),
+                ticks: step.interval,
+                stretch,
+                plain,
+            }
         };
         self.last = step.ticks;
         self.direction = step.direction;
         self.older = self.newest;
-        self.newest = Passed {
-            moved,
+        self.newest = passed;
+    }
+
+    /// What a plain step passed: one edge further in the same direction.
+    #[inline]
+    pub(crate) fn plainly(&self, step: &Step, change: ErrorChange, stretch: TickDelta8) -> Passed {
+        let moved = self.moved_by(1, step.direction);
+        Passed {
+            moved: moved.wrapping_sub(widen(change.0)),
             ticks: step.interval,
             stretch,
-            plain,
-        };
+            plain: true,
+        }
+    }
+
+    /// The newest interval and when it ended.
+    pub(crate) const fn newest(&self) -> (Passed, Ticks) {
+        (self.newest, self.last)
     }
 
     /// Way of a step that is not a plain one. A reversal crosses the same edge twice, so the speed over it is 0.
@@ -263,12 +281,18 @@ impl Interval {
     #[inline]
     #[must_use]
     pub fn speed_at(&self, now: Ticks) -> Speed {
-        let elapsed = now.saturating_sub(self.last);
+        self.speed_after(&self.newest, self.last, now)
+    }
+
+    /// [`Self::speed_at`] after an interval that ended at `end`.
+    #[inline]
+    pub(crate) fn speed_after(&self, passed: &Passed, end: Ticks, now: Ticks) -> Speed {
+        let elapsed = now.saturating_sub(end);
         if elapsed >= self.config.timeout {
             return Speed::ZERO;
         }
-        let last = self.newest.speed();
-        if elapsed <= Ticks::from(self.newest.ticks) {
+        let last = passed.speed();
+        if elapsed <= Ticks::from(passed.ticks) {
             return last;
         }
         let bound = Recip::of_u64(elapsed).times(self.config.step.unsigned_abs());

@@ -9,6 +9,7 @@
 
 #[path = "../qemu_cost/counter.rs"]
 mod counter;
+mod encoder;
 mod locate;
 mod rig;
 mod stage;
@@ -126,6 +127,7 @@ fn measure(
     time.print("interval", &empty);
     speed.print("speed", &empty);
     learn.print("learn", &empty);
+    encoder::measure(&counter, samples, table)?;
     locate::measure(&counter, samples)?;
     (learner.totals().turns == 4 && decoder == recorder).then_some(())
 }
