@@ -11,7 +11,7 @@ use crate::estimate::Anchor;
 use crate::interval::ErrorChange;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
-use crate::table::{Delay, Entry, ErrorTable, OfClass};
+use crate::table::{Delay, Entry, ErrorTable};
 use crate::units::{Ticks, Turn32, TurnDelta32};
 
 pub use edge::CorrectedEdge;
@@ -64,8 +64,9 @@ pub struct Corrector<'a, E: Entry = i16> {
     anchor: Anchor,
     /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
     related: Flags,
-    /// What an edge has from its class in the present direction, by the last two bits of its number.
-    classes: [OfClass; 4],
+    /// What an edge has from its class in the present direction, by the last two bits of its number: mean error and delay.
+    offsets: [TurnDelta32; 4],
+    delays: [Delay; 4],
     /// The table's entries once the index is seen, none before.
     entries: &'a [E],
     /// Whether the table was given up.
@@ -86,7 +87,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
             table,
             anchor,
             related: NO_RELATION,
-            classes: [OfClass::NONE; 4],
+            offsets: [TurnDelta32(0); 4],
+            delays: [Delay::NONE; 4],
             entries: &[],
             released: false,
             newest: false,
@@ -127,15 +129,17 @@ impl<'a, E: Entry> Corrector<'a, E> {
             interval,
             delay,
         } = if self.follows(step.flags) {
-            let class = self.classes[step.edge as usize % 4];
-            let angle = self.table.angle_with(step.edge, class.offset, self.entries);
+            let class = step.edge as usize % 4;
+            let angle = self
+                .table
+                .angle_with(step.edge, self.offsets[class], self.entries);
             let moved = angle.minus(self.newest().angle);
             Related {
                 angle,
                 moved,
                 change: self.change(self.newest().number, step.edge, moved),
                 interval: step.interval,
-                delay: class.delay,
+                delay: self.delays[class],
             }
         } else {
             self.relate(step)
@@ -215,7 +219,8 @@ impl<'a, E: Entry> Corrector<'a, E> {
             && self.known == 2
         {
             self.related = flags.within(Flags::REFERENCED);
-            self.classes = classes;
+            self.offsets = classes.map(|class| class.offset);
+            self.delays = classes.map(|class| class.delay);
             self.entries = if self.applies(flags) {
                 self.table.entries()
             } else {
@@ -327,35 +332,32 @@ impl<'a, E: Entry> Corrector<'a, E> {
             .plus(TurnDelta32(travel.wrapping_mul(direction.sign())))
     }
 
-    /// The edge's number that [`Self::last`] has, its direction, and the angle of the edge that comes after it.
-    pub(crate) fn place(&self) -> (u32, Direction, Turn32) {
+    /// The number of the edge that [`Self::last`] has, and its direction.
+    #[inline]
+    pub(crate) fn place(&self) -> (u32, Direction) {
         let last = self.newest();
-        let next = self.next_edge(last.number, last.direction);
-        let ahead = self.table.angle(next, self.applies(last.flags));
-        (last.number, last.direction, ahead)
+        (last.number, last.direction)
     }
 
-    /// Angle of the edge after `edge`, which [`Self::follows`] plainly; `step` is what takes one to the next, 1 or -1.
+    /// Angle of the edge that comes after [`Self::last`].
+    pub(crate) fn angle_ahead(&self) -> Turn32 {
+        let last = self.newest();
+        let next = self.next_edge(last.number, last.direction);
+        self.table.angle(next, self.applies(last.flags))
+    }
+
+    /// Angle of the edge after `edge` in the same turn, which [`Self::follows`] plainly; `step` is what takes one to the next, 1 or -1.
     #[inline]
     pub(crate) fn angle_beyond(&self, edge: u32, step: i32) -> Turn32 {
-        let mut next = edge.wrapping_add_signed(step);
-        if next as usize >= self.entries.len() {
-            // Round the turn's end, or no entries.
-            let edges = self.table.shape().edges();
-            if next == edges {
-                next = 0;
-            } else if next > edges {
-                next = edges - 1;
-            }
-        }
-        let class = self.classes[next as usize % 4];
-        self.table.angle_with(next, class.offset, self.entries)
+        let next = edge.wrapping_add_signed(step);
+        let offset = self.offsets[next as usize % 4];
+        self.table.angle_with(next, offset, self.entries)
     }
 
     /// What the delays do to an edge crossed plainly.
     #[inline]
     pub(crate) fn plain_delay(&self, edge: u32) -> Delay {
-        self.classes[edge as usize % 4].delay
+        self.delays[edge as usize % 4]
     }
 
     /// The table in use.

@@ -202,7 +202,7 @@ impl QuadratureDecoder {
     }
 
     /// Takes a sample if it is a plain step; else nothing is done.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn push_plain(&mut self, sample: Sample) -> Option<Step> {
         let elapsed = sample.ticks.wrapping_sub(self.motion.last);
         let position = self.counter.position();
@@ -232,6 +232,14 @@ impl QuadratureDecoder {
     /// Lets no sample be a plain step before the next closer look.
     pub(crate) fn watch(&mut self) {
         self.next = Plain::NONE;
+    }
+
+    /// Lets no plain step cross a turn's last edge, so that the one after it has the next number or the one before.
+    pub(crate) fn watch_last_edge(&mut self) {
+        let last = self.slots() - 1;
+        if self.next.seam == last && self.position() != last {
+            self.next.seam = last - 1;
+        }
     }
 
     /// The plain step `back` steps ago, at most seven; every step since was one as well, and a closer look has not followed.

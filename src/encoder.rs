@@ -1,7 +1,7 @@
 //! The usual case in one type: captures of a quadrature encoder in, corrected angle and speed out.
 //!
 //! [`Encoder`] holds [time base](crate::timebase), [decoder](crate::decoder), [corrector](crate::corrector) and
-//! [interval](crate::interval), and gives what they give, bit for bit. One more step of settled motion it handles in one go: the next
+//! [interval](crate::interval). Edges and speeds are theirs, bit for bit. One more step of settled motion it handles in one go: the next
 //! edge's angle is looked up while there is time, and is the limit of what [`Encoder::now`] says meanwhile. Corrector and interval
 //! are brought up to date when something else comes.
 //!
@@ -278,7 +278,7 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
     /// Takes a capture, from the capture interrupt, before a wrap of the timer that is pending is served. None where it is no edge:
     /// the first sample, a change of Z alone, a glitch, which takes the edge before back, or levels as before.
     /// See [`Encoder`] for an example.
-    #[inline]
+    #[inline(always)]
     pub fn edge(&mut self, capture: Capture) -> Option<Corrected> {
         self.edge_at(Sample {
             ticks: self
@@ -299,7 +299,7 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
     /// let corrected = encoder.edge_at(Sample { ticks: (1 << 40) + 500, levels: Levels(3) });
     /// assert_eq!(corrected.unwrap().edge.ticks, (1 << 40) + 500);
     /// ```
-    #[inline]
+    #[inline(always)]
     pub fn edge_at(&mut self, sample: Sample) -> Option<Corrected> {
         match self.decoder.push_plain(sample) {
             Some(step) => Some(self.follow(&step)),
@@ -308,7 +308,7 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
     }
 
     /// A plain step that follows the one before plainly.
-    #[inline]
+    #[inline(always)]
     fn follow(&mut self, step: &Step) -> Corrected {
         let Latest {
             angle: before,
@@ -340,7 +340,9 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
                 stretch: delay.stretch,
                 flags: step.flags,
             },
-            passed: self.interval.plainly(step, change, delay.stretch),
+            passed: self
+                .interval
+                .plainly(step.direction, step.interval, change, delay.stretch),
         }
     }
 
@@ -357,7 +359,7 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
 
     /// Corrector and interval take the last plain steps. Three: they remember two, and of the first of these the way from the one before.
     fn catch_up(&mut self) {
-        let (number, direction, _) = self.corrector.place();
+        let (number, direction) = self.corrector.place();
         let steps = match direction {
             Direction::Forward => self.latest.number.wrapping_sub(number),
             Direction::Reverse => number.wrapping_sub(self.latest.number),
@@ -387,7 +389,7 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
 
     /// Gets ready for a plain step, and for readers.
     fn look_ahead(&mut self) {
-        let (number, direction, ahead) = self.corrector.place();
+        let (number, direction) = self.corrector.place();
         self.latest.number = number;
         let last = self.corrector.last();
         self.latest.known = last.is_some();
@@ -396,7 +398,7 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
             self.latest = Latest {
                 ticks: last.ticks,
                 angle: last.angle,
-                ahead,
+                ahead: self.corrector.angle_ahead(),
                 moved: last.moved,
                 interval: last.interval,
                 sign: direction.sign(),
@@ -406,29 +408,37 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
         if !self.corrector.follows(self.decoder.plain_flags()) {
             self.decoder.watch();
         }
+        self.decoder.watch_last_edge();
     }
 
     /// Shaft angle at the time `ticks`, from any interrupt: from the newest edge on at the speed of the last interval, but never past the
     /// next edge, which would have been seen. 2^-32 turn; before the index its origin is where counting began. None before the
-    /// first edge. The same as [`Corrector::angle_at`]. No division; with a table that has delays it takes longer.
+    /// first edge. Between two edges it only goes on. At most 2 e / t + 2 of 2^-32 turn off [`Corrector::angle_at`], where e is the time
+    /// since the edge and t the last interval. No division; with a table that has delays, and after 2^24 ticks, it takes longer.
     /// See [`Encoder`] for an example.
     #[inline]
     #[must_use]
     pub fn now(&self, ticks: Ticks) -> Option<Turn32> {
         let latest = &self.latest;
-        let elapsed = ticks.saturating_sub(latest.ticks);
-        // Longer times than 2^24 lose digits there.
-        if !latest.simple || (elapsed | Ticks::from(latest.interval)) >> 24 != 0 {
+        let elapsed = ticks.wrapping_sub(latest.ticks);
+        // Times before the edge are long as well; an interval of 0 ticks is none.
+        if !latest.simple || latest.interval.wrapping_sub(1) >> 24 != 0 || elapsed >> 24 != 0 {
             return self.now_watchful(ticks);
         }
-        if latest.interval == 0 {
-            return Some(latest.angle);
-        }
-        let product = u64::from(latest.moved.0.unsigned_abs()) * elapsed;
-        let way = Recip::of_u32(latest.interval).times(product);
+        let Recip { mantissa, shift } = Recip::of_u32(latest.interval);
+        // Way in 2^digits ticks, which is at most the interval and more than half of it.
+        let digits = shift.wrapping_sub(32) & 31;
+        let rate = (u64::from(latest.moved.0.unsigned_abs()) * u64::from(mantissa)) >> 32;
+        let way = rate * Ticks::from(elapsed as u32);
         let most = latest.ahead.minus(latest.angle).0.unsigned_abs();
-        let way = way.min(u64::from(most)) as i32;
-        let way = TurnDelta32(way.wrapping_mul(latest.sign));
+        // Shifted in words: a shift of 64 bits takes twice as long.
+        let (high, low) = ((way >> 32) as u32, way as u32);
+        let way = if high >> digits != 0 {
+            most
+        } else {
+            ((high << 1) << (31 - digits) | low >> digits).min(most)
+        };
+        let way = TurnDelta32((way as i32).wrapping_mul(latest.sign));
         Some(latest.angle.plus(way))
     }
 
@@ -472,20 +482,25 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
 
     /// The newest step, if it was plain and interval and corrector do not know of it yet.
     fn last_plain(&self) -> Option<Step> {
-        let (number, ..) = self.corrector.place();
+        let (number, _) = self.corrector.place();
         (number != self.latest.number).then(|| self.decoder.past_plain(0))
     }
 
     /// The newest interval and when it ended.
     fn passed(&self) -> (Passed, Ticks) {
-        let Some(step) = self.last_plain() else {
+        let latest = &self.latest;
+        let (number, direction) = self.corrector.place();
+        if number == latest.number {
             return self.interval.newest();
-        };
-        let stretch = self.corrector.plain_delay(step.edge).stretch;
-        let back = step.direction.opposite();
-        let before = self.corrector.next_edge(step.edge, back);
-        let change = self.corrector.change(before, step.edge, self.latest.moved);
-        (self.interval.plainly(&step, change, stretch), step.ticks)
+        }
+        let stretch = self.corrector.plain_delay(latest.number).stretch;
+        let back = direction.opposite();
+        let before = self.corrector.next_edge(latest.number, back);
+        let change = self.corrector.change(before, latest.number, latest.moved);
+        let passed = self
+            .interval
+            .plainly(direction, latest.interval, change, stretch);
+        (passed, latest.ticks)
     }
 
     /// Speed at the time `now`, equations (2) and (3), 2^-60 turn a tick, forward positive: the mean over the last interval, but no more

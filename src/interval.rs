@@ -189,7 +189,7 @@ impl Interval {
         let plain =
             step.advance == 1 && step.interval != u32::MAX && !step.flags.contains(Flags::REVERSED);
         let passed = if plain {
-            self.plainly(step, change, stretch)
+            self.plainly(step.direction, step.interval, change, stretch)
         } else {
             Passed {
                 moved: self.moved_oddly(step, change),
@@ -206,11 +206,17 @@ impl Interval {
 
     /// What a plain step passed: one edge further in the same direction.
     #[inline]
-    pub(crate) fn plainly(&self, step: &Step, change: ErrorChange, stretch: TickDelta8) -> Passed {
-        let moved = self.moved_by(1, step.direction);
+    pub(crate) fn plainly(
+        &self,
+        direction: Direction,
+        ticks: u32,
+        change: ErrorChange,
+        stretch: TickDelta8,
+    ) -> Passed {
+        let moved = self.moved_by(1, direction);
         Passed {
             moved: moved.wrapping_sub(widen(change.0)),
-            ticks: step.interval,
+            ticks,
             stretch,
             plain: true,
         }

@@ -36,6 +36,7 @@ pub fn measure(
         mut now,
         mut speed_at,
     ] = core::array::from_fn(|_| Stage::default());
+    let mut times = *samples;
     let mut captures = [Capture::default(); BLOCK];
     // Two turns, so that the index is seen, and three to count.
     let turn = SLOTS as usize / BLOCK;
@@ -45,8 +46,15 @@ pub fn measure(
                 core::array::from_fn(|_| Stage::default());
         }
         empty.count(counter, || idle(samples));
-        now.count(counter, || now_block(&angles, samples));
-        speed_at.count(counter, || speed_block(&angles, samples));
+        let newest = angles.last().map_or(0, |last| last.edge.ticks);
+        for (time, later) in times.iter_mut().zip(0..) {
+            *time = Sample {
+                ticks: newest + later,
+                ..samples[0]
+            };
+        }
+        now.count(counter, || now_block(&angles, &times));
+        speed_at.count(counter, || speed_block(&angles, &times));
         for (capture, sample) in captures.iter_mut().zip(samples.iter()) {
             *capture = Capture {
                 raw: sample.ticks as u32,
