@@ -21,21 +21,35 @@ static long semihosting(long call, const void *argument) {
 
 static char line[512];
 static uint32_t used;
+/* Whether a word stands in the line. */
+static int begun;
+
+static void flush(void) {
+    static const char console[] = ":tt";
+    static long handle = -1;
+    if (handle < 0) {
+        /* SYS_OPEN of the console, to write. */
+        const uintptr_t open[3] = {(uintptr_t)console, 4u, sizeof console - 1u};
+        handle = semihosting(0x01, open);
+    }
+    /* SYS_WRITE. */
+    const uintptr_t write[3] = {(uintptr_t)handle, (uintptr_t)line, used};
+    (void)semihosting(0x05, write);
+    used = 0;
+}
 
 static void put(char c) {
-    /* SYS_WRITE0: a text that ends with a zero. */
-    if (used + 1u >= sizeof line) {
-        line[used] = 0;
-        (void)semihosting(0x04, line);
-        used = 0;
+    if (used == sizeof line) {
+        flush();
     }
     line[used++] = c;
 }
 
 void print_word(const char *word) {
-    if (used != 0u) {
+    if (begun) {
         put(' ');
     }
+    begun = 1;
     while (*word != 0) {
         put(*word++);
     }
@@ -54,9 +68,8 @@ void print_number(uint64_t number) {
 
 void print_end(void) {
     put('\n');
-    line[used] = 0;
-    (void)semihosting(0x04, line);
-    used = 0;
+    flush();
+    begun = 0;
 }
 
 void leave(int code) {
