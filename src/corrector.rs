@@ -11,7 +11,7 @@ use crate::estimate::Anchor;
 use crate::interval::ErrorChange;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
-use crate::table::{Delay, Entry, ErrorTable};
+use crate::table::{Delay, Entry, ErrorTable, OfClass};
 use crate::units::{Ticks, Turn32, TurnDelta32};
 
 pub use edge::CorrectedEdge;
@@ -64,9 +64,8 @@ pub struct Corrector<'a, E: Entry = i16> {
     anchor: Anchor,
     /// What the flags of the next step are within [`RELATION`] if it follows the last one plainly.
     related: Flags,
-    /// What an edge has from its class in the present direction, by the last two bits of its number: mean error and delay.
-    offsets: [TurnDelta32; 4],
-    delays: [Delay; 4],
+    /// What an edge has from its class in the present direction, by the last two bits of its number.
+    classes: [OfClass; 4],
     /// The table's entries once the index is seen, none before.
     entries: &'a [E],
     /// Whether the table was given up.
@@ -87,8 +86,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             table,
             anchor,
             related: NO_RELATION,
-            offsets: [TurnDelta32(0); 4],
-            delays: [Delay::NONE; 4],
+            classes: [OfClass::NONE; 4],
             entries: &[],
             released: false,
             newest: false,
@@ -129,17 +127,15 @@ impl<'a, E: Entry> Corrector<'a, E> {
             interval,
             delay,
         } = if self.follows(step.flags) {
-            let class = step.edge as usize % 4;
-            let angle = self
-                .table
-                .angle_with(step.edge, self.offsets[class], self.entries);
+            let class = self.classes[step.edge as usize % 4];
+            let angle = self.table.angle_with(step.edge, class.offset, self.entries);
             let moved = angle.minus(self.newest().angle);
             Related {
                 angle,
                 moved,
                 change: self.change(self.newest().number, step.edge, moved),
                 interval: step.interval,
-                delay: self.delays[class],
+                delay: class.delay,
             }
         } else {
             self.relate(step)
@@ -219,8 +215,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             && self.known == 2
         {
             self.related = flags.within(Flags::REFERENCED);
-            self.offsets = classes.map(|class| class.offset);
-            self.delays = classes.map(|class| class.delay);
+            self.classes = classes;
             self.entries = if self.applies(flags) {
                 self.table.entries()
             } else {
@@ -350,14 +345,14 @@ impl<'a, E: Entry> Corrector<'a, E> {
     #[inline]
     pub(crate) fn angle_beyond(&self, edge: u32, step: i32) -> Turn32 {
         let next = edge.wrapping_add_signed(step);
-        let offset = self.offsets[next as usize % 4];
-        self.table.angle_with(next, offset, self.entries)
+        let class = self.classes[next as usize % 4];
+        self.table.angle_with(next, class.offset, self.entries)
     }
 
     /// What the delays do to an edge crossed plainly.
     #[inline]
     pub(crate) fn plain_delay(&self, edge: u32) -> Delay {
-        self.delays[edge as usize % 4]
+        self.classes[edge as usize % 4].delay
     }
 
     /// The table in use.

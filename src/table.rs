@@ -60,9 +60,16 @@ pub(crate) struct Delay {
     pub stretch: TickDelta8,
 }
 
-impl Delay {
-    /// None.
+impl OfClass {
+    /// Nothing.
     pub const NONE: Self = Self {
+        offset: TurnDelta32(0),
+        delay: Delay::NONE,
+    };
+}
+
+impl Delay {
+    const NONE: Self = Self {
         late: TickDelta8::ZERO,
         stretch: TickDelta8::ZERO,
     };
