@@ -9,7 +9,9 @@ use quadcal::encoder::{Capture, Encoder, EncoderConfig};
 use quadcal::estimate::{Anchor, Estimator, Progress, StaticBuffers};
 use quadcal::shape::EncoderShape;
 use quadcal::slot::{self, Slot, SlotHeader};
-use quadcal_host_tests::firmware::{c_library, c_program, run_qemu, size, workspace};
+use quadcal_host_tests::firmware::{
+    c_library, c_program, offences, reachable, run_qemu, size, workspace,
+};
 
 const LIMIT: Duration = Duration::from_secs(60);
 const LINES: u32 = 90;
@@ -209,4 +211,19 @@ fn no_function_of_the_library_but_solving_can_come_to_a_panic() {
     );
     let error = found.unwrap_err().to_string();
     assert!(error.contains("quadcal_a_panic_can_be_reached"), "{error}");
+}
+
+#[test]
+fn edges_and_reads_have_no_panic_no_division_and_no_float() {
+    let bench = Bench::new();
+    let elf = bench.program("edges.elf", &["quadcal_time"]);
+    for name in [
+        "quadcal_overflow",
+        "quadcal_edge",
+        "quadcal_time",
+        "quadcal_angle",
+        "quadcal_speed",
+    ] {
+        assert_eq!(offences(&reachable(&elf, name).unwrap()), [], "{name}");
+    }
 }
