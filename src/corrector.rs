@@ -8,6 +8,7 @@ mod edge;
 
 use crate::edge::Direction;
 use crate::estimate::Anchor;
+use crate::interval::ErrorChange;
 use crate::shape::Grid;
 use crate::step::{Flags, Outcome, Step};
 use crate::table::{Delay, Entry, ErrorTable, OfClass};
@@ -25,6 +26,16 @@ struct Last {
     flags: Flags,
     direction: Direction,
     number: u32,
+}
+
+/// What a step is, held against the one before.
+struct Related {
+    angle: Turn32,
+    /// Way and time from there, as captured.
+    moved: TurnDelta32,
+    change: ErrorChange,
+    interval: u32,
+    delay: Delay,
 }
 
 const NOTHING: Last = Last {
@@ -93,6 +104,13 @@ impl<'a, E: Entry> Corrector<'a, E> {
     /// Takes what a decoder made of a sample; `Some` for every accepted edge. On the edge path.
     #[inline]
     pub fn push(&mut self, outcome: &Outcome) -> Option<CorrectedEdge> {
+        self.push_for_speed(outcome).map(|(edge, _)| edge)
+    }
+
+    /// As [`Self::push`], with what [`Interval::push_delayed`](crate::interval::Interval::push_delayed) takes besides the edge's
+    /// [`stretch`](CorrectedEdge::stretch). The difference of errors is not known where edges can't be subtracted.
+    #[inline]
+    pub fn push_for_speed(&mut self, outcome: &Outcome) -> Option<(CorrectedEdge, ErrorChange)> {
         if let Outcome::Step(step) = outcome {
             return Some(self.push_step(step));
         }
@@ -101,12 +119,24 @@ impl<'a, E: Entry> Corrector<'a, E> {
     }
 
     #[inline]
-    fn push_step(&mut self, step: &Step) -> CorrectedEdge {
-        let (angle, moved, interval, delay) = if step.flags.within(RELATION) == self.related {
+    fn push_step(&mut self, step: &Step) -> (CorrectedEdge, ErrorChange) {
+        let Related {
+            angle,
+            moved,
+            change,
+            interval,
+            delay,
+        } = if self.follows(step.flags) {
             let class = self.classes[step.edge as usize % 4];
             let angle = self.table.angle_with(step.edge, class.offset, self.entries);
             let moved = angle.minus(self.newest().angle);
-            (angle, moved, step.interval, class.delay)
+            Related {
+                angle,
+                moved,
+                change: self.change(self.newest().number, step.edge, moved),
+                interval: step.interval,
+                delay: class.delay,
+            }
         } else {
             self.relate(step)
         };
@@ -120,7 +150,7 @@ impl<'a, E: Entry> Corrector<'a, E> {
             direction: step.direction,
             number: step.edge,
         };
-        CorrectedEdge {
+        let edge = CorrectedEdge {
             ticks: step.ticks,
             angle,
             moved,
@@ -128,24 +158,39 @@ impl<'a, E: Entry> Corrector<'a, E> {
             late: delay.late,
             stretch: delay.stretch,
             flags: step.flags,
-        }
+        };
+        (edge, change)
     }
 
-    /// Angle of a step that may not follow the one before plainly, and the way and time from there, as captured and as it was.
+    /// Whether a step with these flags follows the last one plainly.
+    #[inline]
+    pub(crate) fn follows(&self, flags: Flags) -> bool {
+        flags.within(RELATION) == self.related
+    }
+
+    /// Difference of errors from one edge to another, `moved` away: what the way is short of the grid's.
+    #[inline]
+    pub(crate) fn change(&self, from: u32, to: u32, moved: TurnDelta32) -> ErrorChange {
+        let grid = self.table.grid();
+        ErrorChange::from_to(moved, grid.angle(to).minus(grid.angle(from)))
+    }
+
+    /// A step that may not follow the one before plainly.
     #[cold]
     #[inline(never)]
-    fn relate(&mut self, step: &Step) -> (Turn32, TurnDelta32, u32, Delay) {
+    fn relate(&mut self, step: &Step) -> Related {
         self.hold_to_index(step.flags, step.resync);
         let first = step.flags.contains(Flags::FIRST);
         let referenced = self.applies(step.flags);
         let angle = self.table.angle(step.edge, referenced);
         // Across a change of the count or of what is corrected, angles of two edges can't be subtracted.
         let comparable = step.resync == 0 && !first;
-        let moved = match self.recent() {
+        let (moved, change) = match self.recent() {
             Some(last) if comparable && self.applies(last.flags) == referenced => {
-                angle.minus(last.angle)
+                let moved = angle.minus(last.angle);
+                (moved, self.change(last.number, step.edge, moved))
             }
-            _ => TurnDelta32(self.grid_steps(step)),
+            _ => (TurnDelta32(self.grid_steps(step)), ErrorChange::NONE),
         };
         self.known = (self.known + 1).min(2);
         self.expect(step.flags, step.direction);
@@ -153,7 +198,13 @@ impl<'a, E: Entry> Corrector<'a, E> {
         let delay = self
             .table
             .delay_after(step.edge, step.direction, step.flags);
-        (angle, moved, interval, delay)
+        Related {
+            angle,
+            moved,
+            change,
+            interval,
+            delay,
+        }
     }
 
     /// Gets ready for steps that plainly follow one with `flags` in `direction`.
@@ -252,11 +303,17 @@ impl<'a, E: Entry> Corrector<'a, E> {
     /// have been seen. `None` before the first edge. For the control loop; no division.
     #[must_use]
     pub fn angle_at(&self, now: Ticks) -> Option<Turn32> {
-        let (last, place) = (self.last()?, self.newest());
+        let last = self.last()?;
+        Some(self.go_on(&last, self.newest().number, now))
+    }
+
+    /// [`Self::angle_at`] from an edge with its number, in the present direction.
+    pub(crate) fn go_on(&self, last: &CorrectedEdge, number: u32, now: Ticks) -> Turn32 {
         if last.interval == 0 {
-            return Some(last.angle);
+            return last.angle;
         }
-        let next = self.next_edge(place.number, place.direction);
+        let direction = self.newest().direction;
+        let next = self.next_edge(number, direction);
         let way = self
             .table
             .angle(next, self.applies(last.flags))
@@ -264,13 +321,47 @@ impl<'a, E: Entry> Corrector<'a, E> {
             .0
             .unsigned_abs();
         // An edge that is captured late may have been passed already.
-        let limit = i64::from(way) + last.way_in(self.table.delay(next, place.direction));
+        let limit = i64::from(way) + last.way_in(self.table.delay(next, direction));
         let travel = last.way_until(now).min(limit).max(-i64::from(way)) as i32;
-        let travel = travel.wrapping_mul(place.direction.sign());
-        Some(last.angle.plus(TurnDelta32(travel)))
+        last.angle
+            .plus(TurnDelta32(travel.wrapping_mul(direction.sign())))
     }
 
-    fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
+    /// The number of the edge that [`Self::last`] has, and its direction.
+    #[inline]
+    pub(crate) fn place(&self) -> (u32, Direction) {
+        let last = self.newest();
+        (last.number, last.direction)
+    }
+
+    /// Angle of the edge that comes after [`Self::last`].
+    pub(crate) fn angle_ahead(&self) -> Turn32 {
+        let last = self.newest();
+        let next = self.next_edge(last.number, last.direction);
+        self.table.angle(next, self.applies(last.flags))
+    }
+
+    /// Angle of the edge after `edge` in the same turn, which [`Self::follows`] plainly; `step` is what takes one to the next, 1 or -1.
+    #[inline]
+    pub(crate) fn angle_beyond(&self, edge: u32, step: i32) -> Turn32 {
+        let next = edge.wrapping_add_signed(step);
+        let class = self.classes[next as usize % 4];
+        self.table.angle_with(next, class.offset, self.entries)
+    }
+
+    /// What the delays do to an edge crossed plainly.
+    #[inline]
+    pub(crate) fn plain_delay(&self, edge: u32) -> Delay {
+        self.classes[edge as usize % 4].delay
+    }
+
+    /// The table in use.
+    pub(crate) const fn table(&self) -> &ErrorTable<'a, E> {
+        &self.table
+    }
+
+    /// The edge that comes after another.
+    pub(crate) fn next_edge(&self, edge: u32, direction: Direction) -> u32 {
         let edges = self.table.shape().edges();
         match direction {
             Direction::Forward if edge.wrapping_add(1) >= edges => 0,

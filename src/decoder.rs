@@ -40,6 +40,7 @@ use crate::counter::Counter;
 use crate::edge::{Direction, Levels, Sample};
 use crate::motion::Motion;
 use crate::step::{Faults, Flags, Outcome, SensorError, Step};
+use crate::units::Ticks;
 use plain::Plain;
 
 /// What the encoder is; fixed for a decoder's life.
@@ -194,15 +195,24 @@ impl QuadratureDecoder {
     /// Takes one sample. Samples come in order of time; one that does not counts as an interval of 0.
     #[inline]
     pub fn push(&mut self, sample: Sample) -> Outcome {
+        match self.push_plain(sample) {
+            Some(step) => Outcome::Step(step),
+            None => self.push_watchful(sample),
+        }
+    }
+
+    /// Takes a sample if it is a plain step; else nothing is done.
+    #[inline(always)]
+    pub(crate) fn push_plain(&mut self, sample: Sample) -> Option<Step> {
         let elapsed = sample.ticks.wrapping_sub(self.motion.last);
         let position = self.counter.position();
         if !self.next.is(sample.levels, elapsed, position) {
-            return self.push_watchful(sample);
+            return None;
         }
         let direction = self.motion.direction;
         let edge = self.counter.step_within(direction);
         self.next.pass(self.motion.push_steady(sample.ticks));
-        Outcome::Step(Step {
+        Some(Step {
             ticks: sample.ticks,
             edge,
             position: self.counter.position(),
@@ -212,6 +222,47 @@ impl QuadratureDecoder {
             flags: self.next.flags,
             direction,
         })
+    }
+
+    /// Flags of a plain step that may follow.
+    pub(crate) fn plain_flags(&self) -> Flags {
+        self.next.flags
+    }
+
+    /// Lets no sample be a plain step before the next closer look.
+    pub(crate) fn watch(&mut self) {
+        self.next = Plain::NONE;
+    }
+
+    /// Lets no plain step cross a turn's last edge, so that the one after it has the next number or the one before.
+    pub(crate) fn watch_last_edge(&mut self) {
+        let last = self.slots() - 1;
+        if self.next.seam == last && self.position() != last {
+            self.next.seam = last - 1;
+        }
+    }
+
+    /// The plain step `back` steps ago, at most seven; every step since was one as well, and a closer look has not followed.
+    pub(crate) fn past_plain(&self, back: u32) -> Step {
+        let direction = self.motion.direction;
+        // Plain steps do not go round the turn's end.
+        let then = |place: u32| match direction {
+            Direction::Forward => place.wrapping_sub(back),
+            Direction::Reverse => place.wrapping_add(back),
+        };
+        Step {
+            ticks: self
+                .motion
+                .last
+                .wrapping_sub(Ticks::from(self.motion.between(0, back))),
+            edge: then(self.counter.edge_behind(direction)),
+            position: then(self.counter.position()),
+            interval: self.motion.between(back, back + 1),
+            resync: 0,
+            advance: self.next.advance,
+            flags: self.next.flags,
+            direction,
+        }
     }
 
     #[inline]
@@ -277,4 +328,4 @@ impl QuadratureDecoder {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -60,6 +60,41 @@ impl Speed {
     }
 }
 
+/// By how much the error of an edge is more than that of the edge before, e(k) - e(k-1) of equation (2). A type of its own, because
+/// the angle moved since the edge before is a [`TurnDelta32`] too, and in its place leaves next to no speed.
+///
+/// From [`Corrector::push_for_speed`](crate::corrector::Corrector::push_for_speed), or from two errors of a table.
+///
+/// ```
+/// use quadcal::interval::ErrorChange;
+/// use quadcal::units::TurnDelta32;
+///
+/// let change = ErrorChange::from_to(TurnDelta32(100), TurnDelta32(-20));
+/// assert_eq!(change.angle(), TurnDelta32(-120));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ErrorChange(TurnDelta32);
+
+impl ErrorChange {
+    /// Without a table, or where it is not known.
+    pub const NONE: Self = Self(TurnDelta32(0));
+
+    /// From the error of the edge before to that of this edge, as [`ErrorTable::error`](crate::table::ErrorTable::error) gives them.
+    #[inline]
+    #[must_use]
+    pub const fn from_to(before: TurnDelta32, after: TurnDelta32) -> Self {
+        Self(TurnDelta32(after.0.wrapping_sub(before.0)))
+    }
+
+    /// The difference, 2^-32 turn.
+    #[inline]
+    #[must_use]
+    pub const fn angle(self) -> TurnDelta32 {
+        self.0
+    }
+}
+
 /// Geometry and timeout; fixed for a sensor's life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -84,7 +119,7 @@ impl IntervalConfig {
 /// One accepted interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Passed {
+pub(crate) struct Passed {
     /// Angle moved, 2^-60 turn, 0 where it is unknown or the direction changed.
     moved: i64,
     /// Duration as captured, `u32::MAX` if unknown.
@@ -103,7 +138,9 @@ const UNKNOWN: Passed = Passed {
 };
 
 impl Passed {
-    fn speed(&self) -> Speed {
+    /// Mean speed over it; 0 where it is not known.
+    #[inline]
+    pub(crate) fn speed(&self) -> Speed {
         if self.moved == 0 {
             Speed::ZERO
         } else {
@@ -139,46 +176,68 @@ impl Interval {
 
     /// Takes an accepted step.
     ///
-    /// `correction` is e(this edge) - e(previous edge), 0 without a table.
+    /// `change` is e(this edge) - e(previous edge).
     #[inline]
-    pub fn push(&mut self, step: &Step, correction: TurnDelta32) {
-        self.push_delayed(step, correction, TickDelta8::ZERO);
+    pub fn push(&mut self, step: &Step, change: ErrorChange) {
+        self.push_delayed(step, change, TickDelta8::ZERO);
     }
 
     /// As [`Self::push`]. `stretch` is delay(this edge) - delay(previous edge) of the capture, as in
     /// [`crate::corrector::CorrectedEdge::stretch`].
     #[inline]
-    pub fn push_delayed(&mut self, step: &Step, correction: TurnDelta32, stretch: TickDelta8) {
+    pub fn push_delayed(&mut self, step: &Step, change: ErrorChange, stretch: TickDelta8) {
         let plain =
             step.advance == 1 && step.interval != u32::MAX && !step.flags.contains(Flags::REVERSED);
-        let moved = if plain {
-            self.moved_by(1, step.direction)
-                .wrapping_sub(widen(correction))
+        let passed = if plain {
+            self.plainly(step.direction, step.interval, change, stretch)
         } else {
-            self.moved_oddly(step, correction)
+            Passed {
+                moved: self.moved_oddly(step, change),
+                ticks: step.interval,
+                stretch,
+                plain,
+            }
         };
         self.last = step.ticks;
         self.direction = step.direction;
         self.older = self.newest;
-        self.newest = Passed {
-            moved,
-            ticks: step.interval,
+        self.newest = passed;
+    }
+
+    /// What a plain step passed: one edge further in the same direction.
+    #[inline]
+    pub(crate) fn plainly(
+        &self,
+        direction: Direction,
+        ticks: u32,
+        change: ErrorChange,
+        stretch: TickDelta8,
+    ) -> Passed {
+        let moved = self.moved_by(1, direction);
+        Passed {
+            moved: moved.wrapping_sub(widen(change.0)),
+            ticks,
             stretch,
-            plain,
-        };
+            plain: true,
+        }
+    }
+
+    /// The newest interval and when it ended.
+    pub(crate) const fn newest(&self) -> (Passed, Ticks) {
+        (self.newest, self.last)
     }
 
     /// Way of a step that is not a plain one. A reversal crosses the same edge twice, so the speed over it is 0.
     #[cold]
     #[inline(never)]
-    fn moved_oddly(&self, step: &Step, correction: TurnDelta32) -> i64 {
+    fn moved_oddly(&self, step: &Step, change: ErrorChange) -> i64 {
         let reversed = step.flags.contains(Flags::REVERSED);
         if step.interval == u32::MAX || (reversed && step.advance == 1) {
             return 0;
         }
         let steps = i64::from(step.advance) - i64::from(reversed);
         self.moved_by(steps, step.direction)
-            .wrapping_sub(widen(correction))
+            .wrapping_sub(widen(change.0))
     }
 
     #[inline]
@@ -199,18 +258,18 @@ impl Interval {
 
     /// Speed at x2, the mean over the last two intervals; none across a reversal or an illegal change.
     ///
-    /// `correction` is e(last edge) - e(the edge two before), 0 without a table. The delays of the two edges differ as given to
+    /// `change` is e(last edge) - e(the edge two before). The delays of the two edges differ as given to
     /// [`Self::push_delayed`].
     #[inline]
     #[must_use]
-    pub fn x2(&self, correction: TurnDelta32) -> Option<Speed> {
+    pub fn x2(&self, change: ErrorChange) -> Option<Speed> {
         let both = self.newest.ticks.saturating_add(self.older.ticks);
         if !self.newest.plain || !self.older.plain || both == u32::MAX {
             return None;
         }
         let two = self.moved_by(2, self.direction);
         let stretch = self.newest.stretch.0.saturating_add(self.older.stretch.0);
-        let moved = two.wrapping_sub(widen(correction));
+        let moved = two.wrapping_sub(widen(change.0));
         Some(mean(moved, both, TickDelta8(stretch)))
     }
 
@@ -228,12 +287,18 @@ impl Interval {
     #[inline]
     #[must_use]
     pub fn speed_at(&self, now: Ticks) -> Speed {
-        let elapsed = now.saturating_sub(self.last);
+        self.speed_after(&self.newest, self.last, now)
+    }
+
+    /// [`Self::speed_at`] after an interval that ended at `end`.
+    #[inline]
+    pub(crate) fn speed_after(&self, passed: &Passed, end: Ticks, now: Ticks) -> Speed {
+        let elapsed = now.saturating_sub(end);
         if elapsed >= self.config.timeout {
             return Speed::ZERO;
         }
-        let last = self.newest.speed();
-        if elapsed <= Ticks::from(self.newest.ticks) {
+        let last = passed.speed();
+        if elapsed <= Ticks::from(passed.ticks) {
             return last;
         }
         let bound = Recip::of_u64(elapsed).times(self.config.step.unsigned_abs());

@@ -17,6 +17,7 @@ pub mod decoder;
 #[cfg(feature = "device")]
 pub mod device;
 pub mod edge;
+pub mod encoder;
 pub mod estimate;
 pub mod fingerprint;
 pub mod hall;

@@ -67,6 +67,11 @@ impl Motion {
             .wrapping_sub(self.time(back.wrapping_add(SPAN)))
     }
 
+    /// Ticks from the edge `earlier` edges ago to the one `later` edges ago.
+    pub fn between(&self, later: u32, earlier: u32) -> u32 {
+        self.time(later).wrapping_sub(self.time(earlier))
+    }
+
     /// Notes an edge in the present direction, `interval` after the last.
     #[inline]
     pub fn push(&mut self, ticks: Ticks, interval: u32) {

@@ -75,13 +75,18 @@ pub struct Grid {
     shape: EncoderShape,
 }
 
+const fn at_least_one(number: u32) -> u32 {
+    if number == 0 { 1 } else { number }
+}
+
 impl Grid {
     /// The grid of a shape. Divides, so not for the edge path.
     #[must_use]
     pub const fn new(shape: EncoderShape) -> Self {
-        let edges = shape.edges as u64;
+        // None is ever 0, but the compiler can't know, and would leave a panic here.
+        let edges = at_least_one(shape.edges) as u64;
         let step_q16 = ((1 << 48) + edges / 2) / edges;
-        let classes = shape.classes;
+        let classes = at_least_one(shape.classes);
         Self {
             step: (step_q16 >> 16) as u32,
             fraction: (step_q16 & 0xFFFF) as u32,

@@ -176,6 +176,12 @@ impl<'a, E: Entry> ErrorTable<'a, E> {
         &self.class_offsets
     }
 
+    /// Whether any class is captured later than another.
+    #[must_use]
+    pub const fn has_delays(&self) -> bool {
+        self.has_delays
+    }
+
     /// How much later than the mean of all classes each electrical edge is captured; see the [module's](self) head.
     #[must_use]
     pub const fn class_delays(&self) -> &[TickDelta8; CLASSES_MAX] {

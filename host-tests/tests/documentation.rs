@@ -126,6 +126,7 @@ fn the_table_of_dependencies_has_each_with_its_version_and_no_other() {
         .collect();
     let manifests = [
         "Cargo.toml",
+        "c/Cargo.toml",
         "host/Cargo.toml",
         "host-tests/Cargo.toml",
         "host-tests/blind/Cargo.toml",

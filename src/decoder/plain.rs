@@ -13,7 +13,7 @@ pub(super) struct Plain {
     /// Bits 0 to 2: the levels. Bits 8 and 9: the channel that changes at the step after.
     levels: u32,
     /// The position whose next step goes round the turn's end.
-    seam: u32,
+    pub seam: u32,
     /// [`crate::step::Step::advance`] and flags of the step: side by side here as there, one word to copy.
     pub advance: u16,
     pub flags: Flags,

@@ -11,7 +11,7 @@ impl QuadratureDecoder {
     /// that ends a turn, and steps before motion is steady.
     #[cold]
     #[inline(never)]
-    pub(super) fn push_watchful(&mut self, sample: Sample) -> Outcome {
+    pub(crate) fn push_watchful(&mut self, sample: Sample) -> Outcome {
         let outcome = self.take(sample);
         self.next = self.foresee();
         outcome

@@ -233,6 +233,17 @@ fn disturb(
     (out, places)
 }
 
+/// Edges a turn, and samples of a shaft that turns round, with edges lost and spurious ones: for tests of what stands on the decoder.
+pub(crate) fn disturbed() -> impl Strategy<Value = (u32, Vec<Sample>)> {
+    let events = prop::collection::vec((60usize..400, event()), 0..6);
+    (errors(0.3), legs(), 500.0..5000.0f64, events).prop_map(|(error, legs, interval, events)| {
+        let slots = error.len();
+        let (samples, _) = disturb(&recording(error, &legs, interval), &events, 4 * slots);
+        let samples = samples.into_iter().map(|(sample, _)| sample).collect();
+        (slots as u32, samples)
+    })
+}
+
 proptest! {
     #[test]
     fn position_is_exact_and_certain_on_a_clean_recording(

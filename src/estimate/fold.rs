@@ -56,9 +56,10 @@ pub(super) struct FoldShape {
 
 impl FoldShape {
     pub(super) fn new(edges: u32, classes: u32, block: u32) -> Self {
-        let step = (1_u64 << 32) / u64::from(edges);
+        // Edges are never none, but the compiler can't know, and would leave a panic here.
+        let step = (1_u64 << 32) / u64::from(edges.max(1));
         // Two at least, with 65,536 edges.
-        let unit_shift = (step.ilog2() + 1).saturating_sub(15).max(2);
+        let unit_shift = (64 - step.leading_zeros()).saturating_sub(15).max(2);
         #[allow(clippy::cast_possible_truncation)]
         Self {
             edges,

@@ -23,6 +23,39 @@ pub fn images() -> Result<Vec<String>, FirmwareError> {
     Ok(names)
 }
 
+/// Where Cargo leaves what it built for the target.
+pub(super) fn built(name: &str) -> PathBuf {
+    let folder = workspace().join("target-firmware");
+    folder.join(TARGET).join("firmware").join(name)
+}
+
+/// Has Cargo build for the target by `args`; `what` is named in messages.
+pub(super) fn cargo_build(what: &str, args: &[&str]) -> Result<(), FirmwareError> {
+    let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
+    cargo
+        .current_dir(workspace())
+        .args(args)
+        .args(["--profile", "firmware", "--target", TARGET])
+        .args(["--target-dir", "target-firmware"]);
+    toolchain()?.apply(&mut cargo);
+    finish(cargo, what)
+}
+
+/// Runs a command that builds; its error output is the reason where it fails.
+pub(super) fn finish(mut command: Command, what: &str) -> Result<(), FirmwareError> {
+    let output = command.output().map_err(FirmwareError::io(format!(
+        "starting {:?}",
+        command.get_program()
+    )))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    Err(FirmwareError::Build {
+        image: what.to_owned(),
+        log: String::from_utf8_lossy(&output.stderr).into_owned(),
+    })
+}
+
 /// Builds image `image` (a `[[bin]]` of the core package) with the features given besides `firmware`, and returns the ELF's
 /// path. The file stays as it is while other tests build the same image with other features.
 ///
@@ -37,32 +70,10 @@ pub fn build(image: &str, features: &[&str]) -> Result<PathBuf, FirmwareError> {
     let all: Vec<&str> = std::iter::once("firmware")
         .chain(features.iter().copied())
         .collect();
-    let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
-    cargo
-        .current_dir(workspace())
-        .args([
-            "build",
-            "-p",
-            "quadcal",
-            "--profile",
-            "firmware",
-            "--target",
-            TARGET,
-        ])
-        .args(["--bin", image, "--features", &all.join(",")])
-        .arg("--target-dir")
-        .arg(&folder);
-    toolchain()?.apply(&mut cargo);
-    let output = cargo
-        .output()
-        .map_err(FirmwareError::io("starting cargo"))?;
-    if !output.status.success() {
-        return Err(FirmwareError::Build {
-            image: image.to_owned(),
-            log: String::from_utf8_lossy(&output.stderr).into_owned(),
-        });
-    }
-    let built = folder.join(TARGET).join("firmware").join(image);
+    let joined = all.join(",");
+    let package = ["build", "-p", "quadcal", "--bin", image];
+    cargo_build(image, &[&package[..], &["--features", &joined]].concat())?;
+    let built = built(image);
     let images = folder.join("images");
     let name = std::iter::once(image)
         .chain(features.iter().copied())

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+mod c_program;
 mod code;
 mod elf;
 mod image;
 mod qemu;
 mod toolchain;
 
+pub use c_program::{C_PACKAGES, c_compiler, c_library, c_program};
 pub use code::{Function, Offence, offences, reachable};
 pub use elf::{Size, Symbol, loaded, size, symbols, value};
 pub use image::{build, images};
@@ -44,6 +46,15 @@ pub enum FirmwareError {
         image: String,
         /// Cargo's error output.
         log: String,
+    },
+    /// There is no C compiler for bare Arm, or no `make`.
+    #[error(
+        "{program} is not on PATH; install it: apt-get install -y --no-install-recommends {}",
+        C_PACKAGES.join(" ")
+    )]
+    NoCCompiler {
+        /// What is not there.
+        program: &'static str,
     },
     /// There is no QEMU.
     #[error(

@@ -9,6 +9,7 @@
 
 #[path = "../qemu_cost/counter.rs"]
 mod counter;
+mod encoder;
 mod locate;
 mod rig;
 mod stage;
@@ -23,7 +24,7 @@ use quadcal::corrector::Corrector;
 use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
 use quadcal::edge::Sample;
 use quadcal::estimate::{Anchor, Estimator, Progress, StaticBuffers};
-use quadcal::interval::{Interval, IntervalConfig};
+use quadcal::interval::{ErrorChange, Interval, IntervalConfig};
 use quadcal::shape::{CLASSES_MAX, EncoderShape};
 use quadcal::step::Outcome;
 use quadcal::table::ErrorTable;
@@ -126,6 +127,7 @@ fn measure(
     time.print("interval", &empty);
     speed.print("speed", &empty);
     learn.print("learn", &empty);
+    encoder::measure(&counter, samples, table)?;
     locate::measure(&counter, samples)?;
     (learner.totals().turns == 4 && decoder == recorder).then_some(())
 }
@@ -169,7 +171,7 @@ fn chain_block(decoder: &mut QuadratureDecoder, corrector: &mut Corrector<'_>, s
 fn time_block(interval: &mut Interval, outcomes: &[Outcome]) {
     for outcome in outcomes {
         if let Outcome::Step(step) = black_box(outcome) {
-            interval.push(step, TurnDelta32(0));
+            interval.push(step, ErrorChange::NONE);
             black_box(&interval);
         }
     }

@@ -3,7 +3,9 @@
 
 use std::process::{Command, Stdio};
 
-use quadcal_host_tests::firmware::{self, DEBIAN_PACKAGES, FirmwareError, QEMU_PACKAGE, Toolchain};
+use quadcal_host_tests::firmware::{
+    self, C_PACKAGES, DEBIAN_PACKAGES, FirmwareError, QEMU_PACKAGE, Toolchain,
+};
 
 use crate::steps::{self, Failure};
 
@@ -12,6 +14,7 @@ pub fn run() -> Result<(), Failure> {
     let missing: Vec<String> = [
         qemu(),
         target(),
+        c_compiler(),
         component("rustfmt", "fmt"),
         component("clippy", "clippy"),
     ]
@@ -32,6 +35,16 @@ fn qemu() -> Result<(), String> {
         return Ok(());
     }
     Err(FirmwareError::NoQemu.to_string())
+}
+
+fn c_compiler() -> Result<(), String> {
+    let found = firmware::c_compiler().or_else(|error| match apt_install(&C_PACKAGES) {
+        true => firmware::c_compiler(),
+        false => Err(error),
+    });
+    found.map_err(|error| error.to_string())?;
+    println!("arm-none-eabi-gcc and make: there");
+    Ok(())
 }
 
 fn target() -> Result<(), String> {

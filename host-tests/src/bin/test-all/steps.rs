@@ -20,7 +20,7 @@ pub struct Step {
 pub const STEPS: &[Step] = &[
     Step {
         name: "prerequisites",
-        about: "QEMU, a compiler for the target, rustfmt and clippy",
+        about: "QEMU, compilers of Rust and C for the target, rustfmt and clippy",
         run: prerequisites::run,
     },
     Step {
