@@ -465,9 +465,9 @@ fn widths_of_hall_sensors_are_no_level_that_swings_as_fast_as_the_shaft_turns() 
         .iter()
         .all(|found| found.mechanism != Mechanism::Unknown);
     assert!(named, "{:?}", answer.summary);
-    for answer in [answer.fit.rms_after_rad] {
-        assert!((10e-6..30e-6).contains(&answer), "{answer}");
-    }
+    // Stamps are off by 500 ns, at 31.4 rad/s; the torque's noise is on top.
+    let after = answer.fit.rms_after_rad.unwrap();
+    assert!((15e-6..50e-6).contains(&after), "{after}");
 }
 
 #[test]
