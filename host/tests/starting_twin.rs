@@ -296,6 +296,45 @@ fn only_finding(at: &Path, of: &str, verdict: &str) -> serde_json::Value {
 }
 
 #[test]
+fn delays_that_are_in_the_disc_of_one_speed_are_no_change_at_another() {
+    // They were a torque at the lines' order, a width and a skew, each over 99.9 %.
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let rig = |r_min: u32| {
+        format!(
+            "duration = {{ turns = 40 }}\n[encoder.quadrature]\nlines = 60\nindex = true\n[errors]\nseed = 5\n\
+            position = {{ normal = {{ rms_rad = 3e-5 }} }}\n[shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-5\n\
+            stiffness_n_m_s = 4e-4\n[drive.constant]\nr_min = {r_min}\n[noise.white]\npsd_n2_m2_s = 2e-10\n\
+            [timer]\nclock_hz = 84_000_000\njitter_s = 20e-9\n\
+            [edge_delay]\na = {{ fall_s = 1e-6 }}\nb = {{ rise_s = 2e-6, fall_s = 2e-6 }}\n"
+        )
+    };
+    for (r_min, name) in [(300, "slow"), (700, "fast")] {
+        fs::write(at.join(format!("{name}.toml")), rig(r_min)).unwrap();
+        done(
+            at,
+            &format!("simulate {name}.toml --seed {r_min} -o {name}.csv"),
+        );
+    }
+    let text = {
+        done(at, "twin slow.csv -o healthy.toml");
+        fs::read_to_string(at.join("healthy.toml")).unwrap()
+    };
+    assert!(text.contains("\nlearned_r_min = "), "{text}");
+    done(at, "diagnose fast.csv --twin healthy.toml --json said.json");
+    let said = fs::read_to_string(at.join("said.json")).unwrap();
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(said["verdict"], "complete", "{said}");
+    // At the same speed they are known, and so is a change of them.
+    let later = rig(300).replace("a = { fall_s = 1e-6 }", "a = { fall_s = 4e-6 }");
+    fs::write(at.join("later.toml"), later).unwrap();
+    done(at, "simulate later.toml --seed 9 -o later.csv");
+    let finding = only_finding(at, "later.csv --twin healthy.toml", "ambiguous");
+    let each = said_as(&finding);
+    assert!(each.iter().any(|one| one == "edge_delay"), "{finding}");
+}
+
+#[test]
 fn torques_of_a_starting_twin_need_two_speeds_and_have_intervals_that_hold() {
     let folder = pair(41..42);
     let at = folder.path();

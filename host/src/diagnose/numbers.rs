@@ -16,13 +16,14 @@ pub struct Path(String);
 const SHARED: [&str; 2] = ["errors", "shaft"];
 /// Sections and keys that are no numbers of physics, or whose numbers show in the noise alone: how long is recorded, what counts, where
 /// it starts, sizes of noise.
-const LEFT_OUT: [&str; 17] = [
+const LEFT_OUT: [&str; 18] = [
     "duration",
     "encoder",
     "timer",
     "faults",
     "index_slip",
     "errors.list_rad",
+    "errors.learned_r_min",
     "errors.wave_standard_errors_rad",
     "shaft.initial_angle_rad",
     "noise.white",

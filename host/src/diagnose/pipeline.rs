@@ -92,6 +92,10 @@ pub fn diagnose(
         let open = "torques at whole orders: at one speed the disc's own errors look the same";
         answer.not_identifiable.push(open.to_owned());
     }
+    if !search::past_learned(&board).is_empty() {
+        let open = "what of edge classes goes with the speed: the twin's disc was learned at one speed, with their delays in it (errors.learned_r_min)";
+        answer.not_identifiable.push(open.to_owned());
+    }
     answer.map = map;
     Ok(answer)
 }

@@ -134,6 +134,9 @@ pub enum Growth {
     /// The error that each mark of the disc has by itself, rad: by so much a wave finds it elsewhere than on the grid. Only what is fitted
     /// beside a wave of the disc goes so.
     Own,
+    /// 1 - v / |w|, v in rad/s: nothing at the one speed at which a disc was learned, whose places have a delay's share of that speed in
+    /// them. Only what is fitted beside such a disc goes so.
+    Past(f64),
 }
 
 /// An effect without its sizes.
@@ -232,6 +235,7 @@ impl Effect {
             Growth::Constant | Growth::Own => return value,
             Growth::Even(rate) => t * rate + N::constant(1.0),
             Growth::Speed(power) => size.powf(power),
+            Growth::Past(speed) => size.powf(-1.0) * -speed + N::constant(1.0),
             Growth::Modulated(f_hz, depth, phase) => {
                 let turned = t * (TAU * f_hz) + N::constant(phase);
                 turned.sin_cos().0 * depth + N::constant(1.0)
@@ -304,7 +308,7 @@ impl Effect {
             Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
         };
         match self.growth {
-            Growth::Constant | Growth::Own => {}
+            Growth::Constant | Growth::Own | Growth::Past(_) => {}
             Growth::Even(a) | Growth::Speed(a) => knobs.push(a),
             Growth::Modulated(a, b, c) => knobs.extend([a, b, c]),
         }
@@ -327,7 +331,7 @@ impl Effect {
             carrier => carrier,
         };
         let growth = match self.growth {
-            growth @ (Growth::Constant | Growth::Own) => growth,
+            growth @ (Growth::Constant | Growth::Own | Growth::Past(_)) => growth,
             Growth::Even(a) => Growth::Even(next(a)),
             Growth::Speed(a) => Growth::Speed(next(a)),
             Growth::Modulated(a, b, c) => Growth::Modulated(next(a), next(b), next(c)),

@@ -122,6 +122,7 @@ pub fn growth(effect: &Effect) -> String {
             _ => String::new(),
         },
         Growth::Own => ", as the own errors of the marks".to_owned(),
+        Growth::Past(_) => ", past the speed at which the disc was learned".to_owned(),
         Growth::Even(rate) => format!(
             ", {amplitude} {} by {} % a second",
             if rate < 0.0 { "falls" } else { "grows" },

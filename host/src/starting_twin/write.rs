@@ -326,6 +326,12 @@ fn disc(starting: &Starting, errors: Option<&Path>, line: &mut impl FnMut(String
                     waves.len()
                 ));
             }
+            if starting.delay_keys().is_empty() && starting.delay_limit_s.is_none() {
+                line(format!(
+                    "learned_r_min = {:.6}  # delays of edge classes, which one speed does not tell from the disc, are in the list",
+                    0.5 * (starting.speed_r_min[0] + starting.speed_r_min[1])
+                ));
+            }
         }
         None => line(format!(
             "# No [errors], as they need a file (--errors PATH): {size}"

@@ -240,7 +240,7 @@ impl DeclaredEffect {
         *new.size_mut() = Some(size);
         match effect.growth {
             Growth::Constant => {}
-            Growth::Own => return None,
+            Growth::Own | Growth::Past(_) => return None,
             Growth::Even(rate) => new.growth_per_s = Some(rate),
             Growth::Speed(power) => new.speed_power = Some(power),
             Growth::Modulated(f_hz, depth, phase) => {

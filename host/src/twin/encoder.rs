@@ -199,6 +199,10 @@ pub struct Errors {
     /// list's own `standard_error_rad`. Torque that nobody knows blurs the first orders most.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wave_standard_errors_rad: Vec<f64>,
+    /// The one speed at which `csv` was learned, where it was one: delays of edge classes, which nothing told from the disc there, are part
+    /// of the list.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned_r_min: Option<f64>,
 }
 
 /// Distribution of the line position error.

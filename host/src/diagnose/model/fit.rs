@@ -182,7 +182,7 @@ impl Board {
             Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
         };
         match effect.growth {
-            Growth::Constant | Growth::Own => {}
+            Growth::Constant | Growth::Own | Growth::Past(_) => {}
             Growth::Even(_) => reach.push(0.3 / seconds),
             Growth::Speed(_) => reach.push(0.2),
             Growth::Modulated(..) => reach.extend([1.0 / seconds, 0.2, 0.3]),

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 pub use best::{ALIKE, candidates, together, torque_orders, worth};
 pub use classes::joins;
-pub use open::{nuisances, with};
+pub use open::{nuisances, past_learned, with};
 
 use best::{Beside, LOUD, NEARLY, TRIED, another_disc};
 use open::CHANGES;

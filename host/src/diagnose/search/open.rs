@@ -1,10 +1,14 @@
 //! What the twins leave open, which is no finding: a drive that they do not declare, and a disc that they do not give.
 
+use std::f64::consts::TAU;
+
 use crate::diagnose::cells;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::lsq::{Basis, dot};
 use crate::diagnose::model::{Board, Model};
 
+/// Part of the speed at which a disc was learned within which that speed is no other one.
+const NEAR: f64 = 1e-3;
 /// Changes of a drive that the twins do not declare, at the most.
 pub const CHANGES: usize = 16;
 
@@ -30,6 +34,7 @@ pub fn nuisances(board: &Board) -> Model {
             model.add_open(&low, usize::MAX);
         }
     }
+    model.add_open(&past_learned(board), usize::MAX);
     let mut benches = board.benches.iter();
     if benches.any(|bench| bench.is_held() && bench.plant.law.mode.is_none()) {
         model.add_open(&[Effect::new(Site::Drive, Carrier::Steady)], usize::MAX);
@@ -41,6 +46,35 @@ pub fn nuisances(board: &Board) -> Model {
         model.add_open(&targets(board), usize::MAX);
     }
     model
+}
+
+/// Delays of edge classes at other speeds than the one at which the disc was learned.
+#[must_use]
+pub fn past_learned(board: &Board) -> Vec<Effect> {
+    let learned = board.benches.iter();
+    let r_min = learned
+        .filter_map(|bench| bench.twin.errors.learned_r_min)
+        .next();
+    let Some(speed) = r_min.map(|r_min| r_min * TAU / 60.0) else {
+        return Vec::new();
+    };
+    let away = |speed_now: &f64| (speed_now.abs() / speed - 1.0).abs() > NEAR;
+    if !board
+        .benches
+        .iter()
+        .any(|bench| bench.course.steady.iter().any(away))
+    {
+        return Vec::new();
+    }
+    let each = cells::classes(board).into_iter().map(|class| Effect {
+        site: match class.site {
+            Site::Disc(on) => Site::Stamp(on),
+            site => site,
+        },
+        growth: Growth::Past(speed),
+        ..class
+    });
+    each.collect()
 }
 
 /// The last edge before each gap and the first one behind it: the signal is another one there, and their errors are not of the others' size.

@@ -109,7 +109,7 @@ fn knobs(effect: &Effect) -> Vec<(&'static str, &'static str)> {
         Carrier::Steady | Carrier::Time | Carrier::Direction | Carrier::Power(_) => Vec::new(),
     };
     match effect.growth {
-        Growth::Constant | Growth::Own => {}
+        Growth::Constant | Growth::Own | Growth::Past(_) => {}
         Growth::Even(_) => all.push(("growth", "1/s")),
         Growth::Speed(_) => all.push(("power of the speed", "1")),
         Growth::Modulated(..) => {

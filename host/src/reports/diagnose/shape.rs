@@ -161,7 +161,7 @@ fn over(effect: &Effect, recordings: &[RecordingFacts]) -> Option<Over> {
             return (f_hz > 0.0).then(|| Over::Time(longest.min(CYCLES / f_hz)));
         }
         Growth::Speed(power) => return speed(if power < 0.0 { 0.1 } else { 0.0 }),
-        Growth::Constant | Growth::Own => {}
+        Growth::Constant | Growth::Own | Growth::Past(_) => {}
     }
     match effect.carrier {
         Carrier::Order(order) if order > 0.0 => {

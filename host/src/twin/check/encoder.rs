@@ -206,6 +206,23 @@ impl Twin {
     fn check_error_list(&self, c: &mut Checker<'_>) {
         let e = &self.errors;
         self.check_wave_errors(c);
+        if let Some(r_min) = e.learned_r_min {
+            let key = "errors.learned_r_min";
+            c.require(
+                e.csv.is_some(),
+                key,
+                "given without a list",
+                "beside errors.csv",
+                "this is the speed at which the list that errors.csv names was learned",
+            );
+            c.between(
+                key,
+                r_min,
+                1e-3,
+                1e6,
+                "give the mean speed of that recording",
+            );
+        }
         let whole = if e.csv.is_some() {
             "errors.csv"
         } else {
@@ -218,6 +235,7 @@ impl Twin {
             list_rad: Vec::new(),
             csv: None,
             wave_standard_errors_rad: Vec::new(),
+            learned_r_min: None,
             ..e.clone()
         };
         c.require(
