@@ -168,7 +168,7 @@ impl Board {
         let [_, run_out] = Mechanism::Bearing.card().range("runout_rad");
         model.terms.iter().filter(shifts).all(|term| {
             let (most, amplitude) = match term.effect.carrier {
-                Carrier::Order(_) | Carrier::Tone(_) | Carrier::Chirp(..) => (LARGE, run_out),
+                Carrier::Order(_) | Carrier::Tone(_) => (LARGE, run_out),
                 Carrier::Direction => (1.0, run_out),
                 _ => (1.0, f64::INFINITY),
             };
