@@ -8,7 +8,7 @@
 //! lost tooth shows as a gap at the wrong place.) A gap anywhere but at the end of the count is booked as lost or extra edges, resynchronised and flagged, as is a turn that ends without one.
 //!
 //! Without missing teeth position counts from the first edge. In steady motion an interval of 1.6 pitches or more is taken
-//! as lost pulses (up to [`LOST`], booked as lost), and one below the glitch gate as a spurious pulse; the slots are suspect
+//! as lost pulses (up to fourteen, booked as lost), and one below the glitch gate as a spurious pulse; the slots are suspect
 //! for one turn. Motion stays steady as if they had come, so that the next ones that are lost are counted as well. Lost
 //! pulses in unsteady motion can't be seen.
 

@@ -329,9 +329,8 @@ fn delays_that_are_in_the_disc_of_one_speed_are_no_change_at_another() {
     let later = rig(300).replace("a = { fall_s = 1e-6 }", "a = { fall_s = 4e-6 }");
     fs::write(at.join("later.toml"), later).unwrap();
     done(at, "simulate later.toml --seed 9 -o later.csv");
-    let finding = only_finding(at, "later.csv --twin healthy.toml", "ambiguous");
-    let each = said_as(&finding);
-    assert!(each.iter().any(|one| one == "edge_delay"), "{finding}");
+    let finding = only_finding(at, "later.csv --twin healthy.toml", "explained");
+    assert_eq!(finding["mechanism"], "edge_delay", "{finding}");
 }
 
 #[test]
