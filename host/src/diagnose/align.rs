@@ -9,7 +9,8 @@ use realfft::num_complex::Complex;
 
 use super::bench::Bench;
 use super::disc;
-use super::model::Board;
+use super::lsq;
+use super::model::{Board, Fit};
 use super::search::{self, SURE};
 use crate::twin::{Errors, Twin};
 
@@ -90,6 +91,29 @@ impl Shown {
         let best = turns.max_by(|a, b| both[*a].total_cmp(&both[*b]))?;
         (square(best) - square(0) > SURE + 2.0 * tried.ln()).then_some(best)
     }
+}
+
+/// By how many edges the index of recordings stands further than in the twin whose disc they show; none where that is not sure. A disc that
+/// is another one beside a fit may be the twin's, counted from elsewhere.
+#[must_use]
+pub fn index_moved(board: &Board, fit: &Fit) -> Option<i64> {
+    disc::other(board, fit)?;
+    let first = board.benches.first()?;
+    let mut errors = disc::learned(board, &fit.model)?;
+    let anchored = board.benches.iter().all(|bench| bench.record.anchored);
+    if !anchored || errors.len() != first.disc.len() {
+        return None;
+    }
+    lsq::add(&mut errors, 1.0, &first.disc);
+    let pattern = board.pattern.as_ref()?;
+    let variance = (0..=errors.len() / 2).map(|order| pattern.variance(order));
+    let shown = Shown {
+        variance: variance.collect(),
+        errors,
+    };
+    let edges = first.record.edges;
+    let by = Shown::given(first)?.turn(&shown, first.record.classes as usize)? as i64;
+    Some(if 2 * by > edges { by - edges } else { by })
 }
 
 /// By how many edges each recording's places have to be turned so that they are those of one disc.

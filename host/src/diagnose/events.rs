@@ -52,10 +52,11 @@ pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
             times_s: vec![event.time_s],
             ..Place::default()
         };
-        let text = format!(
-            "the index is {} edges further from {:.4} s on",
-            event.edges, event.time_s
-        );
+        let since = match ends[0] == ends[1] {
+            true => "than in the twin, all along".to_owned(),
+            false => format!("from {:.4} s on", event.time_s),
+        };
+        let text = format!("the index is {} edges further {since}", event.edges);
         all.push(finding(Mechanism::IndexSlip, parameters, place, text));
     }
     all

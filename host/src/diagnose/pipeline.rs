@@ -30,7 +30,6 @@ pub fn diagnose(
 ) -> Result<Answer, DiagnoseError> {
     progress(0.05, "Comparing");
     rig.iter_mut().try_for_each(turn_round)?;
-    let rig = &*rig;
     let mut benches = Vec::new();
     for (place, one) in rig.iter().enumerate() {
         let mut bench = likelier(one)?;
@@ -83,6 +82,12 @@ pub fn diagnose(
     if search::needless(&given, &mut board, &mut found) {
         map = mapped(&board, &found);
     }
+    if let Some(by) = align::index_moved(&board, &found.fit)
+        && rig.iter_mut().all(|one| one.edges.move_index(by))
+    {
+        return diagnose(rig, progress);
+    }
+    let rig = &*rig;
     let search::Found {
         fit, worth, noise, ..
     } = &found;

@@ -33,7 +33,8 @@ pub enum OtherEncoder {
     NoIndexPulse,
     /// Another number of lines.
     #[error(
-        "the twin declares {declared} {name} a turn, {shown_by} {shown}; give the twin of this rig, or correct it"
+        "the twin declares {declared} {name} a turn, {shown_by} {shown}; {}give the twin of this rig, or correct it",
+        dark(*declared, *shown, name)
     )]
     Lines {
         /// As declared.
@@ -45,6 +46,15 @@ pub enum OtherEncoder {
         /// What in the recording shows it.
         shown_by: &'static str,
     },
+}
+
+/// What a few lines fewer may be as well.
+fn dark(declared: u32, shown: u32, name: &str) -> &'static str {
+    match declared.checked_sub(shown) {
+        Some(1) if name == "lines" => "if the twin is right, one line gives no edges; else ",
+        Some(2) if name == "lines" => "if the twin is right, two lines give no edges; else ",
+        _ => "",
+    }
 }
 
 /// The sensor by which the recording of `survey` is placed as the encoder that its twin declares.

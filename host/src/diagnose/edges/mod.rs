@@ -208,6 +208,28 @@ impl Edges {
         self.time_s.len()
     }
 
+    /// Counts from an index that has stood so many edges further all along; not twice, so false if it does.
+    pub fn move_index(&mut self, edges: i64) -> bool {
+        let start_s = self.time_s.first().copied().unwrap_or(0.0);
+        let mut events = self.events.iter();
+        if events.any(|event| event.kind == CountKind::IndexSlip && event.time_s == start_s) {
+            return false;
+        }
+        self.place.iter_mut().for_each(|place| *place += edges);
+        self.events
+            .iter_mut()
+            .for_each(|event| event.place += edges);
+        self.events.push(CountEvent {
+            kind: CountKind::IndexSlip,
+            time_s: start_s,
+            after_s: start_s,
+            place: edges,
+            channel: Levels::Z,
+            edges: edges as i32,
+        });
+        true
+    }
+
     /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -485,3 +485,18 @@ fn a_wave_that_is_the_same_at_each_pole_pair_is_a_disc_s_where_it_is_fewer_numbe
     let [low, high] = first.parameters["amplitude_rad"].ci95.unwrap();
     assert!(low < 1e-3 && 1e-3 < high, "{low} {high}");
 }
+
+#[test]
+fn a_disc_that_is_the_twin_s_counted_from_elsewhere_is_an_index_that_moved() {
+    // It was another disc, over 99.9 %.
+    let given = "seed = 3\nduration = { turns = 30 }\n[encoder.quadrature]\nlines = 100\nindex = true\n[errors]\nseed = 5\n\
+        position = { normal = { rms_rad = 3e-5 } }\n[shaft]\ninertia_kg_m2 = 1e-4\nviscous_n_m_s = 1e-5\nstiffness_n_m_s = 4e-4\n\
+        [drive.constant]\nr_min = 300\n[noise.white]\npsd_n2_m2_s = 2e-10\n[timer]\nclock_hz = 84_000_000\njitter_s = 20e-9\n";
+    let slipped = format!("{given}[[index_slip]]\nat_s = 0.0\nedges = 8\n");
+    let answer = against(&slipped, given).diagnosis;
+    let [only] = &answer.findings[..] else {
+        panic!("{:?}", answer.summary);
+    };
+    assert_eq!(only.mechanism, Mechanism::IndexSlip, "{:?}", answer.summary);
+    assert_eq!(only.parameters["edges"].value, 8.0);
+}
