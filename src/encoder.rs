@@ -14,104 +14,23 @@
 //! The repository's `docs/cost.md` has the instructions. No method on the edge path divides, uses floating point, allocates or can
 //! panic, nor do the reading ones.
 
+mod config;
+mod corrected;
+
 use crate::corrector::{CorrectedEdge, Corrector};
-use crate::decoder::{DecoderConfig, QuadratureDecoder};
-use crate::edge::{Direction, Levels, Sample};
+use crate::decoder::QuadratureDecoder;
+use crate::edge::{Direction, Sample};
 use crate::estimate::Anchor;
 use crate::interval::{Interval, IntervalConfig, Passed, Speed};
 use crate::recip::Recip;
-use crate::shape::{EncoderShape, Grid, ShapeError};
-use crate::step::{Faults, Outcome, SensorError, Step};
+use crate::shape::{EncoderShape, Grid};
+use crate::step::{Faults, Outcome, Step};
 use crate::table::{Entry, ErrorTable};
 use crate::timebase::Timebase;
 use crate::units::{Ticks, Turn32, TurnDelta32};
 
-/// What the encoder is; fixed for its life.
-///
-/// ```
-/// use quadcal::encoder::EncoderConfig;
-///
-/// // 2500 lines; at a standstill after 0.1 s without an edge, at 84 MHz.
-/// let config = EncoderConfig::new(2500, 8_400_000);
-/// assert_eq!(config.decoder.lines, 2500);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct EncoderConfig {
-    /// Lines, index and glitch gate.
-    pub decoder: DecoderConfig,
-    /// Where the table's edge 0 is.
-    pub anchor: Anchor,
-    /// Time without an edge after which the shaft stands still, ticks.
-    pub timeout: Ticks,
-}
-
-impl EncoderConfig {
-    /// The usual settings for an encoder of `lines` lines with an index, 1 to 16,384, at a standstill after `timeout` ticks without
-    /// an edge.
-    #[must_use]
-    pub const fn new(lines: u32, timeout: Ticks) -> Self {
-        Self {
-            decoder: DecoderConfig::new(lines),
-            anchor: Anchor::Index,
-            timeout,
-        }
-    }
-}
-
-/// Why an encoder can't be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum EncoderError {
-    /// The decoder refuses its settings.
-    Sensor(SensorError),
-    /// The lines do not make a shape: there are none, or too many.
-    Shape(ShapeError),
-    /// The table is of an encoder of this shape.
-    Table(EncoderShape),
-}
-
-/// One capture as the timer's interrupt finds it.
-///
-/// ```
-/// use quadcal::edge::Levels;
-/// use quadcal::encoder::Capture;
-///
-/// // Captured at 0x1234, A high and B low since, no overflow waiting to be served.
-/// let capture = Capture { raw: 0x1234, overflow_pending: false, levels: Levels(Levels::A) };
-/// assert!(capture.levels.a());
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Capture {
-    /// The latched counter, ticks, 0 to 2^`BITS` - 1.
-    pub raw: u32,
-    /// The timer's overflow flag, read after the capture.
-    pub overflow_pending: bool,
-    /// Levels of A, B and Z after the change.
-    pub levels: Levels,
-}
-
-/// One edge: angle, way and time, and the speed on demand.
-///
-/// See [`Encoder`] for an example.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Corrected {
-    /// Angle (2^-32 turn), time (ticks) and facts.
-    pub edge: CorrectedEdge,
-    passed: Passed,
-}
-
-impl Corrected {
-    /// Mean speed since the edge before, equations (2) and (3), 2^-60 turn a tick, forward positive; 0 at the first edge, at a reversal and
-    /// after 2^32 ticks or more. Below the exact quotient by at most 2^-29 of it. Worked out here, without a division.
-    #[inline]
-    #[must_use]
-    pub fn speed(&self) -> Speed {
-        self.passed.speed()
-    }
-}
+pub use config::{Capture, EncoderConfig, EncoderError};
+pub use corrected::Corrected;
 
 /// The newest edge and the one ahead.
 #[derive(Clone, Copy)]

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::decoder::tests::disturbed;
+use crate::edge::Levels;
 use crate::interval::ErrorChange;
-use crate::shape::CLASSES_MAX;
+use crate::shape::{CLASSES_MAX, ShapeError};
 use crate::step::Flags;
 use crate::timebase::Timebase16;
 use crate::units::TickDelta8;

@@ -3,6 +3,7 @@
 mod answers;
 mod cells;
 mod corners;
+mod hall;
 mod parts;
 mod search;
 
