@@ -16,6 +16,8 @@
 //! | 1 or 2 spurious rows | steps there and back, a repeated row, or one of the above | count right, or uncertain |
 //! | short pulse | an edge crossed back within the gate | both withdrawn, nothing uncertain |
 //!
+//! Rows of which the driver knows that they are missing are told by [`QuadratureDecoder::missed`]: uncertain, whatever comes next.
+//!
 //! *Uncertain* is [`Flags::TURN_SUSPECT`]; it stays until an index agrees with the count
 //! after eight edges in one direction. An index that does not agree
 //! moves the count, is booked as lost or extra edges and leaves the flag set, as it may itself be the fault.
@@ -39,7 +41,7 @@ mod rare;
 use crate::counter::Counter;
 use crate::edge::{Direction, Levels, Sample};
 use crate::motion::Motion;
-use crate::step::{Faults, Flags, Outcome, SensorError, Step};
+use crate::step::{Faults, Flags, Outcome, SensorError, Step, count};
 use crate::units::Ticks;
 use plain::Plain;
 
@@ -190,6 +192,22 @@ impl QuadratureDecoder {
     #[must_use]
     pub const fn faults(&self) -> &Faults {
         &self.faults
+    }
+
+    /// Samples are missing here, an unknown number: counts it and doubts the count until an index agrees.
+    ///
+    /// ```
+    /// use quadcal::decoder::{DecoderConfig, QuadratureDecoder};
+    ///
+    /// let mut decoder = QuadratureDecoder::new(DecoderConfig::new(250)).unwrap();
+    /// decoder.missed();
+    /// assert!(decoder.is_uncertain() && decoder.faults().missed == 1);
+    /// ```
+    #[cold]
+    pub fn missed(&mut self) {
+        count(&mut self.faults.missed);
+        self.suspect();
+        self.watch();
     }
 
     /// Takes one sample. Samples come in order of time; one that does not counts as an interval of 0.

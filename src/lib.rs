@@ -1,6 +1,6 @@
 //! quadcal: an incremental encoder that learns its own errors on board.
 //!
-//! Edges come in at one end, corrected angles leave at the other: `units -> edge -> timebase -> decoder -> interval ->
+//! Edges come in at one end, corrected angles leave at the other: `units -> edge -> timebase -> capture -> decoder -> interval ->
 //! savgol -> estimate -> table`.
 //!
 //! # Cost of an edge
@@ -11,6 +11,7 @@
 
 #[cfg(feature = "device")]
 pub mod access;
+pub mod capture;
 pub mod corrector;
 pub mod counter;
 pub mod decoder;

@@ -160,6 +160,8 @@ pub struct Faults {
     pub interval_spike: u32,
     /// Samples that change no level.
     pub repeated: u32,
+    /// Times that captures were missing before they came to the decoder, as hardware or its driver tells.
+    pub missed: u32,
 }
 
 impl Faults {
@@ -174,6 +176,7 @@ impl Faults {
             abrupt_reversal: 0,
             interval_spike: 0,
             repeated: 0,
+            missed: 0,
         }
     }
 
@@ -187,6 +190,7 @@ impl Faults {
             .saturating_add(self.abrupt_reversal)
             .saturating_add(self.interval_spike)
             .saturating_add(self.repeated)
+            .saturating_add(self.missed)
     }
 
     /// Books a correction of the count by `resync` edges made while moving in `direction`.

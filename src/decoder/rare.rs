@@ -223,7 +223,7 @@ impl QuadratureDecoder {
     }
 
     #[inline]
-    fn suspect(&mut self) {
+    pub(super) fn suspect(&mut self) {
         self.status = self.status.with(Flags::TURN_SUSPECT);
         self.suspect_before = true;
         self.motion.unsettle();

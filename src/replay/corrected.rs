@@ -216,6 +216,8 @@ fn parse_faults(bytes: &[u8; FAULTS_LEN]) -> Faults {
         abrupt_reversal: next(),
         interval_spike: next(),
         repeated: next(),
+        // A replay's captures come from a file, none is missing.
+        missed: 0,
     }
 }
 

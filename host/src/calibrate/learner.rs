@@ -216,5 +216,6 @@ fn sum_of(one: Faults, other: Faults) -> Faults {
         abrupt_reversal: one.abrupt_reversal.saturating_add(other.abrupt_reversal),
         interval_spike: one.interval_spike.saturating_add(other.interval_spike),
         repeated: one.repeated.saturating_add(other.repeated),
+        missed: one.missed.saturating_add(other.missed),
     }
 }

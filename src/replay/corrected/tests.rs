@@ -15,6 +15,7 @@ const FAULTS: Faults = Faults {
     abrupt_reversal: 5,
     interval_spike: 6,
     repeated: u32::MAX,
+    missed: 0,
 };
 
 fn file(edges: &[CorrectedEdge]) -> Vec<u8> {
