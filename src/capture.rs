@@ -17,12 +17,13 @@
 //! |---|---|---|
 //! | `OverCapture` | the timer's flag: a latch was overwritten before it was fetched | the batch is left out |
 //! | `Overrun` | captures were overwritten before they were drained, or came later than hardware may take | the batch is left out |
-//! | `Levels` | pins and rebuilt levels differ while no edge is near | levels are those of the pins from there on |
+//! | `Levels` | pins and rebuilt levels differ at two looks, no edge being near | levels are those of the pins from there on |
 //!
 //! Each is told before the samples that it makes doubtful; [`Encoder::take`](crate::encoder::Encoder::take) hands it to the decoder, which
 //! counts it ([`Faults::missed`](crate::step::Faults::missed)) and doubts the count until the index. After a batch was left out, samples go
-//! on as soon as pins could be read with no edge near, for each channel that lost some. `Levels` is found at the drain after: pins are
-//! compared once it is known that no edge was under way when they were read.
+//! on from the next look on whose pins were read with no edge near, for each channel that lost some. `Levels` is found one drain after
+//! the second look: pins are compared once it is known that no edge was under way. One look alone may have met a pulse that the input filter
+//! swallows.
 
 mod merge;
 
@@ -90,8 +91,8 @@ pub struct Look {
     pub counter: u32,
     /// Whether the timer wrapped since the last look: its flag, read after the counter and cleared if it was set.
     pub overflowed: bool,
-    /// Levels of the pins, read just before the counter.
-    pub levels: Levels,
+    /// Levels of the pins, read just before the counter; none where an interrupt came in between.
+    pub levels: Option<Levels>,
     /// Channels of which a latch was overwritten since the last look, read after the counter; bits as in [`Levels`].
     pub over_captured: u8,
     /// Channels whose stream was overwritten before it was drained, or has stopped; bits as in [`Levels`]. The stream is empty now.
@@ -131,7 +132,7 @@ pub struct Look {
 ///     }
 ///
 ///     fn look(&mut self) -> Look {
-///         Look { counter: self.counter, levels: self.levels, ..Look::default() }
+///         Look { counter: self.counter, levels: Some(self.levels), ..Look::default() }
 ///     }
 ///
 ///     fn oldest(&mut self, _stream: usize) -> Option<Latch> {

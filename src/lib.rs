@@ -35,6 +35,8 @@ pub mod savgol;
 pub mod shape;
 pub mod slot;
 pub mod step;
+#[cfg(any(test, feature = "stm32_capture"))]
+pub mod stm32_capture;
 #[cfg(any(test, feature = "stm32f405"))]
 pub mod stm32f405;
 pub mod store;

@@ -9,24 +9,21 @@ use crate::units::Ticks;
 /// All channels.
 const ALL: u8 = Levels::A | Levels::B | Levels::Z;
 
-/// Pins as they were at the last look.
-#[derive(Clone, Copy)]
-struct Pins {
-    counter: u32,
-    levels: Levels,
-}
-
 /// Drains a chip's captures: samples for a decoder, in order of time, with 64-bit times. `BITS` is the timer's width.
 ///
 /// Draining takes no division, no floating point and no allocation, and cannot panic. [`CaptureSource`] has an example.
 pub struct Captures<S, const BITS: u32 = 32> {
     source: S,
     timebase: Timebase<BITS>,
-    /// None before the first look and after an overrun.
-    pins: Option<Pins>,
+    /// The counter at the last look; none before the first.
+    before: Option<u32>,
+    /// Pins at the last look, if they can be held against captures.
+    pins: Option<Levels>,
     levels: Levels,
     /// Channels whose level is known.
     known: u8,
+    /// Channels whose pin has to bear out at the next look what it said at the last one.
+    odd: u8,
     /// Streams whose oldest capture was out of time at the last look, a bit each.
     doubted: u8,
     /// Whether B changed after A.
@@ -45,9 +42,11 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
         Self {
             source,
             timebase: Timebase::new(),
+            before: None,
             pins: None,
             levels: Levels(0),
             known: 0,
+            odd: 0,
             doubted: 0,
             b_last: false,
             started: false,
@@ -89,22 +88,24 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
         }
         // No capture can be older: the last drain would have taken it.
         let mut oldest = Self::MASK;
-        if let Some(pins) = self.pins {
-            let elapsed = look.counter.wrapping_sub(pins.counter) & Self::MASK;
+        let lost = look.over_captured | look.overrun;
+        if let Some(before) = self.before {
+            let elapsed = look.counter.wrapping_sub(before) & Self::MASK;
             oldest = elapsed.saturating_add(settle);
-            if look.over_captured | look.overrun == 0 {
+            if let Some(pins) = self.pins
+                && lost == 0
+            {
                 let quiet = Self::quiet(heads, elapsed, settle);
-                if (self.levels.0 ^ pins.levels.0) & quiet != 0 || quiet & !self.known != 0 {
+                let differ = self.levels.0 ^ pins.0;
+                if quiet & (differ | self.odd | !self.known) != 0 {
                     let then = now.saturating_sub(Ticks::from(oldest));
-                    self.follow_pins(pins.levels, quiet, then, &mut give);
+                    self.follow_pins(pins, quiet, then, &mut give);
                 }
             }
         }
-        // An overrun takes captures away that could tell an edge near the pins' reading.
-        self.pins = (look.overrun == 0).then_some(Pins {
-            counter: look.counter,
-            levels: look.levels,
-        });
+        self.before = Some(look.counter);
+        // A loss may have come after the pins were read, and an overrun takes captures away that could tell an edge near them.
+        self.pins = look.levels.filter(|_| lost == 0);
         if look.over_captured != 0 {
             self.lose(Loss::OverCapture, look.over_captured, &mut give);
         }
@@ -130,6 +131,7 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
                     continue;
                 }
                 self.lose(Loss::Overrun, ALL, &mut give);
+                oldest = Self::MASK;
             }
             self.source.take(stream);
             let head = Self::age(look.counter, self.source.oldest(stream));
@@ -214,17 +216,21 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
         }
     }
 
-    /// Takes over the pins of the last look, at which the channels `quiet` had no edge.
+    /// Holds the pins of the last look, at which the channels `quiet` had no edge, against the rebuilt levels. A channel has to differ
+    /// twice: once may be a pulse that the input filter swallows.
     #[cold]
     #[inline(never)]
     fn follow_pins(&mut self, pins: Levels, quiet: u8, then: Ticks, give: &mut impl FnMut(Event)) {
-        let wrong = (self.levels.0 ^ pins.0) & quiet & self.known;
-        self.levels.0 = (self.levels.0 & !quiet) | (pins.0 & quiet);
+        let new = quiet & !self.known;
+        let differ = (self.levels.0 ^ pins.0) & quiet;
+        let wrong = differ & self.odd;
+        self.levels.0 ^= wrong | (differ & new);
+        self.odd = (self.odd & !quiet) | (differ & !wrong) | new;
+        self.known |= new;
         if wrong != 0 {
             count(&mut self.missed);
             give(Event::Missed(Loss::Levels));
         }
-        self.known |= quiet;
         if self.known == ALL && !self.started {
             self.started = true;
             give(Event::Change(Sample {
@@ -239,6 +245,7 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
     #[inline(never)]
     fn lose(&mut self, loss: Loss, channels: u8, give: &mut impl FnMut(Event)) {
         self.known &= !channels;
+        self.odd &= !channels;
         count(&mut self.missed);
         give(Event::Missed(loss));
     }

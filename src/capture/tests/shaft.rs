@@ -78,9 +78,8 @@ impl Shaft {
         let before = self.position;
         self.position += if forward { 1 } else { -1 };
         let at_index = |position: i64| position.rem_euclid(turn) == 0;
-        let middle = self.ticks + interval / 2;
         if at_index(before) {
-            self.change(Channel::Z, middle);
+            self.change(Channel::Z, self.ticks + interval / 2);
         }
         self.ticks += interval;
         let state = STATES[self.position.rem_euclid(4) as usize];
@@ -91,7 +90,7 @@ impl Shaft {
         };
         self.change(channel, self.ticks);
         if at_index(self.position) {
-            self.change(Channel::Z, self.ticks + interval / 4);
+            self.change(Channel::Z, self.ticks + interval / 8);
         }
     }
 

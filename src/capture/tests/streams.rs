@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use crate::capture::{CaptureSource, Change, Channel, Latch, Look};
+use crate::edge::Levels;
 
 /// Ticks that hardware takes.
 pub const SETTLE: u32 = 20;
 
 /// Three streams of a timer of `BITS` bits.
-#[derive(Default)]
 pub struct Streams<const BITS: u32> {
     /// Time now.
     pub ticks: u64,
@@ -16,6 +16,20 @@ pub struct Streams<const BITS: u32> {
     wraps: u64,
     pub look: Look,
     pub streams: [VecDeque<u32>; 3],
+}
+
+impl<const BITS: u32> Default for Streams<BITS> {
+    fn default() -> Self {
+        Self {
+            ticks: 0,
+            wraps: 0,
+            look: Look {
+                levels: Some(Levels(0)),
+                ..Look::default()
+            },
+            streams: Default::default(),
+        }
+    }
 }
 
 impl<const BITS: u32> Streams<BITS> {

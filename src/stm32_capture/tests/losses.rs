@@ -1,0 +1,156 @@
+//! What goes wrong is told, and an angle is never wrong without that.
+
+use super::model::LATCHES;
+use super::*;
+use crate::capture::Loss;
+
+/// Feeds what was drained to an encoder and holds its position against the shaft's: right, or in doubt. Returns what was missed, and
+/// how many samples came in doubt and without.
+fn right_or_doubtful(rig: &Rig<F405>, edges: &[Edge]) -> (Vec<Loss>, u32, u32) {
+    let mut encoder = encoder();
+    // The shaft as it is in truth, by itself: referenced, right from the start.
+    let mut truth = self::encoder();
+    let positions: Vec<_> = edges
+        .iter()
+        .map(|edge| {
+            truth.edge_at(edge.sample());
+            let decoder = truth.decoder();
+            (edge.ticks, decoder.position(), decoder.is_referenced())
+        })
+        .collect();
+    assert_eq!(truth.faults().total(), 0);
+    let (mut missed, mut doubtful, mut sure) = (Vec::new(), 0, 0);
+    for event in &rig.events {
+        encoder.take(*event);
+        match event {
+            Event::Missed(loss) => missed.push(*loss),
+            Event::Change(sample) => {
+                let (_, position, referenced) = *positions
+                    .iter()
+                    .rfind(|(ticks, ..)| *ticks <= sample.ticks)
+                    .unwrap();
+                let decoder = encoder.decoder();
+                if decoder.is_uncertain() {
+                    doubtful += 1;
+                } else {
+                    sure += 1;
+                    let at = sample.ticks;
+                    assert_eq!(decoder.is_referenced(), referenced, "at {at}");
+                    assert_eq!(decoder.position(), position, "at {at}");
+                }
+            }
+        }
+    }
+    assert_eq!(encoder.faults().missed as usize, missed.len());
+    (missed, doubtful, sure)
+}
+
+/// A shaft in steady motion, drained every `period` ticks at most, with what `disturb` does to the model.
+fn disturbed(
+    seed: u64,
+    period: u64,
+    disturb: impl FnOnce(&mut Model, u64),
+) -> (Rig<F405>, Vec<Edge>) {
+    let mut rig = Rig::new(F405_MAP, seed, BUS, Filter::of_ticks(8));
+    let mut shaft = rig.shaft();
+    let begin = shaft.ticks;
+    shaft.cruise(20 * 4 * LINES, 400);
+    let edges = rig.turn(&shaft);
+    disturb(rig.model(), begin);
+    rig.drain_until(shaft.ticks + 1000, period);
+    (rig, edges)
+}
+
+#[test]
+fn a_bus_that_stalls_over_two_edges_of_a_channel_is_an_over_capture() {
+    for seed in 0..60 {
+        let (rig, edges) = disturbed(seed, 3000, |model, begin| {
+            // Between 800 and 2500 ticks: two edges of a channel at least, in turn 5 or so.
+            let from = begin + 5 * 32 * 400 + seed * 37;
+            model.stalls.push((from, from + 900 + seed * 25));
+        });
+        let (missed, doubtful, sure) = right_or_doubtful(&rig, &edges);
+        assert!(
+            missed.contains(&Loss::OverCapture),
+            "seed {seed}: {missed:?}"
+        );
+        assert!(missed.len() <= 4, "seed {seed}: {missed:?}");
+        // In doubt for two turns of twenty at most.
+        assert!(
+            doubtful > 8 && sure > 17 * 4 * LINES,
+            "seed {seed}: {doubtful} {sure}"
+        );
+    }
+}
+
+#[test]
+fn memory_that_dma_has_gone_round_in_is_an_overrun_whatever_the_number_of_laps() {
+    // Edges of a channel come every 800 ticks.
+    let lap = 800 * LATCHES as u64;
+    for late in [
+        lap / 2 + 2000,
+        lap - 800,
+        lap,
+        lap + 800,
+        lap * 3 / 2,
+        2 * lap,
+        2 * lap + 800,
+    ] {
+        for seed in 0..8 {
+            let mut rig = Rig::<F405>::new(F405_MAP, seed, BUS, Filter::of_ticks(8));
+            let mut shaft = rig.shaft();
+            let begin = shaft.ticks;
+            shaft.cruise(20 * 4 * LINES, 400);
+            let edges = rig.turn(&shaft);
+            rig.drain_until(begin + 5 * 32 * 400 + seed * 111, 3000);
+            let now = rig.model().now;
+            rig.model().advance(now + late);
+            rig.drain_until(shaft.ticks + 1000, 3000);
+            let (missed, doubtful, sure) = right_or_doubtful(&rig, &edges);
+            assert!(missed.contains(&Loss::Overrun), "{late} {seed}: {missed:?}");
+            assert!(missed.len() <= 2, "{late} {seed}: {missed:?}");
+            assert!(
+                doubtful > 8 && sure > 5 * 4 * LINES,
+                "{late}: {doubtful} {sure}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_capture_that_the_timer_misses_without_a_word_is_found_at_the_pins() {
+    for seed in 0..60 {
+        let (rig, edges) = disturbed(seed, 1500, |model, _| {
+            model.deaf_at.push(200 + seed as usize);
+        });
+        let mut encoder = encoder();
+        let last = rig.events.iter().filter(|event| {
+            encoder.take(**event);
+            matches!(event, Event::Missed(Loss::Levels))
+        });
+        assert_eq!(last.count(), 1, "seed {seed}");
+        // Twelve turns later all is well again.
+        let mut truth = self::encoder();
+        for edge in &edges {
+            truth.edge_at(edge.sample());
+        }
+        assert_eq!(encoder.decoder().position(), truth.decoder().position());
+        assert!(!encoder.decoder().is_uncertain());
+        assert_eq!(encoder.faults().missed, 1);
+    }
+}
+
+#[test]
+fn a_drain_that_is_interrupted_between_pins_and_counter_uses_no_pins() {
+    // Accesses that take up to 80 ticks: the pins are often read long before the counter.
+    let bus = Bus { access: 80, ..BUS };
+    for seed in 0..40 {
+        let mut rig = Rig::<F405>::new(F405_MAP, seed, bus, Filter::of_ticks(8));
+        let mut shaft = rig.shaft();
+        shaft.wander(&mut Random(seed), 400, 300);
+        let edges = rig.turn(&shaft);
+        rig.drain_until(shaft.ticks + 3000, 1500);
+        let expected: Vec<_> = edges.iter().map(|e| Event::Change(e.sample())).collect();
+        assert_eq!(rig.events, expected, "seed {seed}");
+    }
+}
