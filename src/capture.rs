@@ -140,8 +140,10 @@ pub struct Look {
 ///         Some(Latch { raw, change: Change::To(levels) })
 ///     }
 ///
-///     fn take(&mut self, _stream: usize) {
+///     fn take(&mut self, stream: usize) -> Option<Latch> {
+///         let taken = self.oldest(stream);
 ///         self.queue.pop_front();
+///         taken
 ///     }
 /// }
 ///
@@ -181,7 +183,7 @@ pub trait CaptureSource {
     fn oldest(&mut self, stream: usize) -> Option<Latch>;
 
     /// Takes a stream's oldest capture out.
-    fn take(&mut self, stream: usize);
+    fn take(&mut self, stream: usize) -> Option<Latch>;
 }
 
 /// Why captures are missing.

@@ -272,6 +272,15 @@ fn the_fingerprint_has_no_panic_and_its_edge_path_no_division_either() {
 }
 
 #[test]
+fn draining_captures_has_no_panic_no_division_and_no_float() {
+    // The STM32F405's driver, the merger and the encoder behind them.
+    let drain = reachable(&image("edge_cost"), "edge_cost::captures::drain_block").unwrap();
+    let instructions: usize = drain.iter().map(|f| f.instructions.len()).sum();
+    assert!(instructions > 400, "{instructions}");
+    assert_eq!(offences(&drain), []);
+}
+
+#[test]
 fn a_slice_of_search_takes_less_than_20_000_instructions() {
     let folder = tempfile::tempdir().unwrap();
     let output = run_qemu(&image("edge_cost"), &[], folder.path(), LIMIT)

@@ -118,26 +118,31 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
             if age < settle {
                 break;
             }
-            let Some(latch) = self.source.oldest(stream) else {
-                break;
-            };
             if age > oldest {
                 // Memory that DMA has counted but not written yet holds an old capture. At the next look it holds the new one; if it
                 // does not, a capture came later than the source says.
                 let bit = 1 << stream;
                 if self.doubted & bit == 0 {
                     doubted |= bit;
-                    Self::put(&mut heads, stream, 0);
+                    let [a, b, z] = heads;
+                    heads = match stream {
+                        0 => [0, b, z],
+                        1 => [a, 0, z],
+                        _ => [a, b, 0],
+                    };
                     continue;
                 }
                 self.lose(Loss::Overrun, ALL, &mut give);
                 oldest = Self::MASK;
             }
-            self.source.take(stream);
-            let head = Self::age(look.counter, self.source.oldest(stream));
-            Self::put(&mut heads, stream, head);
-            self.apply(latch.change);
-            if self.known == ALL {
+            // A number that the compiler knows makes each of these a few instructions.
+            let [a, b, z] = &mut heads;
+            let taken = match stream {
+                0 => self.take(0, a, look.counter),
+                1 => self.take(1, b, look.counter),
+                _ => self.take(2, z, look.counter),
+            };
+            if taken && self.known == ALL {
                 self.started = true;
                 give(Event::Change(Sample {
                     ticks: now.wrapping_sub(Ticks::from(age)),
@@ -148,6 +153,17 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
         self.doubted = doubted;
     }
 
+    /// Takes a stream's oldest capture and looks at the one after it; false if there was none.
+    #[inline(always)]
+    fn take(&mut self, stream: usize, head: &mut u32, counter: u32) -> bool {
+        let taken = self.source.take(stream);
+        *head = Self::age(counter, self.source.oldest(stream));
+        if let Some(latch) = taken {
+            self.apply(latch.change);
+        }
+        taken.is_some()
+    }
+
     /// Ticks from a capture to the look; 0 where there is none or it was made after the look.
     #[inline]
     fn age(counter: u32, latch: Option<Latch>) -> u32 {
@@ -156,13 +172,6 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
         };
         let age = counter.wrapping_sub(latch.raw) & Self::MASK;
         if age > Self::MASK / 2 { 0 } else { age }
-    }
-
-    #[inline]
-    fn put(heads: &mut [u32; 3], stream: usize, age: u32) {
-        if let Some(head) = heads.get_mut(stream) {
-            *head = age;
-        }
     }
 
     /// The stream of the oldest capture, and its age.

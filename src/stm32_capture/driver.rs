@@ -154,7 +154,7 @@ impl<R: Registers, C: Chip> CaptureSource for DmaCapture<R, C> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn oldest(&mut self, stream: usize) -> Option<Latch> {
         let ring = self.rings.get(stream)?;
         if ring.read == ring.end {
@@ -167,11 +167,12 @@ impl<R: Registers, C: Chip> CaptureSource for DmaCapture<R, C> {
         })
     }
 
-    #[inline]
-    fn take(&mut self, stream: usize) {
-        if let Some(ring) = self.rings.get_mut(stream) {
-            ring.last = self.registers.latched(channel(stream), ring.read);
-            ring.read = ring.read.wrapping_add(1) & Self::LAST;
-        }
+    #[inline(always)]
+    fn take(&mut self, stream: usize) -> Option<Latch> {
+        let latch = self.oldest(stream)?;
+        let ring = self.rings.get_mut(stream)?;
+        ring.last = latch.raw;
+        ring.read = ring.read.wrapping_add(1) & Self::LAST;
+        Some(latch)
     }
 }

@@ -7,6 +7,7 @@
 #![no_std]
 #![no_main]
 
+mod captures;
 #[path = "../qemu_cost/counter.rs"]
 mod counter;
 mod encoder;
@@ -30,6 +31,7 @@ use quadcal::step::Outcome;
 use quadcal::table::ErrorTable;
 use quadcal::units::{TickDelta8, TurnDelta32};
 
+use captures::Hardware;
 use counter::InstructionCounter;
 use rig::{BLOCK, LINES, Rig, SLOTS};
 use stage::{Stage, idle};
@@ -51,11 +53,12 @@ static ENTRIES: [i16; SLOTS as usize] = [7; SLOTS as usize];
 fn main() -> ! {
     static mut BUFFERS: StaticBuffers<{ LINES as usize }, 4> = StaticBuffers::new();
     static mut SAMPLES: [Sample; BLOCK] = [rig::NO_SAMPLE; BLOCK];
+    static mut HARDWARE: Hardware = Hardware::new();
     static mut OUTCOMES: [Outcome; BLOCK] = [Outcome::Idle; BLOCK];
     let shape = EncoderShape::new(SLOTS, 4).ok();
     let learner = shape.and_then(|shape| Estimator::new(shape, Anchor::Index, BUFFERS).ok());
     let done = match learner {
-        Some(mut learner) => measure(&mut learner, SAMPLES, OUTCOMES),
+        Some(mut learner) => measure(&mut learner, SAMPLES, OUTCOMES, HARDWARE),
         None => None,
     };
     if done.is_none() {
@@ -68,6 +71,7 @@ fn measure(
     learner: &mut Learner,
     samples: &mut [Sample; BLOCK],
     outcomes: &mut [Outcome; BLOCK],
+    hardware: &Hardware,
 ) -> Option<()> {
     let counter = InstructionCounter::start(Peripherals::take()?.SYST);
     let table = ErrorTable::new(
@@ -128,6 +132,7 @@ fn measure(
     speed.print("speed", &empty);
     learn.print("learn", &empty);
     encoder::measure(&counter, samples, table)?;
+    captures::measure(&counter, samples, table, hardware)?;
     locate::measure(&counter, samples)?;
     (learner.totals().turns == 4 && decoder == recorder).then_some(())
 }

@@ -75,7 +75,9 @@ impl<const BITS: u32> CaptureSource for Streams<BITS> {
         })
     }
 
-    fn take(&mut self, stream: usize) {
-        self.streams[stream].pop_front().unwrap();
+    fn take(&mut self, stream: usize) -> Option<Latch> {
+        let taken = self.oldest(stream);
+        self.streams[stream].pop_front();
+        taken
     }
 }
