@@ -125,6 +125,7 @@ pub fn measure(
         drain_block(&mut captures, &mut encoder);
     }
     let [mut drained, mut none] = array::from_fn(|_| Stage::default());
+    let (mut idle, mut drains) = (0, 0);
     // Two turns, so that the index is seen, and three to count.
     let turn = SLOTS as usize / BLOCK;
     for block in 0..5 * turn {
@@ -136,9 +137,13 @@ pub fn measure(
         drained.count(counter, || drain_block(&mut captures, &mut encoder));
         hardware.stand(samples.last()?, 500);
         none.count(counter, || drain_block(&mut captures, &mut encoder));
+        let begin = counter.now();
+        drain_block(&mut captures, &mut encoder);
+        idle += counter.now() - begin;
+        drains += 1;
     }
     drained.print("drained_edge", &none);
-    hprintln!("drain_of_none={}", none.of_a_block());
+    hprintln!("drain_of_none={}", idle / drains);
     let right = encoder.faults().total() == 0 && encoder.decoder().is_referenced();
     (right && captures.missed() == 0).then_some(())
 }

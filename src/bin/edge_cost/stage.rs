@@ -24,11 +24,6 @@ impl Stage {
         self.edges += BLOCK as u64;
     }
 
-    /// Instructions of a block.
-    pub fn of_a_block(&self) -> u64 {
-        self.instructions / (self.edges / BLOCK as u64).max(1)
-    }
-
     /// Prints instructions an edge to a tenth, `empty` taken off.
     pub fn print(&self, name: &str, empty: &Self) {
         let tenths = |stage: &Self| stage.instructions * 10 / stage.edges.max(1);

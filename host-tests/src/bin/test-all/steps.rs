@@ -150,7 +150,7 @@ fn cargo(args: &[&str]) -> Result<(), Failure> {
 fn defmt() -> Result<(), Failure> {
     let mut check = Command::new("cargo");
     check.current_dir(firmware::workspace());
-    let features = "defmt,summary,embedded-hal,device,stm32f405";
+    let features = "defmt,summary,embedded-hal,device,stm32_capture,stm32f405";
     check.args(["check", "-p", "quadcal", "--lib", "--features", features]);
     check.args(["--profile", "firmware", "--target", TARGET]);
     check.args(["--target-dir", "target-firmware"]);
