@@ -5,6 +5,51 @@ use embedded_hal::digital::{ErrorType, InputPin};
 use crate::edge::Levels;
 
 /// The pins of A, B and Z. A pin's own error ends the reading.
+///
+/// ```
+/// use core::convert::Infallible;
+///
+/// use embedded_hal::digital::{ErrorType, InputPin};
+/// use quadcal::encoder::{Capture, Corrected, Encoder, EncoderConfig};
+/// use quadcal::pins::EncoderPins;
+///
+/// /// The interrupt of a timer that captures any edge. `latch` is what it captured, `overflow` its flag, read after the latch.
+/// fn on_edge<A, B, Z>(
+///     encoder: &mut Encoder,
+///     pins: &mut EncoderPins<A, B, Z>,
+///     latch: u32,
+///     overflow: bool,
+/// ) -> Option<Corrected>
+/// where
+///     A: InputPin,
+///     B: InputPin + ErrorType<Error = A::Error>,
+///     Z: InputPin + ErrorType<Error = A::Error>,
+/// {
+///     let levels = pins.levels().ok()?;
+///     encoder.edge(Capture { raw: latch, overflow_pending: overflow, levels })
+/// }
+///
+/// struct Pin(bool);
+/// # impl ErrorType for Pin {
+/// #     type Error = Infallible;
+/// # }
+/// # impl InputPin for Pin {
+/// #     fn is_high(&mut self) -> Result<bool, Infallible> {
+/// #         Ok(self.0)
+/// #     }
+/// #     fn is_low(&mut self) -> Result<bool, Infallible> {
+/// #         Ok(!self.0)
+/// #     }
+/// # }
+///
+/// let mut encoder = Encoder::new(EncoderConfig::new(250, 100_000), None).unwrap();
+/// // A rises, then B, 1000 ticks later.
+/// let mut pins = EncoderPins::new(Pin(true), Pin(false), Pin(false));
+/// assert!(on_edge(&mut encoder, &mut pins, 5000, false).is_none());
+/// let mut pins = EncoderPins::new(Pin(true), Pin(true), Pin(false));
+/// let seen = on_edge(&mut encoder, &mut pins, 6000, false).unwrap();
+/// assert_eq!((seen.edge.ticks, seen.edge.moved.0), (6000, 4_294_967));
+/// ```
 pub struct EncoderPins<A, B, Z> {
     a: A,
     b: B,

@@ -278,6 +278,9 @@ fn draining_captures_has_no_panic_no_division_and_no_float() {
     let instructions: usize = drain.iter().map(|f| f.instructions.len()).sum();
     assert!(instructions > 400, "{instructions}");
     assert_eq!(offences(&drain), []);
+    // The whole control loop of an image, with angle and speed.
+    let control = reachable(&image("drive_f405"), "SysTick").unwrap();
+    assert_eq!(offences(&control), []);
 }
 
 #[test]

@@ -142,15 +142,33 @@ fn a_capture_that_the_timer_misses_without_a_word_is_found_at_the_pins() {
 
 #[test]
 fn a_drain_that_is_interrupted_between_pins_and_counter_uses_no_pins() {
-    // Accesses that take up to 80 ticks: the pins are often read long before the counter.
-    let bus = Bus { access: 80, ..BUS };
+    let bus = Bus {
+        interrupt: 1000,
+        ..BUS
+    };
     for seed in 0..40 {
         let mut rig = Rig::<F405>::new(F405_MAP, seed, bus, Filter::of_ticks(8));
         let mut shaft = rig.shaft();
-        shaft.wander(&mut Random(seed), 400, 300);
+        shaft.wander(&mut Random(seed), 400, 400);
         let edges = rig.turn(&shaft);
-        rig.drain_until(shaft.ticks + 3000, 1500);
+        rig.drain_until(shaft.ticks + 5000, 1500);
         let expected: Vec<_> = edges.iter().map(|e| Event::Change(e.sample())).collect();
         assert_eq!(rig.events, expected, "seed {seed}");
     }
+}
+
+#[test]
+fn a_flag_that_comes_while_others_are_cleared_is_seen_at_the_next_look() {
+    const CC2OF: u32 = 1 << 10;
+    const CC3OF: u32 = 1 << 11;
+    let mut rig = Rig::<F405>::new(F405_MAP, 1, BUS, Filter::NONE);
+    rig.model().raised = CC2OF;
+    rig.drain();
+    assert_eq!(rig.events, []);
+    rig.model().raised = CC3OF;
+    for _ in 0..3 {
+        rig.drain();
+    }
+    let told = Event::Missed(Loss::OverCapture);
+    assert_eq!(rig.events, [told, told]);
 }

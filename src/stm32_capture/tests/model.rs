@@ -78,12 +78,15 @@ pub struct Bus {
     pub access: u64,
     /// Ticks from when a transfer is counted to when memory has it, at most.
     pub lag: u64,
+    /// Ticks that an interrupt takes at most which comes before one access in eight.
+    pub interrupt: u64,
 }
 
 pub const BUS: Bus = Bus {
     transfer: 6,
     access: 4,
     lag: 5,
+    interrupt: 0,
 };
 
 pub struct Model {
@@ -113,6 +116,8 @@ pub struct Model {
     pub deaf_at: Vec<usize>,
     pub keeps_period: bool,
     pub dma_stops: bool,
+    /// Status flags that come right after the next look at them.
+    pub raised: u32,
     pub misuse: Vec<&'static str>,
 }
 
@@ -140,6 +145,7 @@ impl Model {
             deaf_at: Vec::new(),
             keeps_period: true,
             dma_stops: true,
+            raised: 0,
             misuse: Vec::new(),
         }
     }
@@ -291,7 +297,10 @@ impl Model {
     }
 
     fn pass(&mut self) {
-        let ticks = self.random.within(1, self.bus.access + 1);
+        let mut ticks = self.random.within(1, self.bus.access + 1);
+        if self.bus.interrupt > 0 && self.random.within(0, 8) == 0 {
+            ticks += self.random.within(0, self.bus.interrupt);
+        }
         self.advance(self.now + ticks);
     }
 }
@@ -307,7 +316,11 @@ impl Registers for Model {
         }
         match address {
             CNT => self.counted() as u32,
-            SR => self.status,
+            SR => {
+                let status = self.status;
+                self.status |= std::mem::take(&mut self.raised);
+                status
+            }
             ARR if !self.keeps_period => 0xFFFF,
             _ if address == self.map.pins => {
                 while self
