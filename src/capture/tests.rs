@@ -361,7 +361,12 @@ fn what_is_missing_reaches_flags_and_faults_and_the_index_ends_the_doubt() {
     let mut uncertain = Vec::new();
     for (k, edge) in shaft.edges.iter().enumerate() {
         if k == 3 * turn {
+            let (last, ticks) = (encoder.last(), edge.ticks - 1);
+            let now = (encoder.now(ticks), encoder.speed_at(ticks));
             assert!(encoder.take(Event::Missed(Loss::Overrun)).is_none());
+            // What is known of the edges before stays.
+            assert_eq!(encoder.last(), last);
+            assert_eq!((encoder.now(ticks), encoder.speed_at(ticks)), now);
             assert!(encoder.decoder().is_uncertain());
         }
         if let Some(seen) = encoder.take(Event::Change(edge.sample())) {
