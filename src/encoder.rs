@@ -16,8 +16,8 @@
 
 mod config;
 mod corrected;
+mod drained;
 
-use crate::capture::Event;
 use crate::corrector::{CorrectedEdge, Corrector};
 use crate::decoder::QuadratureDecoder;
 use crate::edge::{Direction, Sample};
@@ -225,35 +225,6 @@ impl<'a, E: Entry, const BITS: u32> Encoder<'a, E, BITS> {
             Some(step) => Some(self.follow(&step)),
             None => self.push_watchful(sample),
         }
-    }
-
-    /// Takes what a drain of captures gives. None where it is no edge, as in [`Self::edge`]. See
-    /// [`CaptureSource`](crate::capture::CaptureSource) for an example.
-    #[inline(always)]
-    pub fn take(&mut self, event: Event) -> Option<Corrected> {
-        match event {
-            Event::Change(sample) => self.edge_at(sample),
-            Event::Missed(_) => {
-                self.missed();
-                None
-            }
-        }
-    }
-
-    /// Captures are missing here, an unknown number: see [`QuadratureDecoder::missed`]. Angles and speeds go on from the next edge on, as
-    /// after lost edges.
-    ///
-    /// ```
-    /// # use quadcal::encoder::{Encoder, EncoderConfig};
-    /// let mut encoder: Encoder = Encoder::new(EncoderConfig::new(250, 1000), None).unwrap();
-    /// encoder.missed();
-    /// assert!(encoder.decoder().is_uncertain() && encoder.faults().missed == 1);
-    /// ```
-    #[cold]
-    #[inline(never)]
-    pub fn missed(&mut self) {
-        self.catch_up();
-        self.decoder.missed();
     }
 
     /// A plain step that follows the one before plainly.

@@ -5,8 +5,8 @@
 //!
 //! | [`Chip`] | DMA of A, B, Z | manual |
 //! |---|---|---|
-//! | [`F405`] | DMA1 streams 5, 6 and 1, channel 3 | RM0090: 6 (RCC), 8 (GPIO), 10 (DMA), 18 (TIM2 to TIM5) |
-//! | [`G4`] | DMA1 channels 1, 2 and 3, DMAMUX requests 56, 57 and 58 | RM0440: 7 (RCC), 9 (GPIO), 12 (DMA), 13 (DMAMUX), 29 (TIM2 to TIM5) |
+//! | [`F405`] | DMA1 streams 5, 6 and 1, channel 3 | RM0090: 7 (RCC), 8 (GPIO), 10 (DMA), 18 (TIM2 to TIM5) |
+//! | [`G4`] | DMA1 channels 1, 2 and 3, DMAMUX requests 56, 57 and 58 | RM0440: RCC, GPIO, DMA, DMAMUX, TIM2/TIM3/TIM4/TIM5 |
 //!
 //! The driver works over [`Registers`], the few accesses that a board makes. A model of timer, filter and DMA runs the same driver in
 //! tests; what has been tried where stands in the repository's `docs/firmware.md`, "Capture on a chip".

@@ -29,7 +29,7 @@ fn change<R: Registers>(registers: &mut R, register: Register, clear: u32, set: 
     registers.write(register, (value & !clear) | set);
 }
 
-/// Port A (RM0090 8.4, RM0440 9.4): PA0 to PA2 to alternate function 1, TIM2_CH1 to TIM2_CH3, with pull-ups for open-collector lines.
+/// Port A ("GPIO registers" in both manuals): PA0 to PA2 to alternate function 1, TIM2_CH1 to TIM2_CH3, with pull-ups for open-collector lines.
 fn pins<R: Registers>(registers: &mut R, port: u32) {
     change(registers, Register::at(port + 0x20), 0xFFF, 0x111);
     change(registers, Register::at(port + 0x0C), 0x3F, 0x15);
@@ -80,7 +80,7 @@ impl Chip for F405 {
         let ahb1 = Register::at(Self::RCC + 0x30);
         change(registers, ahb1, 0, 1 | 1 << 21);
         change(registers, Register::at(Self::RCC + 0x40), 0, 1);
-        // Clocks take two cycles to come (RM0090 6.2.13); a read is as long.
+        // Clocks take two cycles to come (errata sheet ES0182); a read is as long.
         registers.read(ahb1);
         pins(registers, Self::PORT);
     }
@@ -146,7 +146,7 @@ impl Chip for G4 {
         change(registers, ahb1, 0, 1 | 1 << 2);
         change(registers, Register::at(Self::RCC + 0x4C), 0, 1);
         change(registers, Register::at(Self::RCC + 0x58), 0, 1);
-        // Clocks take two cycles to come (RM0440 7.2.18); a read is as long.
+        // Clocks take two cycles to come; a read is as long.
         registers.read(ahb1);
         pins(registers, Self::PORT);
     }

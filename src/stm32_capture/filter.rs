@@ -13,7 +13,8 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Filter(u8);
 
-/// Ticks of each code with the sampling clock undivided: number of samples times their distance (RM0090 18.4.7, RM0440 29.5.7).
+/// Ticks of each code with the sampling clock undivided: number of samples times their distance (`IC1F` of `TIMx_CCMR1` in both
+/// manuals).
 const TICKS: [u16; 16] = [
     0, 2, 4, 8, 12, 16, 24, 32, 48, 64, 80, 96, 128, 160, 192, 256,
 ];

@@ -37,7 +37,7 @@ pub trait Registers {
     fn memory(&self, channel: Channel) -> u32;
 }
 
-/// TIM2 (RM0090 18.4, RM0440 29.5): the same place and the same bits on both chips.
+/// TIM2 ("TIM2 to TIM5 registers" in RM0090, chapter 18, and in RM0440): the same place and the same bits on both chips.
 pub(super) mod timer {
     use super::Register;
 

@@ -29,7 +29,7 @@ pub struct Map {
     pub clocks: &'static [(u32, u32)],
 }
 
-/// RM0090, tables 1 and 42.
+/// RM0090, memory map and "DMA1 request mapping".
 pub const F405_MAP: Map = Map {
     pins: 0x4002_0010,
     dma: [
@@ -42,7 +42,7 @@ pub const F405_MAP: Map = Map {
     clocks: &[(0x4002_3830, 0x0020_0001), (0x4002_3840, 1)],
 };
 
-/// RM0440, tables 2 and 91.
+/// RM0440, memory map and DMAMUX inputs.
 pub const G4_MAP: Map = Map {
     pins: 0x4800_0010,
     dma: [
