@@ -15,15 +15,16 @@
 //! # Losses
 //! | [`Loss`] | how it is seen | what is done |
 //! |---|---|---|
-//! | `OverCapture` | the timer's flag: a latch was overwritten before it was fetched | the batch is left out |
-//! | `Overrun` | captures were overwritten before they were drained, or came later than hardware may take | the batch is left out |
+//! | `OverCapture` | the timer's flag: a latch was overwritten before it was fetched | the batch is left out, if it was of A or B |
+//! | `Overrun` | captures were overwritten before they were drained, or came later than hardware may take | the same |
 //! | `Levels` | pins and rebuilt levels differ at two looks, no edge being near | levels are those of the pins from there on |
 //!
 //! Each is told before the samples that it makes doubtful; [`Encoder::take`](crate::encoder::Encoder::take) hands it to the decoder, which
-//! counts it ([`Faults::missed`](crate::step::Faults::missed)) and doubts the count until the index. After a batch was left out, samples go
-//! on from the next look on whose pins were read with no edge near, for each channel that lost some. `Levels` is found one drain after
-//! the second look: pins are compared once it is known that no edge was under way. One look alone may have met a pulse that the input filter
-//! swallows.
+//! counts it ([`Faults::missed`](crate::step::Faults::missed)) and doubts the count until the index.
+//!
+//! After a batch was left out, samples go on from the next look on whose pins were read with no edge near, for each channel that lost some.
+//! Z is low until then. `Levels` is found one drain after the second look: pins are compared once it is known that no edge was under way.
+//! One look alone may have met a pulse that the input filter swallows.
 
 mod merge;
 

@@ -9,6 +9,9 @@ use crate::units::Ticks;
 /// All channels.
 const ALL: u8 = Levels::A | Levels::B | Levels::Z;
 
+/// Channels without which nothing can be counted. While Z is not known it is given as low.
+const COUNTED: u8 = Levels::A | Levels::B;
+
 /// Drains a chip's captures: samples for a decoder, in order of time, with 64-bit times. `BITS` is the timer's width.
 ///
 /// Draining takes no division, no floating point and no allocation, and cannot panic. [`CaptureSource`] has an example.
@@ -142,26 +145,22 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
                 1 => self.take(1, b, look.counter),
                 _ => self.take(2, z, look.counter),
             };
-            if taken && self.known == ALL {
-                self.started = true;
+            if taken & self.known != 0 && self.started && self.known & COUNTED == COUNTED {
                 give(Event::Change(Sample {
                     ticks: now.wrapping_sub(Ticks::from(age)),
-                    levels: self.levels,
+                    levels: Levels(self.levels.0 & self.known),
                 }));
             }
         }
         self.doubted = doubted;
     }
 
-    /// Takes a stream's oldest capture and looks at the one after it; false if there was none.
+    /// Takes a stream's oldest capture and looks at the one after it. Returns the channels that may have changed.
     #[inline(always)]
-    fn take(&mut self, stream: usize, head: &mut u32, counter: u32) -> bool {
+    fn take(&mut self, stream: usize, head: &mut u32, counter: u32) -> u8 {
         let taken = self.source.take(stream);
         *head = Self::age(counter, self.source.oldest(stream));
-        if let Some(latch) = taken {
-            self.apply(latch.change);
-        }
-        taken.is_some()
+        taken.map_or(0, |latch| self.apply(latch.change))
     }
 
     /// Ticks from a capture to the look; 0 where there is none or it was made after the look.
@@ -191,7 +190,7 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
     }
 
     #[inline]
-    const fn apply(&mut self, change: Change) {
+    const fn apply(&mut self, change: Change) -> u8 {
         match change {
             Change::Of(channel) => {
                 self.levels.0 ^= channel.bit();
@@ -200,10 +199,13 @@ impl<S: CaptureSource, const BITS: u32> Captures<S, BITS> {
                     Channel::B => self.b_last = true,
                     Channel::Z => {}
                 }
+                channel.bit()
             }
             Change::To(levels) => {
                 self.levels = levels;
                 self.known = ALL;
+                self.started = true;
+                ALL
             }
         }
     }

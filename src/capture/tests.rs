@@ -295,6 +295,30 @@ fn after_an_over_capture_nothing_is_given_while_edges_stand_next_to_every_look()
 }
 
 #[test]
+fn a_noisy_index_line_costs_no_edge_of_a_and_b() {
+    let mut captures = ready::<32>();
+    let source = captures.source();
+    source.lay(Channel::Z, 1050);
+    source.lay(Channel::A, 1100);
+    source.look.over_captured = Levels::Z;
+    source.look.levels = Some(Levels(5));
+    source.ticks = 2000;
+    let told = Event::Missed(Loss::OverCapture);
+    assert_eq!(drain(&mut captures), [told, at(1100, 1)]);
+    let source = captures.source();
+    source.lay(Channel::B, 2100);
+    source.look.levels = Some(Levels(7));
+    source.ticks = 3000;
+    assert_eq!(drain(&mut captures), [at(2100, 3)]);
+    let source = captures.source();
+    source.lay(Channel::A, 3100);
+    source.lay(Channel::Z, 3200);
+    source.look.levels = Some(Levels(2));
+    source.ticks = 4000;
+    assert_eq!(drain(&mut captures), [at(3100, 6), at(3200, 2)]);
+}
+
+#[test]
 fn an_overrun_is_told_and_levels_come_from_the_look_after_it() {
     let mut captures = ready::<32>();
     let source = captures.source();

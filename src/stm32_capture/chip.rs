@@ -29,7 +29,8 @@ fn change<R: Registers>(registers: &mut R, register: Register, clear: u32, set: 
     registers.write(register, (value & !clear) | set);
 }
 
-/// Port A ("GPIO registers" in both manuals): PA0 to PA2 to alternate function 1, TIM2_CH1 to TIM2_CH3, with pull-ups for open-collector lines.
+/// Port A ("GPIO registers" in both manuals): PA0 to PA2 to alternate function 1, TIM2_CH1 to TIM2_CH3, with pull-ups for open
+/// collectors.
 fn pins<R: Registers>(registers: &mut R, port: u32) {
     change(registers, Register::at(port + 0x20), 0xFFF, 0x111);
     change(registers, Register::at(port + 0x0C), 0x3F, 0x15);
