@@ -18,7 +18,8 @@ impl<E: Entry, const BITS: u32> Encoder<'_, E, BITS> {
         }
     }
 
-    /// Captures are missing here, an unknown number: see [`QuadratureDecoder::missed`]. Angles and speeds go on from the next edge on, as
+    /// Captures are missing here, an unknown number: see
+    /// [`QuadratureDecoder::missed`](crate::decoder::QuadratureDecoder::missed). Angles and speeds go on from the next edge on, as
     /// after lost edges.
     ///
     /// ```
