@@ -31,13 +31,11 @@ pub struct Course {
 
 impl Course {
     /// Of a recording, whose edges are off the grid by known angles, rad.
-    #[must_use]
     pub fn new(record: &Record, off: &[f64]) -> Self {
         Self::bent(record, off, &vec![Motion::default(); record.len()])
     }
 
     /// The same where torques are known to bend it: what they do to the speed between edges needs no guess.
-    #[must_use]
     pub fn bent(record: &Record, off: &[f64], known: &[Motion]) -> Self {
         let angle: Vec<f64> = (0..record.len())
             .map(|at| record.grid_rad(at) - off[at])
@@ -70,13 +68,11 @@ impl Course {
     }
 
     /// Edges.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.time_s.len()
     }
 
     /// Angle and speed at a share of the interval that ends at an edge: a cubic through both ends.
-    #[must_use]
     #[inline]
     pub fn within(&self, at: usize, share: f64) -> (f64, f64) {
         let h = self.time_s[at] - self.time_s[at - 1];
@@ -181,14 +177,7 @@ impl Course {
         self.time_s[at - 1] + within.unwrap_or(0.0) * h
     }
 
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
-    }
-
     /// Greatest speed either way, rad/s.
-    #[must_use]
     pub fn top(&self) -> f64 {
         self.speed
             .iter()
@@ -196,7 +185,6 @@ impl Course {
     }
 
     /// Mean of the size of the speed over time, rad/s.
-    #[must_use]
     pub fn mean(&self) -> f64 {
         let way: f64 = self
             .angle

@@ -20,7 +20,6 @@ pub struct Declared {
 }
 
 /// A twin's effects that are sums of cells, each with its sizes.
-#[must_use]
 pub fn effects(twin: &Twin) -> Vec<(Effect, Vec<f64>)> {
     let swing = Swing::of(twin);
     let wave = |amplitude: f64, phase: f64| vec![amplitude * phase.sin(), amplitude * phase.cos()];
@@ -109,7 +108,6 @@ pub struct Asked {
 
 impl Asked {
     /// Of a twin.
-    #[must_use]
     pub fn of(twin: &Twin) -> Self {
         let rad_s = |r_min: f64| r_min * (TAU / 60.0);
         let points = match &twin.drive {
@@ -147,7 +145,6 @@ impl Asked {
     }
 
     /// What friction is balanced at: the speed that an open-loop drive asks for, no motion where there is none.
-    #[must_use]
     pub fn here(&self, here: Here) -> Here {
         let (speed, rate) = match self.follows {
             true => self.at(here.time_s, here.inside_s),
@@ -158,7 +155,6 @@ impl Asked {
     }
 
     /// Instants at which what friction is balanced at jumps, s.
-    #[must_use]
     pub fn breaks_s(&self) -> Vec<f64> {
         let mut breaks: Vec<f64> = self.points.iter().map(|(time_s, _)| *time_s).collect();
         for pair in self.points.windows(2) {
@@ -171,7 +167,6 @@ impl Asked {
     }
 
     /// Speed at a time, rad/s, and its rate, rad/s^2; `inside_s` says on which side of a jump.
-    #[must_use]
     pub fn at(&self, time_s: f64, inside_s: f64) -> (f64, f64) {
         let next = self.points.partition_point(|(t, _)| *t <= inside_s);
         let before = next.checked_sub(1).map(|at| self.points[at]);
@@ -201,14 +196,12 @@ impl Asked {
 
 impl Declared {
     /// Whether anything that the twin says moves the shaft.
-    #[must_use]
     pub fn is_pushed(&self) -> bool {
         let mut each = self.response.iter();
         each.any(|[angle, _]| *angle != 0.0)
     }
 
     /// What a twin says of a recording; `looped` is the speed loop of a drive that it does not declare, `disc` its errors.
-    #[must_use]
     pub fn new(
         record: &Record,
         twin: &Twin,
@@ -246,7 +239,6 @@ impl Declared {
     }
 
     /// What drive, torques and friction do to the angle, rad, less a straight way.
-    #[must_use]
     pub fn angles(&self) -> Vec<f64> {
         self.response.iter().map(|[angle, _]| *angle).collect()
     }
@@ -262,7 +254,6 @@ pub fn push(into: &mut [Motion], scene: &Scene<'_>, effect: &Effect, sizes: &[f6
 }
 
 /// How late each stamp is by the delays that a twin declares, s.
-#[must_use]
 pub fn late_s(twin: &Twin, record: &Record) -> Vec<f64> {
     let mut late = vec![mean_late_s(twin); record.len()];
     for (effect, sizes) in effects(twin) {
@@ -293,7 +284,6 @@ const MOTOR: f64 = 6.0;
 const OPEN: f64 = 0.3;
 
 /// Orders of the torques that a twin declares, with their sizes as accelerations, rad/s^2.
-#[must_use]
 pub fn waves(twin: &Twin, law: &Law) -> Vec<(f64, f64)> {
     let each = effects(twin).into_iter();
     each.filter_map(|(effect, sizes)| wave(&effect, &sizes, law))
@@ -301,7 +291,6 @@ pub fn waves(twin: &Twin, law: &Law) -> Vec<(f64, f64)> {
 }
 
 /// Order and acceleration of a torque that goes with the angle.
-#[must_use]
 pub fn wave(effect: &Effect, sizes: &[f64], law: &Law) -> Option<(f64, f64)> {
     match (effect.site, effect.carrier) {
         (Site::Torque, Carrier::Order(order)) => {
@@ -313,7 +302,6 @@ pub fn wave(effect: &Effect, sizes: &[f64], law: &Law) -> Option<(f64, f64)> {
 
 /// Changes of angle and speed that the size of waves leaves open where the course within an interval is not known: at a reversal, and
 /// wherever the speed changes much from edge to edge.
-#[must_use]
 pub fn jolts(waves: &[(f64, f64)], course: &Course, plant: &Plant) -> Vec<Jolt> {
     let law = &plant.law;
     let slow = law.undriven.then(|| near_standstills(course));
@@ -442,7 +430,6 @@ fn drive(twin: &Twin, looped: Option<&Unsaid>, scene: &Scene<'_>) -> Vec<Motion>
 }
 
 /// What friction, and accelerations that are held from sample to sample, do to angle and speed.
-#[must_use]
 pub fn sampled(rate_hz: f64, samples: &[f64], scene: &Scene<'_>) -> Vec<Motion> {
     let until = scene.course.time_s.last().copied().unwrap_or(0.0);
     let samples_s = (1..).map(|k| f64::from(k) / rate_hz);

@@ -15,14 +15,12 @@ use crate::report::si;
 const FEW: usize = 16;
 
 /// Errors of the edges that repeat each turn, rad, beside what a model leaves of each angle.
-#[must_use]
 pub fn pattern(board: &Board, rests: &[Vec<f64>]) -> Option<Vec<f64>> {
     let pattern = board.pattern.as_ref()?;
     Some(pattern.closest(&board.benches, &board.with_pattern(rests)))
 }
 
 /// Residual angles beside a model and the disc's pattern, rad, of each recording.
-#[must_use]
 pub fn rests(board: &Board, model: &Model) -> Vec<Vec<f64>> {
     let mut rests = board.rest(model);
     if let Some(errors) = pattern(board, &rests) {
@@ -34,7 +32,6 @@ pub fn rests(board: &Board, model: &Model) -> Vec<Vec<f64>> {
 }
 
 /// By how much each edge of each recording is off by a model and the disc's pattern, rad.
-#[must_use]
 pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
     let errors = pattern(board, &board.rest(model));
     let turned = turned_by(board, model);
@@ -96,7 +93,6 @@ fn turned_by(board: &Board, model: &Model) -> f64 {
 }
 
 /// How late each stamp of a recording is by a model, s.
-#[must_use]
 pub fn late_s(bench: &Bench, model: &Model) -> Vec<f64> {
     let mut late_s = vec![0.0; bench.record.len()];
     let delays = |term: &&Term| matches!(term.effect.site, Site::Stamp(_));
@@ -124,7 +120,6 @@ pub fn learned(board: &Board, model: &Model) -> Option<Vec<f64>> {
 }
 
 /// How sure the disc's errors are that a fit leaves: variances of a wave of unit size of each order, rad^2.
-#[must_use]
 pub fn variances(board: &Board, fit: &Fit) -> Option<Vec<f64>> {
     let pattern = board.pattern.as_ref()?;
     let mut variances = pattern.variances(&board.benches);
@@ -144,14 +139,12 @@ pub fn variances(board: &Board, fit: &Fit) -> Option<Vec<f64>> {
 }
 
 /// How sure the disc's errors are that a fit leaves.
-#[must_use]
 pub fn spread(board: &Board, fit: &Fit) -> Option<Spread> {
     let edges = board.pattern.as_ref()?.edges;
     Some(Spread::of(&variances(board, fit)?, edges))
 }
 
 /// Root of the mean square about the mean.
-#[must_use]
 pub fn rms(errors: &[f64]) -> f64 {
     let count = errors.len().max(1) as f64;
     let mean = errors.iter().sum::<f64>() / count;
@@ -169,7 +162,6 @@ pub struct Other {
 }
 
 /// What another disc than the twins give explains beside a fit; none where it is theirs.
-#[must_use]
 pub fn other(board: &Board, fit: &Fit) -> Option<Other> {
     let own = board.pattern.as_ref();
     let mut own = own
@@ -194,7 +186,6 @@ pub fn other(board: &Board, fit: &Fit) -> Option<Other> {
 }
 
 /// The finding that the disc is another one than the twins give, and by how much the sum of squares falls with it.
-#[must_use]
 pub fn finding(board: &Board, fit: &Fit, spread: f64) -> Option<(Finding, f64)> {
     let Other { worth, fall } = other(board, fit)?;
     let own = board.pattern.as_ref()?;

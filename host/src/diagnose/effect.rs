@@ -27,7 +27,6 @@ pub struct Scene<'a> {
 
 impl Effect {
     /// What it adds to the grid angle of each edge, rad, for unit of each size.
-    #[must_use]
     pub fn columns(&self, scene: &Scene<'_>) -> Vec<Vec<f64>> {
         match self.site {
             Site::Torque | Site::Drive => {
@@ -62,7 +61,6 @@ impl Effect {
     }
 
     /// What it makes of the shaft's angle and speed at each edge, for unit of each size, where it is a torque.
-    #[must_use]
     pub fn motions(&self, scene: &Scene<'_>) -> Vec<Vec<Motion>> {
         let rate = |speed: f64| match self.carrier {
             Carrier::Order(order) => order * speed,
@@ -136,7 +134,6 @@ impl Effect {
 impl Scene<'_> {
     /// The instant of an edge as an effect sees it: errors of the disc go with the grid, all else with the shaft, a run-out as well. Time
     /// and angle are those at which the edge was there, before any delay.
-    #[must_use]
     #[inline]
     pub fn here(&self, at: usize, effect: &Effect) -> Here {
         let runs_out = matches!(effect.carrier, Carrier::Order(order) if order.fract() != 0.0);

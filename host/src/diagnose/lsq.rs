@@ -27,7 +27,6 @@ pub const ROUNDS: usize = 8;
 const SETTLED: f64 = 0.05;
 
 /// Whether a number of a variance that would move by so much may as well stay.
-#[must_use]
 pub fn is_settled(by: f64, variance: f64) -> bool {
     by.abs() <= SETTLED * variance.max(0.0).sqrt()
 }
@@ -38,7 +37,6 @@ pub fn shares(count: usize) -> impl Iterator<Item = f64> {
 }
 
 /// Fits columns to a row of numbers. A column that is none of its own beside those before it gets the size 0 and no variance.
-#[must_use]
 pub fn solve<C: AsRef<[f64]>>(columns: &[C], target: &[f64]) -> Solution {
     let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
     let count = columns.len();
@@ -68,7 +66,6 @@ pub fn solve<C: AsRef<[f64]>>(columns: &[C], target: &[f64]) -> Solution {
 }
 
 /// Solves normal equations: sizes, and their covariance.
-#[must_use]
 pub fn normal(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let count = gram.nrows();
     let norms = gram.diagonal().map(f64::sqrt);
@@ -124,7 +121,6 @@ pub struct Basis {
 
 impl Basis {
     /// Of columns.
-    #[must_use]
     pub fn of<C: AsRef<[f64]>>(columns: &[C]) -> Self {
         let mut basis = Self::default();
         let each = columns.iter();
@@ -157,7 +153,6 @@ impl Basis {
     }
 
     /// What of a column is not of the basis.
-    #[must_use]
     pub fn beside(&self, column: &[f64]) -> Vec<f64> {
         let mut column = column.to_vec();
         self.clear(&mut column);
@@ -165,7 +160,6 @@ impl Basis {
     }
 
     /// By how much the sum of squares falls with more columns beside the basis; `target` is clear of it.
-    #[must_use]
     pub fn gain<C: AsRef<[f64]>>(&self, columns: &[C], target: &[f64]) -> f64 {
         let mut beside = Self::default();
         let mut gain = 0.0;
@@ -189,7 +183,6 @@ pub fn add(into: &mut [f64], by: f64, row: &[f64]) {
 }
 
 /// Sum of products.
-#[must_use]
 #[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Eight sums, so that they do not wait for each other.

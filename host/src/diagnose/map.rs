@@ -55,7 +55,6 @@ fn table(candidates: &[Candidate]) -> Vec<Vec<Option<f64>>> {
 }
 
 /// The map from the candidates beside the twin as given, and beside the findings.
-#[must_use]
 pub fn map(before: &[Candidate], after: &[Candidate]) -> Map {
     Map {
         sites: SITES.to_vec(),

@@ -40,7 +40,6 @@ pub struct MeanTurn {
 
 impl MeanTurn {
     /// Of recordings of one disc.
-    #[must_use]
     pub fn new(benches: &[Bench], edges: usize) -> Self {
         let step = TAU / edges as f64;
         let mut known = vec![0.0; edges];
@@ -116,7 +115,6 @@ impl MeanTurn {
     }
 
     /// A row divided by about the normal matrix.
-    #[must_use]
     pub fn divided(&self, row: &[f64]) -> Vec<f64> {
         let mut fold = row.to_vec();
         if let Some(filter) = &self.filter {

@@ -24,7 +24,6 @@ pub struct Left<'a> {
 
 impl<'a> Left<'a> {
     /// Of a fit that is clear of its basis.
-    #[must_use]
     pub fn of(board: &'a Board, fit: &'a Fit, basis: &'a Basis) -> Self {
         let (mut white, mut errors) = (fit.left.clone(), None);
         if let Some(pattern) = board.pattern.as_ref().filter(|one| one.size2 > 0.0) {
@@ -56,7 +55,6 @@ impl<'a> Left<'a> {
     }
 
     /// Scores of the edges for an effect of a site.
-    #[must_use]
     pub fn scores(&self, site: Site) -> &[Vec<f64>] {
         match (&self.of_disc, site) {
             (Some(of_disc), Site::Disc(_)) => of_disc,
@@ -65,7 +63,6 @@ impl<'a> Left<'a> {
     }
 
     /// By how much the sum of squares falls with an effect.
-    #[must_use]
     pub fn gain(&self, effect: &Effect) -> f64 {
         self.basis.gain(&self.board.columns(effect), self.white)
     }
@@ -99,7 +96,6 @@ impl<'a> Left<'a> {
 
     /// How many times as much as in white noise the lines beside one explain, those that it can be told from: by the median of an
     /// exponential distribution, and 1 at the least. None of what is no line, or has too few beside it.
-    #[must_use]
     pub fn floor(&self, effect: &Effect) -> Option<f64> {
         /// Lines to either side at the most, of both sides at the least, and part of the frequency within which their squares are alike.
         const BESIDE: i32 = 16;
@@ -136,7 +132,6 @@ impl<'a> Left<'a> {
 
     /// The best knobs near those of an effect, each moved by a step that is halved until a share of it is left, and what it explains
     /// there.
-    #[must_use]
     pub fn best_near(&self, effect: &Effect, steps: &[f64], finest: f64) -> (Effect, f64) {
         let line = matches!(effect.carrier, Carrier::Order(_) | Carrier::Tone(_));
         // Beside a pattern each run is dear.

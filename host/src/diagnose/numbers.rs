@@ -82,7 +82,6 @@ impl Path {
     }
 
     /// The number there.
-    #[must_use]
     pub fn number(&self, tree: &Value) -> Option<f64> {
         tree.pointer(&self.0).and_then(Value::as_f64)
     }
@@ -95,7 +94,6 @@ impl Path {
     }
 
     /// The mechanism that it is of, going by the section of each card; none where it is of the drive or the shaft itself.
-    #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let dotted = self.dotted();
         let is_of = |mechanism: &Mechanism| {
@@ -113,7 +111,6 @@ impl Path {
     }
 
     /// What is one finding: numbers of one mechanism in one entry of a list, or in one section.
-    #[must_use]
     pub fn entry(&self) -> String {
         let mechanism = self.mechanism();
         let place = self.0.split('/').nth(2);
@@ -125,7 +122,6 @@ impl Path {
     }
 
     /// Its name within its mechanism's section: "torque_n_m", "a.rise_s".
-    #[must_use]
     pub fn name(&self) -> String {
         let dotted = self.dotted();
         let of_delay = dotted.strip_prefix("edge_delay.");
@@ -133,7 +129,6 @@ impl Path {
     }
 
     /// Its unit, as the list of a twin's keys has it.
-    #[must_use]
     pub fn unit(&self) -> &'static str {
         let dotted = self.dotted();
         let of_line = |line: &'static str| {
@@ -146,7 +141,6 @@ impl Path {
 }
 
 /// A twin as a tree of keys and values.
-#[must_use]
 pub fn tree(twin: &Twin) -> Option<Value> {
     serde_json::to_value(twin).ok()
 }
@@ -178,7 +172,6 @@ pub enum Knob {
 
 impl Knob {
     /// Paths of its numbers.
-    #[must_use]
     pub fn paths(&self) -> Vec<&Path> {
         match self {
             Self::Number(path) => vec![path],
@@ -187,7 +180,6 @@ impl Knob {
     }
 
     /// The path that it is known by.
-    #[must_use]
     pub const fn path(&self) -> &Path {
         match self {
             Self::Number(path) | Self::Wave(path, _) => path,
@@ -195,19 +187,16 @@ impl Knob {
     }
 
     /// Whether it is the size of a disc that the twin draws.
-    #[must_use]
     pub fn draws_disc(&self) -> bool {
         self.path().dotted().starts_with("errors.position")
     }
 
     /// Whether it is of the edges of the disc that the twin gives, one by one or at a place: it says nothing of another disc.
-    #[must_use]
     pub fn is_of_edges(&self) -> bool {
         self.draws_disc() || self.path().mechanism() == Mechanism::LocalDefect
     }
 
     /// Its values as they are fitted.
-    #[must_use]
     pub fn values(&self, tree: &Value) -> Option<Vec<f64>> {
         match self {
             Self::Number(path) => Some(vec![path.number(tree)?]),
@@ -219,7 +208,6 @@ impl Knob {
     }
 
     /// The numbers of the twin for values as they are fitted.
-    #[must_use]
     pub fn numbers(&self, values: &[f64]) -> Vec<f64> {
         match self {
             Self::Number(_) => values.to_vec(),
@@ -231,7 +219,6 @@ impl Knob {
     }
 
     /// Standard errors of those numbers, from the covariance of the values.
-    #[must_use]
     pub fn errors(&self, values: &[f64], covariance: &[[f64; 2]; 2]) -> Vec<f64> {
         match self {
             Self::Number(_) => vec![covariance[0][0].max(0.0).sqrt()],
@@ -248,7 +235,6 @@ impl Knob {
 }
 
 /// Standard errors of amplitude and phase, from the covariance of cosine and sine.
-#[must_use]
 pub fn wave_errors([c, s]: [f64; 2], covariance: &[[f64; 2]; 2]) -> [f64; 2] {
     let [[cc, cs], [_, ss]] = *covariance;
     let square = (c * c + s * s).max(f64::MIN_POSITIVE);
@@ -261,7 +247,6 @@ pub fn wave_errors([c, s]: [f64; 2], covariance: &[[f64; 2]; 2]) -> [f64; 2] {
 }
 
 /// A twin with other values of some knobs; none where there is no such twin.
-#[must_use]
 pub fn changed(twin: &Twin, values: &[(&Knob, &[f64])]) -> Option<Twin> {
     let mut tree = tree(twin)?;
     for (knob, values) in values {
@@ -271,7 +256,6 @@ pub fn changed(twin: &Twin, values: &[(&Knob, &[f64])]) -> Option<Twin> {
 }
 
 /// All knobs of a twin whose numbers it declares: none that is 0.
-#[must_use]
 pub fn knobs(twin: &Twin) -> Vec<Knob> {
     let Some(tree) = tree(twin) else {
         return Vec::new();

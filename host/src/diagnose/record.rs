@@ -39,7 +39,6 @@ pub struct Record {
 impl Record {
     /// The edges of a recording, their turns counted from the one in which its twin starts; without an index or a gap, from the angle at
     /// which it does.
-    #[must_use]
     pub fn of(edges: &Edges, twin: &Twin) -> Self {
         let (grid, classes) = (i64::from(edges.grid_edges), i64::from(edges.classes));
         let way = |forward: bool| if forward { 1.0 } else { -1.0 };
@@ -117,7 +116,6 @@ impl Record {
     }
 
     /// Errors of a disc's edges, of those that are looked at.
-    #[must_use]
     pub fn pick(&self, errors: &[f64]) -> Vec<f64> {
         if errors.len() == self.edges as usize {
             return errors.to_vec();
@@ -134,38 +132,27 @@ impl Record {
     }
 
     /// Edges.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.time_s.len()
     }
 
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
-    }
-
     /// Angle of an edge on the grid, rad, turns counted through.
-    #[must_use]
     pub fn grid_rad(&self, at: usize) -> f64 {
         let turns = self.place[at].div_euclid(self.edges) as f64;
         turns * TAU + self.angle_of(self.slot(at))
     }
 
     /// Angle of an edge of the disc on the grid, rad.
-    #[must_use]
     pub fn angle_of(&self, slot: usize) -> f64 {
         self.edge_of(slot) as f64 * (TAU / self.of_edges as f64)
     }
 
     /// A step of the grid, rad.
-    #[must_use]
     pub fn step_rad(&self) -> f64 {
         TAU / self.edges as f64
     }
 
     /// The edge of the disc, 0 to N - 1.
-    #[must_use]
     pub fn slot(&self, at: usize) -> usize {
         self.place[at].rem_euclid(self.edges) as usize
     }
@@ -176,20 +163,17 @@ impl Record {
     }
 
     /// What changes at an edge of the disc, as passed forward.
-    #[must_use]
     pub fn change_of(&self, slot: usize) -> Change {
         let class = self.edge_of(slot).rem_euclid(self.classes);
         change(class as usize, self.classes)
     }
 
     /// What changes at an edge, as passed forward.
-    #[must_use]
     pub fn change(&self, at: usize) -> Change {
         self.change_of(self.slot(at))
     }
 
     /// What changes at an edge, as it was captured: in reverse a rise is a fall.
-    #[must_use]
     pub fn captured(&self, at: usize) -> Change {
         let change = self.change(at);
         Change {
@@ -199,13 +183,11 @@ impl Record {
     }
 
     /// Channels.
-    #[must_use]
     pub fn channels(&self) -> u8 {
         channels(self.classes)
     }
 
     /// Time from the first edge to the last, s.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {
             (Some(first), Some(last)) => last - first,
@@ -214,7 +196,6 @@ impl Record {
     }
 
     /// Turns travelled, either way.
-    #[must_use]
     pub fn turns(&self) -> f64 {
         let ways = self.place.windows(2).map(|pair| pair[1].abs_diff(pair[0]));
         ways.sum::<u64>() as f64 / self.edges as f64
@@ -226,7 +207,6 @@ fn gcd(a: i64, b: i64) -> i64 {
 }
 
 /// What changes at an edge of a class, as passed forward.
-#[must_use]
 pub fn change(class: usize, classes: i64) -> Change {
     let (channel, rises) = match classes {
         4 => (class % 2, class < 2),
@@ -242,7 +222,6 @@ pub fn change(class: usize, classes: i64) -> Change {
 }
 
 /// Channels of a sensor with so many classes.
-#[must_use]
 pub const fn channels(classes: i64) -> u8 {
     match classes {
         4 => 2,

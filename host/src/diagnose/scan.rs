@@ -29,7 +29,6 @@ pub struct Candidate {
 
 impl Candidate {
     /// Numbers that it has: sizes and knobs.
-    #[must_use]
     pub fn numbers(&self) -> usize {
         super::cells::numbers(&self.effects)
     }
@@ -39,7 +38,6 @@ impl Candidate {
 pub const SURE: f64 = 12.0;
 
 /// Evidence of a candidate: what it explains, less what its numbers would by chance (G. Schwarz, Annals of Statistics 6, 1978).
-#[must_use]
 pub fn evidence(board: &Board, gain: f64, numbers: usize) -> f64 {
     gain - numbers as f64 * (board.edges() as f64).ln()
 }
@@ -79,7 +77,6 @@ enum Over {
 }
 
 /// Candidates by spectra, the best few of each site.
-#[must_use]
 pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let board = left.board;
     let scores = Scores::of(left);

@@ -43,7 +43,6 @@ impl<const N: usize> Square<N> {
 }
 
 /// What changes nothing.
-#[must_use]
 pub fn identity<const N: usize>() -> Square<N> {
     Square(from_fn(|row| {
         from_fn(|column| f64::from(u8::from(row == column)))
@@ -51,7 +50,6 @@ pub fn identity<const N: usize>() -> Square<N> {
 }
 
 /// A B.
-#[must_use]
 pub fn product<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
     let cell = |row: usize, column: usize| (0..N).map(|k| a.0[row][k] * b.0[k][column]).sum();
     Square(from_fn(|row| from_fn(|column| cell(row, column))))
@@ -92,7 +90,6 @@ pub fn back<const N: usize, const L: usize>(
 }
 
 /// F P F'.
-#[must_use]
 pub fn through<const N: usize>(way: &Square<N>, p: &Square<N>) -> Square<N> {
     let half = product(way, p);
     let mut end = Square::default();

@@ -22,7 +22,6 @@ const LATE: f64 = 2.5;
 const SAMPLES: usize = 32;
 
 /// Jitter or latency on top of what all twins declare, or less of what they do; none where one says nothing of its noise.
-#[must_use]
 pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
     let says = |bench: &bench::Bench| bench.twin.noise.is_some() || bench.twin.timer.jitter_s > 0.0;
     // Where something is left, or noise has levels, its size says nothing of the stamps.

@@ -86,7 +86,6 @@ pub struct Bench {
 
 impl Bench {
     /// Compares a recording with its twin.
-    #[must_use]
     pub fn new(record: Record, twin: &Twin, errors: &[f64], noise: &Noise) -> Self {
         Self::about(record, twin, errors, &Found::default(), noise)
     }
@@ -155,14 +154,12 @@ impl Bench {
     }
 
     /// Whether a drive that the twin declares holds a speed.
-    #[must_use]
     pub fn is_held(&self) -> bool {
         let law = &self.plant.law;
         self.twin.drive != Drive::Unknown && law.stiffness + law.viscous > 0.0
     }
 
     /// The present noise.
-    #[must_use]
     pub const fn noise(&self) -> Noise {
         self.noise
     }
@@ -241,7 +238,6 @@ impl Bench {
     }
 
     /// Sum of what the course within the intervals leaves open of the speed beside torques, rad/s.
-    #[must_use]
     pub fn open(&self, torques: &Torques) -> f64 {
         let jolts = jolts(&self.twin, torques, &self.course, &self.plant);
         let unseen = self.noise.unseen;
@@ -251,7 +247,6 @@ impl Bench {
     }
 
     /// Angles that torques which are held from sample to sample make of a shaft that nothing else pushes, rad.
-    #[must_use]
     pub fn sampled(&self, rate_hz: f64, samples: &[f64]) -> Vec<f64> {
         let asked = declared::Asked::of(&self.twin);
         let motions = declared::sampled(rate_hz, samples, &self.scene(&asked));
@@ -311,7 +306,6 @@ impl Bench {
     }
 
     /// Residual angles that rounding to ticks alone would leave, had the shaft gone as the filter has it beside a residual.
-    #[must_use]
     pub fn rounded(&self, rest: &[f64], stamp_s: f64) -> Vec<f64> {
         // Errors of the stamps as smoothed: R S^-1 y.
         let mut scores = rest.to_vec();
@@ -329,7 +323,6 @@ impl Bench {
 
     /// The residual beside a changed twin, about the same course; none where there is no such twin. A change that bears on how the shaft
     /// answers changes the filter too: these are the angles whose innovations by the present filter are those of the changed one.
-    #[must_use]
     pub fn beside(&self, twin: &Twin) -> Option<Vec<f64>> {
         let same_disc =
             twin.errors == self.twin.errors && twin.local_defect == self.twin.local_defect;
@@ -362,13 +355,11 @@ impl Bench {
     }
 
     /// A row of angles, white and weighed.
-    #[must_use]
     pub fn white(&self, angles: &[f64]) -> Vec<f64> {
         self.white_rows(vec![angles.to_vec()]).swap_remove(0)
     }
 
     /// Rows of angles, white and weighed.
-    #[must_use]
     pub fn white_rows(&self, mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         self.gains.whiten_rows(&mut rows);
         rows.iter_mut().for_each(|row| self.weighed(row));
@@ -376,13 +367,11 @@ impl Bench {
     }
 
     /// The transposed of [`Self::white`].
-    #[must_use]
     pub fn score(&self, white: &[f64]) -> Vec<f64> {
         self.score_rows(vec![white.to_vec()]).swap_remove(0)
     }
 
     /// The transposed of [`Self::white_rows`].
-    #[must_use]
     pub fn score_rows(&self, mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         rows.iter_mut().for_each(|row| self.weighed(row));
         self.gains.transposed_rows(&mut rows);
@@ -390,7 +379,6 @@ impl Bench {
     }
 
     /// A sum that another noise has otherwise, or other weights.
-    #[must_use]
     pub fn mark(&self) -> f64 {
         let weights = self.weights.iter().zip(&self.tails);
         let each = self.scales.iter().zip(weights);
@@ -406,7 +394,6 @@ impl Bench {
     }
 
     /// What an effect does to each edge, rad, for unit of each size.
-    #[must_use]
     pub fn columns(&self, effect: &Effect) -> Columns {
         if let Site::Declared(at) = effect.site {
             let tangent = self.tangents.get(usize::from(at)).cloned();
@@ -465,7 +452,6 @@ fn leaps(twin: &Twin, found: &Found, course: &Course, plant: &Plant) -> Arc<Leap
 }
 
 /// The noise that fits several benches best beside residual angles.
-#[must_use]
 pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free) -> (Noise, f64) {
     let ticks = benches.iter().map(|bench| bench.record.tick_s);
     let tick_s = ticks.fold(0.0, f64::max);
@@ -473,7 +459,6 @@ pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free)
 }
 
 /// Residual angles with what the likelihood of their noise needs.
-#[must_use]
 pub fn rests<'a>(benches: &'a [Bench], rest: &'a [Vec<f64>]) -> Vec<Rest<'a>> {
     let each = benches.iter().zip(rest);
     each.map(|(bench, rest)| Rest {

@@ -28,7 +28,6 @@ impl Bench {
 
     /// Samples of a speed loop that saw an edge which they seem to have missed, or the other way: what that does to angles from an edge on,
     /// rad.
-    #[must_use]
     pub fn other_ties(&self, looped: &SpeedLoop, rest: &[f64]) -> Vec<(Tie, usize, Vec<f64>)> {
         // Edges after it that tell, and for how long the torque of a sample shows in the angle, in steps of the loop.
         const EDGES: usize = 12;

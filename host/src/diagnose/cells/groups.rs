@@ -22,7 +22,6 @@ pub(super) fn by_speed(board: &Board) -> Vec<Growth> {
 }
 
 /// Sizes and knobs of effects.
-#[must_use]
 pub fn numbers(effects: &[Effect]) -> usize {
     let each = effects.iter();
     each.map(|effect| effect.sizes() + effect.knobs().len())
@@ -30,7 +29,6 @@ pub fn numbers(effects: &[Effect]) -> usize {
 }
 
 /// A board's channels.
-#[must_use]
 pub fn channels(board: &Board) -> u8 {
     let each = board.benches.iter().map(|bench| bench.record.channels());
     each.max().unwrap_or(1)
@@ -61,7 +59,6 @@ fn steadies(site: fn(On) -> Site, rises: Option<bool>, channels: Range<u8>) -> V
 }
 
 /// How far edges of a class are off those of the first one: of each channel, and of its falls.
-#[must_use]
 pub fn classes(board: &Board) -> Vec<Effect> {
     let mut all = steadies(Site::Disc, None, 1..channels(board));
     if has_classes(board) {
@@ -102,7 +99,6 @@ fn some_of(effects: Vec<Effect>) -> Vec<Vec<Effect>> {
 }
 
 /// Groups of effects that are tried as they are.
-#[must_use]
 pub fn steady(board: &Board) -> Vec<Vec<Effect>> {
     let channels = channels(board);
     let has_classes = has_classes(board);

@@ -27,7 +27,6 @@ pub struct Bank {
 
 impl Bank {
     /// Of a board.
-    #[must_use]
     pub fn new(board: &Board) -> Self {
         let groups = steady(board);
         let mut effects: Vec<Effect> = Vec::new();
@@ -47,7 +46,6 @@ impl Bank {
     }
 
     /// What each group explains beside a fit.
-    #[must_use]
     pub fn candidates(&self, fit: &Fit, basis: &Basis) -> Vec<Candidate> {
         let cleared = self.columns.par_iter().map(|column| basis.beside(column));
         let cleared: Vec<Vec<f64>> = cleared.collect();
@@ -76,13 +74,11 @@ impl Bank {
 }
 
 /// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
-#[must_use]
 pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     local::loads(&bank.steps, left)
 }
 
 /// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
-#[must_use]
 pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     local::bumps(&bank.bumps, left)
 }

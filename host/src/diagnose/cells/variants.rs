@@ -11,7 +11,6 @@ const HARMONICS: [u32; 4] = [3, 4, 6, 8];
 
 /// The same frequency at other sites, along the angle as well as along the time, of constant size; of a torque with harmonics as
 /// well, where it is so loud that they count as noise.
-#[must_use]
 pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> {
     let [effect] = own else { return Vec::new() };
     let speed = board.benches.iter().map(|bench| bench.course.mean());

@@ -37,7 +37,6 @@ impl Correction {
     }
 
     /// Effects of its values.
-    #[must_use]
     pub fn effects(&self) -> Vec<Effect> {
         (self.first..self.first + self.declared.len())
             .map(|at| Effect::new(Site::Declared(at as u16), Carrier::Steady))
@@ -82,14 +81,12 @@ pub fn slopes(bench: &Bench, declares: bool, knob: &Knob, now: &[f64]) -> Option
 }
 
 /// Slopes of all that the twins declare and that bears on these recordings.
-#[must_use]
 pub fn all(board: &Board) -> Vec<Slopes> {
     let other = board.pattern.as_ref().is_some_and(|pattern| !pattern.known);
     slopes_of(board, |knob| !(other && knob.is_of_edges()))
 }
 
 /// Slopes of the size of a disc that the twins draw.
-#[must_use]
 pub fn of_disc(board: &Board) -> Vec<Slopes> {
     slopes_of(board, Knob::draws_disc)
 }
@@ -123,7 +120,6 @@ fn slopes_of(board: &Board, has: impl Fn(&Knob) -> bool) -> Vec<Slopes> {
 
 impl Slopes {
     /// Columns of its values, white, all recordings in a row; nothing of a recording that has none.
-    #[must_use]
     pub fn white(&self, board: &Board) -> Vec<Vec<f64>> {
         let column = |at: usize| {
             let each = self.raw.iter().zip(&board.benches);
@@ -147,7 +143,6 @@ pub struct Candidate<'a> {
 }
 
 /// All knobs that are not yet fitted, those first that explain most.
-#[must_use]
 pub fn candidates<'a>(
     board: &Board,
     slopes: &'a [Slopes],

@@ -9,8 +9,8 @@ mod words;
 
 use rayon::prelude::*;
 
-pub use knobs::{Candidate, Slopes, all, candidates, of_disc};
-pub use words::{Measured, declared, measured, text};
+pub use knobs::{Slopes, all, candidates, of_disc};
+pub use words::{declared, measured, text};
 
 use super::bench::Bench;
 use super::effect::{Effect, Site};
@@ -57,7 +57,6 @@ impl Board {
     }
 
     /// The correction that an effect is of, and which of its values.
-    #[must_use]
     pub fn correction(&self, effect: &Effect) -> Option<(&Correction, usize)> {
         let place = self.place(effect);
         place.map(|(which, value)| (&self.corrections[which], value))
@@ -76,7 +75,6 @@ impl Board {
     }
 
     /// Of each recording, the knobs that a model corrects and its twin declares, with their values.
-    #[must_use]
     pub fn corrected(&self, model: &Model) -> Vec<Vec<(Knob, Vec<f64>)>> {
         let values = self.values(model);
         let of_bench = |bench: &Bench| {
@@ -168,7 +166,6 @@ impl Board {
     }
 
     /// The part of that which goes by the filter alone.
-    #[must_use]
     pub fn spread(&self) -> f64 {
         let scales = self.benches.iter().flat_map(|bench| &bench.scales);
         let shown = scales.filter(|scale| **scale > 0.0);
@@ -208,7 +205,6 @@ impl Board {
     }
 
     /// Whether the twins can be, and no number is so far from the declared one that it is another thing.
-    #[must_use]
     pub fn is_possible(&self) -> bool {
         let mut corrections = self.corrections.iter();
         let mut benches = self.benches.iter();
@@ -217,7 +213,6 @@ impl Board {
     }
 
     /// Whether what a group of a model corrects is still about what the twins declare, and a twin can have it.
-    #[must_use]
     pub fn is_near(&self, model: &Model, group: usize) -> bool {
         let effects = model.effects(group);
         let has = |own: &Correction| own.effects().iter().any(|one| effects.contains(one));
@@ -245,7 +240,6 @@ impl Board {
     }
 
     /// The mechanism that a group of effects is.
-    #[must_use]
     pub fn mechanism(&self, effects: &[Effect]) -> Mechanism {
         match effects.first().and_then(|first| self.correction(first)) {
             Some((correction, _)) => correction.knob.path().mechanism(),
@@ -254,7 +248,6 @@ impl Board {
     }
 
     /// The group of a fit that corrects the same entry of the twin as a knob, or one that is free.
-    #[must_use]
     pub fn group_of(&self, model: &Model, knob: &Knob, free: usize) -> usize {
         let entry = knob.path().entry();
         let same = |(own, _): (&Correction, usize)| own.knob.path().entry() == entry;
@@ -264,7 +257,6 @@ impl Board {
     }
 
     /// Whether the columns of some effects are those of a group of a fit.
-    #[must_use]
     pub fn same_columns(&self, fit: &Fit, group: usize, effects: &[Effect]) -> bool {
         let mut beside = Basis::default();
         let mut own = Vec::new();

@@ -21,7 +21,6 @@ pub struct Measured {
 }
 
 /// Numbers of a group of corrections.
-#[must_use]
 pub fn measured(board: &Board, fit: &Fit, group: usize) -> Vec<Measured> {
     let terms = &fit.model.terms;
     let mut of_group: Vec<&Correction> = Vec::new();
@@ -78,7 +77,6 @@ fn digits(value: f64, error: f64, unit: &str) -> String {
 }
 
 /// Corrections in words: "gear_mesh.torque_n_m: 4.00 mN m declared, 2.00 +- 0.01 mN m measured".
-#[must_use]
 pub fn text(corrections: &[Measured]) -> String {
     let each = corrections.iter().map(|one| {
         let error = one.number.error.unwrap_or(0.0) * NINETY_FIVE;
@@ -94,7 +92,6 @@ pub fn text(corrections: &[Measured]) -> String {
 }
 
 /// Numbers that some cells correct, as the twin declares them.
-#[must_use]
 pub fn declared(board: &Board, cells: &[Sized]) -> BTreeMap<String, f64> {
     let mut all = BTreeMap::new();
     for cell in cells {

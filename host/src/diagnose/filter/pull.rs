@@ -20,7 +20,6 @@ pub struct Pull {
 
 impl Pull {
     /// By how much the jump of the drift that fits best makes the sum of squares less, and its size.
-    #[must_use]
     pub fn of_drift(&self) -> (f64, f64) {
         let ([score, _], [information, ..]) = (self.score, self.information);
         if information > 0.0 {
@@ -31,7 +30,6 @@ impl Pull {
     }
 
     /// The same of both jumps.
-    #[must_use]
     pub fn of_both(&self) -> (f64, [f64; 2]) {
         let ([a, b], [aa, ab, bb]) = (self.score, self.information);
         let determinant = aa * bb - ab * ab;

@@ -71,13 +71,11 @@ pub(super) const BOTH: usize = 4;
 
 impl Board {
     /// Of recordings beside their twins, in the noise that fits them so.
-    #[must_use]
     pub fn new(benches: Vec<Bench>) -> Self {
         Self::of(benches).at_rest()
     }
 
     /// The same in any noise.
-    #[must_use]
     pub fn of(benches: Vec<Bench>) -> Self {
         let ticks = benches.iter().map(|bench| bench.record.tick_s);
         let mut twins = benches.iter().map(|bench| &bench.twin);
@@ -163,7 +161,6 @@ impl Board {
     }
 
     /// What the twins do not give, in words.
-    #[must_use]
     pub const fn not_given(&self) -> Option<&'static str> {
         match (self.disc_given, self.undriven) {
             (true, false) => None,
@@ -174,7 +171,6 @@ impl Board {
     }
 
     /// Errors of the disc as far as the twins that give it leave them open.
-    #[must_use]
     pub fn pattern_given(&self) -> Option<Pattern> {
         let each = self.benches.iter();
         let spread = each.fold(Spread::default(), |most, bench| most.widest(&bench.spread));
@@ -241,20 +237,17 @@ impl Board {
     }
 
     /// Edges of all recordings.
-    #[must_use]
     pub fn edges(&self) -> usize {
         self.benches.iter().map(|bench| bench.record.len()).sum()
     }
 
     /// Length of the longest recording, s.
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         let each = self.benches.iter().map(|bench| bench.record.seconds());
         each.fold(0.0, f64::max)
     }
 
     /// Spread of the speed in all recordings as a share of its mean, swings within half a turn left out.
-    #[must_use]
     pub fn speed_spread(&self) -> f64 {
         let each = self.benches.iter().flat_map(|bench| &bench.course.steady);
         let speeds: Vec<f64> = each.map(|speed| speed.abs()).collect();
@@ -265,7 +258,6 @@ impl Board {
     }
 
     /// Mean speed over all edges, rad/s, whichever way the shaft turns.
-    #[must_use]
     pub fn mean_speed(&self) -> f64 {
         let speeds = self.benches.iter().flat_map(|bench| &bench.course.steady);
         let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), speed| {
@@ -275,7 +267,6 @@ impl Board {
     }
 
     /// What a model leaves of each edge's angle, rad, for each recording.
-    #[must_use]
     pub fn rest(&self, model: &Model) -> Vec<Vec<f64>> {
         let each = self.benches.par_iter().map(|bench| {
             let mut sum = vec![0.0; bench.record.len()];
@@ -292,7 +283,6 @@ impl Board {
     }
 
     /// What rounding to ticks alone would leave of each edge's angle, rad, for each recording, on the course that a model has.
-    #[must_use]
     pub fn rounded(&self, model: &Model) -> Vec<Vec<f64>> {
         let rests = disc::rests(self, model);
         let each = self.benches.iter().zip(&rests);
@@ -301,7 +291,6 @@ impl Board {
     }
 
     /// Sum of squares below which nothing is claimed: what the twins declare of the shaft's course is worked out to a millionth.
-    #[must_use]
     pub fn precision(&self) -> f64 {
         let each = self.benches.iter();
         let white = each.map(|bench| {
@@ -313,7 +302,6 @@ impl Board {
     }
 
     /// Angles of all recordings, white, in a row, with what the disc's pattern explains in them.
-    #[must_use]
     pub fn with_pattern(&self, angles: &[Vec<f64>]) -> Vec<f64> {
         let each = self.benches.par_iter().zip(angles);
         let each: Vec<Vec<f64>> = each.map(|(bench, angles)| bench.white(angles)).collect();
@@ -321,13 +309,11 @@ impl Board {
     }
 
     /// Angles of all recordings, white, in a row.
-    #[must_use]
     pub fn white(&self, angles: &[Vec<f64>]) -> Vec<f64> {
         self.beside_pattern(self.with_pattern(angles))
     }
 
     /// A white row without what the disc's pattern explains.
-    #[must_use]
     pub fn beside_pattern(&self, white: Vec<f64>) -> Vec<f64> {
         match &self.pattern {
             Some(pattern) => pattern.taken_off(&self.benches, white),
@@ -336,7 +322,6 @@ impl Board {
     }
 
     /// The residuals, white, in a row.
-    #[must_use]
     pub fn target(&self) -> Vec<f64> {
         let each = self.benches.iter().map(|bench| bench.residual.clone());
         let white = self.with_pattern(&each.collect::<Vec<_>>());
@@ -349,7 +334,6 @@ impl Board {
     }
 
     /// Columns of an effect for unit of each size, white, in a row.
-    #[must_use]
     pub fn columns(&self, effect: &Effect) -> Vec<Vec<f64>> {
         self.columns_of(std::slice::from_ref(effect)).swap_remove(0)
     }

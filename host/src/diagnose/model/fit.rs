@@ -94,13 +94,11 @@ impl Fit {
     }
 
     /// What a group makes of each innovation.
-    #[must_use]
     pub fn own(&self, group: usize) -> Vec<f64> {
         self.own_of(&self.is_of(group))
     }
 
     /// What some terms make of each innovation.
-    #[must_use]
     pub fn own_of(&self, asked: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let mut own = vec![0.0; self.left.len()];
         for (column, (at, number)) in self.columns.iter().zip(&self.of) {
@@ -121,19 +119,16 @@ impl Fit {
     }
 
     /// An orthonormal basis of its columns.
-    #[must_use]
     pub fn basis(&self) -> Basis {
         Basis::of(&self.columns)
     }
 
     /// By how much the sum of squares grows without a group, all else fitted again, knobs as slopes.
-    #[must_use]
     pub fn loss(&self, group: usize) -> f64 {
         self.loss_of(&self.is_of(group))
     }
 
     /// The same without some terms, by their places.
-    #[must_use]
     pub fn loss_of(&self, gone: &dyn Fn(usize) -> bool) -> f64 {
         (self.without_some(gone).rss - self.lowest).max(0.0)
     }
@@ -160,7 +155,6 @@ impl Board {
     }
 
     /// Steps of an effect's knobs that hardly change it: what two of them are apart by to be told apart.
-    #[must_use]
     pub fn reach(&self, effect: &Effect) -> Vec<f64> {
         let seconds = self.seconds();
         let records = self.benches.iter().map(|bench| &bench.record);
@@ -191,7 +185,6 @@ impl Board {
     }
 
     /// Whether two effects can't be told apart.
-    #[must_use]
     pub fn is_same(&self, one: &Effect, other: &Effect) -> bool {
         let (here, there) = (one.knobs(), other.knobs());
         let near = here.iter().zip(&there).zip(self.reach(one));
@@ -222,7 +215,6 @@ impl Board {
     }
 
     /// Whether each edge of the disc is seen: those of a gap are not.
-    #[must_use]
     pub fn seen(&self) -> Vec<bool> {
         let edges = self.benches.first().map_or(0, |bench| bench.record.edges);
         let mut seen = vec![false; edges as usize];
@@ -233,7 +225,6 @@ impl Board {
     }
 
     /// A bump that only one edge of those seen shows, as one at that edge: any other place and width say the same of it with another size.
-    #[must_use]
     pub fn at_its_edge(&self, effect: &Effect) -> Option<Effect> {
         /// Part of a bump at an edge that is none at those beside it, and its width then, of the way to the nearest of them.
         const ALONE: f64 = 0.02;
@@ -263,14 +254,12 @@ impl Board {
     }
 
     /// Fits all numbers of a model, from where they are.
-    #[must_use]
     pub fn fit(&self, model: &Model) -> Fit {
         self.settled(model, &self.target(), &Basis::default())
     }
 
     /// More effects with their best numbers beside a fit, whose own sizes and knobs move along but are not worked out anew: their terms,
     /// and by how much the sum of squares falls. `basis` is that of the fit's columns.
-    #[must_use]
     pub fn beside(&self, fit: &Fit, basis: &Basis, effects: &[Effect]) -> (Vec<Effect>, f64) {
         let mut target = fit.left.clone();
         basis.clear(&mut target);

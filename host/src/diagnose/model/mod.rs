@@ -90,13 +90,11 @@ impl Model {
     }
 
     /// Effects of a finding.
-    #[must_use]
     pub fn effects(&self, group: usize) -> Vec<Effect> {
         self.finding(group).map(|(_, term)| term.effect).collect()
     }
 
     /// Sizes and knobs of a finding.
-    #[must_use]
     pub fn numbers(&self, group: usize) -> usize {
         let own = self.effects(group).into_iter();
         own.map(|effect| effect.sizes() + effect.knobs().len())
@@ -104,7 +102,6 @@ impl Model {
     }
 
     /// Groups that are findings, in the order in which they were found.
-    #[must_use]
     pub fn groups(&self) -> Vec<usize> {
         let mut groups: Vec<usize> = Vec::new();
         for term in self.terms.iter().filter(|term| !term.nuisance) {
@@ -116,7 +113,6 @@ impl Model {
     }
 
     /// A group that no term has yet: what turned out to be open keeps the one that it had as a finding.
-    #[must_use]
     pub fn unused(&self) -> usize {
         let free = |group: &usize| self.terms.iter().all(|term| term.group != *group);
         (0..=self.terms.len()).find(free).unwrap_or_default()

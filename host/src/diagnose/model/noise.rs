@@ -113,7 +113,6 @@ impl Board {
     }
 
     /// Twice the negative logarithm of the likelihood of a fit, with what its numbers would gain by chance.
-    #[must_use]
     pub fn lost(&self, fit: &Fit) -> f64 {
         let scales = self.benches.iter().flat_map(|bench| &bench.scales);
         let scales = scales.filter(|scale| **scale > 0.0);
@@ -223,7 +222,6 @@ impl Board {
     }
 
     /// The noise with a drift that fades from now on.
-    #[must_use]
     pub fn fading(&self, wander: Wander) -> Noise {
         match wander {
             // Three times as dense as the torque noise, to once a turn.

@@ -49,7 +49,6 @@ pub struct Pattern {
 
 impl Pattern {
     /// Of recordings of one disc, without a size.
-    #[must_use]
     pub fn new(benches: &[Bench]) -> Option<Self> {
         let edges = usize::try_from(benches.first()?.record.edges).ok()?;
         Some(Self {
@@ -103,7 +102,6 @@ impl Pattern {
     }
 
     /// Of a disc whose errors are known so well.
-    #[must_use]
     pub fn known(benches: &[Bench], spread: &Spread) -> Option<Self> {
         let mut pattern = Self::new(benches)?;
         pattern.known = true;
@@ -231,7 +229,6 @@ impl Pattern {
     }
 
     /// Twice the logarithm by which the recordings narrow the errors: of what the likelihood has for errors that are integrated out.
-    #[must_use]
     pub fn log_volume(&self) -> f64 {
         let each = (1..self.worth.len())
             .map(|order| self.numbers(order) * (self.worth[order] * self.prior(order)).ln_1p());
@@ -239,7 +236,6 @@ impl Pattern {
     }
 
     /// Variances of a wave of unit size of orders 0, 1, .., as prior and recordings leave them beside all other orders, rad^2.
-    #[must_use]
     pub fn variances(&self, benches: &[Bench]) -> Vec<f64> {
         if self.size2 <= 0.0 {
             return vec![0.0; self.edges / 2 + 1];
@@ -270,7 +266,6 @@ impl Pattern {
     }
 
     /// About the variance of a wave of unit size of an order, as prior and recordings leave it, rad^2.
-    #[must_use]
     pub fn variance(&self, order: usize) -> f64 {
         let worth = self.worth.get(order).copied().unwrap_or(0.0);
         if self.size2 > 0.0 {

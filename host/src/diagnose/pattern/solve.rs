@@ -65,7 +65,6 @@ impl Pattern {
     }
 
     /// What is known of each edge of the grid alone, 1/rad^2: less beside a gap; none worked out where there are many.
-    #[must_use]
     pub fn known_of_each(&self, benches: &[Bench]) -> Option<Vec<f64>> {
         self.factor(benches)?;
         let (normal, _) = self.normal.get()?;
@@ -73,7 +72,6 @@ impl Pattern {
     }
 
     /// Score of each edge of the grid: what one rad of its error adds.
-    #[must_use]
     pub fn fold(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
         self.fold_rows(benches, &[white.to_vec()]).swap_remove(0)
     }
@@ -117,13 +115,11 @@ impl Pattern {
     }
 
     /// The errors that fit a white row best.
-    #[must_use]
     pub fn errors(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
         self.errors_of(benches, &self.fold(benches, white), SMALL)
     }
 
     /// The same, as closely as numbers allow.
-    #[must_use]
     pub fn closest(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
         self.errors_of(benches, &self.fold(benches, white), SMALLER)
     }
@@ -168,7 +164,6 @@ impl Pattern {
 
     /// What one rad at each edge adds to a sum of squares that is least over errors of edges, from what it is beside these errors. Together,
     /// edges of one place say each error over the prior, and that exactly: their own sum is a small difference.
-    #[must_use]
     pub fn scores(&self, benches: &[Bench], errors: &[f64], beside: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut hits = vec![0.0; self.edges];
         let mut off = self.over_prior(errors);
@@ -189,14 +184,12 @@ impl Pattern {
 
     /// A white row without what a pattern explains of it, and the pattern's errors over the prior's root behind it: products of such rows are
     /// those beside a pattern that is fitted with them.
-    #[must_use]
     pub fn taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
         self.taken_off_rows(benches, vec![white], SMALL)
             .swap_remove(0)
     }
 
     /// The same of some rows, with errors until a part of their score is left.
-    #[must_use]
     pub fn taken_off_rows(
         &self,
         benches: &[Bench],
@@ -215,7 +208,6 @@ impl Pattern {
 
     /// The same of rows that are themselves of the disc, given as errors of its edges: what the pattern leaves of them is small, and is
     /// worked out as such.
-    #[must_use]
     pub fn taken_off_disc(&self, benches: &[Bench], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let folds: Vec<Vec<f64>> = errors.iter().map(|own| self.over_prior(own)).collect();
         let kept = self.errors_of_rows(benches, folds, SMALL);

@@ -45,7 +45,6 @@ pub struct White<'a> {
 impl White<'_> {
     /// Corners that are worth so much at the least, each the best of its neighbours; one at which the speed jumps too has to be worth so much
     /// more.
-    #[must_use]
     pub fn corners(&self, worth: f64) -> Vec<Corner> {
         let pulls = |innovations: &[f64]| self.gains.pulls(innovations, self.weights);
         let sizes = pulls(self.innovations);

@@ -37,7 +37,6 @@ impl Mode {
     }
 
     /// Two masses over a short step, pushed near at its start, middle and end: Runge and Kutta's fourth order.
-    #[must_use]
     pub(super) fn swung(&self, b: f64, h: f64, state: [f64; 4], push: [f64; 3]) -> [f64; 4] {
         let slope = |[_, v, q, u]: [f64; 4], push: f64| {
             let near = push - b * v;
@@ -93,7 +92,6 @@ pub struct Law {
 
 impl Law {
     /// Of a twin.
-    #[must_use]
     pub fn of(twin: &Twin) -> Self {
         let shaft = &twin.shaft;
         let inertia = shaft.inertia_or_one();
@@ -154,7 +152,6 @@ impl Law {
     }
 
     /// Size of the friction without the viscous part at a speed, rad/s^2, and its slope, 1/s.
-    #[must_use]
     pub fn friction(&self, speed: f64) -> (f64, f64) {
         let size = speed.abs();
         let mut at = self.coulomb + self.drag * size * size;
@@ -169,7 +166,6 @@ impl Law {
     }
 
     /// What it has of one kind of friction, over the inertia.
-    #[must_use]
     pub fn coefficient(&self, kind: Carrier) -> f64 {
         match kind {
             Carrier::Power(0.0) => self.coulomb,
@@ -192,7 +188,6 @@ impl Law {
     }
 
     /// Damping at a time and a speed, 1/s.
-    #[must_use]
     pub fn damping(&self, time_s: f64, speed: f64) -> f64 {
         let drive = if time_s < self.off_s {
             self.stiffness
@@ -204,7 +199,6 @@ impl Law {
 }
 
 /// -1, 0 or 1.
-#[must_use]
 pub fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
@@ -221,7 +215,6 @@ pub struct Swing {
 
 impl Swing {
     /// Of a twin.
-    #[must_use]
     pub fn of(twin: &Twin) -> Self {
         let plant = sim::Plant::new(twin);
         Self {
@@ -233,14 +226,12 @@ impl Swing {
     }
 
     /// A torque, N m, that is given as such or as a relative swing; `turning` is its rate, rad/s.
-    #[must_use]
     pub fn torque(&self, turning: f64, torque: Option<f64>, fraction: Option<f64>) -> f64 {
         let of_swing = || self.inertia * self.plant.size(self.inertia, turning, None, fraction);
         torque.unwrap_or_else(of_swing)
     }
 
     /// The same the other way: the torque as the twin gives it.
-    #[must_use]
     pub fn sized(&self, turning: f64, torque: f64) -> (Option<f64>, Option<f64>) {
         if self.torques {
             (Some(torque), None)

@@ -11,6 +11,6 @@ mod response;
 
 pub use crate::effect::Here;
 pub use corner::{Corner, White};
-pub use law::{Hold, Law, Mode, Swing, sign};
+pub use law::{Hold, Law, Swing, sign};
 pub use leaps::{Gains, Jolt, Leaps, free};
 pub use response::{Motion, Plant};

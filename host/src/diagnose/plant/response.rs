@@ -56,7 +56,6 @@ fn rule(phase: f64) -> (&'static [(f64, f64)], f64) {
 
 impl Plant {
     /// Of a law along a course.
-    #[must_use]
     pub fn new(law: Law, course: &Course) -> Self {
         let each = (0..course.len()).map(|at| {
             let before = at.saturating_sub(1);
@@ -83,7 +82,6 @@ impl Plant {
     }
 
     /// Acceleration by friction about the course: what it is there, less what the damping of that interval has of it already.
-    #[must_use]
     pub fn friction(&self, course: &Course, here: Here) -> f64 {
         let times = &course.time_s;
         let at = times.partition_point(|time_s| *time_s < here.inside_s);
@@ -158,7 +156,6 @@ impl Plant {
     }
 
     /// Angle, s, and speed at each edge of a shaft that starts with unit speed and is not pushed.
-    #[must_use]
     pub fn fading(&self, course: &Course) -> Vec<Motion> {
         let (mut angle, mut speed) = (0.0, 1.0);
         let motion = |at: usize| {
@@ -173,7 +170,6 @@ impl Plant {
 
     /// How sensitive a score is to an acceleration over each interval: the transposed of [`Self::response_over`] for one that is even over
     /// it. `score` is what one rad at each edge adds to the score.
-    #[must_use]
     pub fn sensitivity(&self, course: &Course, score: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; score.len()];
         let (mut angle, mut speed) = (0.0, 0.0);

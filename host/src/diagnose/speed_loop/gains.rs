@@ -7,14 +7,12 @@ use crate::twin::Gains;
 
 impl Board {
     /// Whether a speed loop that the twins do not declare drives the shaft.
-    #[must_use]
     pub fn is_looped(&self) -> bool {
         let mut benches = self.benches.iter();
         benches.any(|bench| bench.found.speed_loop.is_some())
     }
 
     /// That loop, for a report.
-    #[must_use]
     pub fn learned_loop(&self) -> Option<LearnedLoop> {
         let bench = self.benches.first()?;
         let own = bench.found.speed_loop.as_ref()?.own;

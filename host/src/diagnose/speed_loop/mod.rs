@@ -33,7 +33,6 @@ pub struct Unsaid {
 
 impl Unsaid {
     /// Of what a loop saw of a recording.
-    #[must_use]
     pub fn of(own: SpeedLoop, record: &Record, twin: &Twin) -> Self {
         let plain = SpeedLoop {
             gains: Gains { kp: 1.0, ki: 0.0 },
@@ -46,7 +45,6 @@ impl Unsaid {
     }
 
     /// Acceleration from each sample on with some gains, rad/s^2.
-    #[must_use]
     pub fn push(&self, gains: Gains) -> Vec<f64> {
         let mut integral = self.own.start;
         let each = self.miss.iter().map(|miss| {
@@ -88,7 +86,6 @@ pub struct Tie {
 }
 
 /// A loop along the edges that it saw, whose stamps have an RMS error.
-#[must_use]
 pub fn along(own: &SpeedLoop, record: &Record, twin: &Twin, stamp_s: f64) -> Along {
     let clock_hz = twin.timer.clock_hz as f64;
     let mut seen = SeenSpeed::new(clock_hz, record.step_rad(), own.timeout_s, Some(0));

@@ -15,7 +15,7 @@ use super::numbers::{self, Knob};
 use super::rig::Recorded;
 use crate::mechanism::Mechanism;
 use crate::sim;
-use crate::twin::{CaptureLatency, DeclaredEffect, Errors, IndexSlip, Twin, TwinError};
+use crate::twin::{CaptureLatency, DeclaredEffect, IndexSlip, Twin, TwinError};
 
 /// A twin with findings in it.
 #[derive(Clone, Debug)]
@@ -24,23 +24,6 @@ pub struct Written {
     pub twin: Twin,
     /// Its disc, where that was learned: for a list beside it.
     pub disc: Option<LearnedDisc>,
-}
-
-impl Written {
-    /// The twin with its list of errors in it.
-    #[must_use]
-    pub fn whole(&self) -> Twin {
-        let mut twin = self.twin.clone();
-        if let Some(LearnedDisc { errors_rad, .. }) = &self.disc {
-            let each = (twin.encoder.grid_edges() as usize / errors_rad.len().max(1)).max(1);
-            let each = errors_rad.iter().flat_map(|error| vec![*error; each]);
-            twin.errors = Errors {
-                list_rad: each.collect(),
-                ..Errors::default()
-            };
-        }
-        twin
-    }
 }
 
 /// The twin of each recording with the findings in it.

@@ -12,7 +12,7 @@ use crate::diagnose::lsq;
 use crate::diagnose::pipeline::diagnose;
 use crate::recording::Row;
 use crate::sim::Simulation;
-use crate::twin::{Faults, Noise};
+use crate::twin::{Errors, Faults, Noise};
 use quadcal::edge::Levels;
 
 /// Lines of the rig's encoder.
@@ -119,15 +119,26 @@ fn recorded(real: &Twin, given: Twin) -> Recorded {
     }
 }
 
+/// A twin with its list of errors in it.
+fn whole(written: &Written) -> Twin {
+    let mut twin = written.twin.clone();
+    if let Some(LearnedDisc { errors_rad, .. }) = &written.disc {
+        let each = (twin.encoder.grid_edges() as usize / errors_rad.len().max(1)).max(1);
+        let each = errors_rad.iter().flat_map(|error| vec![*error; each]);
+        twin.errors = Errors {
+            list_rad: each.collect(),
+            ..Errors::default()
+        };
+    }
+    twin
+}
+
 /// The twin that a diagnosis of one twin's recording makes of another, through its text, and what that is said to lack.
 fn mended(real: &Twin, given: Twin) -> (Answer, Twin, Answer) {
     let mut one = recorded(real, given);
     let first = diagnose(std::slice::from_mut(&mut one), &mut |_, _| {}).unwrap();
-    let written = twins(std::slice::from_ref(&one), &first)
-        .unwrap()
-        .remove(0)
-        .whole();
-    let new = Twin::parse(&written.to_toml().unwrap(), "a.toml").unwrap();
+    let written = twins(std::slice::from_ref(&one), &first).unwrap().remove(0);
+    let new = Twin::parse(&whole(&written).to_toml().unwrap(), "a.toml").unwrap();
     one.twin = new.clone();
     let again = diagnose(&mut [one], &mut |_, _| {}).unwrap();
     (first, new, again)
