@@ -126,15 +126,13 @@ pub struct Edges {
     pub time_s: Vec<f64>,
     /// Places on the grid, turns counted through: edge k of turn n is n N + k.
     pub place: Vec<i64>,
-    /// Edge classes: place modulo [`Self::classes`].
-    pub class: Vec<u8>,
     /// Whether the edge was crossed forward.
     pub forward: Vec<bool>,
     /// Whether the count does not go on from the edge before: the turns, or without an anchor the places, may be wrong by some.
     pub fresh: Vec<bool>,
     /// Edges a turn of the grid, those of missing teeth included: N.
     pub grid_edges: u32,
-    /// Edge classes.
+    /// Edge classes: that of an edge is its place modulo these.
     pub classes: u32,
     /// A tick of the clock, s.
     pub tick_s: f64,
@@ -239,7 +237,6 @@ impl Edges {
     fn push(&mut self, ticks: u64, place: i64, forward: bool, fresh: bool) {
         self.time_s.push(self.seconds(ticks));
         self.place.push(place);
-        self.class.push(place.rem_euclid(self.classes.into()) as u8);
         self.forward.push(forward);
         self.fresh.push(fresh);
     }

@@ -137,7 +137,6 @@ impl Edges {
     fn mirror(&mut self, from: usize, last: i64) {
         for at in from..self.len() {
             self.place[at] = 2 * last + 1 - self.place[at];
-            self.class[at] = self.place[at].rem_euclid(self.classes.into()) as u8;
             self.forward[at] = false;
         }
     }
@@ -154,7 +153,6 @@ impl Edges {
             .retain(|event| event.time_s <= from_s || event.time_s >= until_s);
         self.time_s.drain(range.clone());
         self.place.drain(range.clone());
-        self.class.drain(range.clone());
         self.forward.drain(range.clone());
         self.fresh.drain(range);
     }
