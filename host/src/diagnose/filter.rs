@@ -38,7 +38,6 @@ pub enum State {
 
 impl State {
     /// Numbers of a state of which it is the last.
-    #[must_use]
     pub const fn and_before(self) -> usize {
         self as usize + 1
     }
@@ -65,7 +64,7 @@ pub struct Noise {
 }
 
 /// From one edge to the next: what stays of the state, and what noise of unit size adds.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Leap<const N: usize> {
     /// Transition.
     pub way: Square<N>,
@@ -91,7 +90,6 @@ pub struct Leap<const N: usize> {
 
 impl<const N: usize> Leap<N> {
     /// The same of the first states alone.
-    #[must_use]
     pub fn first<const M: usize>(&self) -> Leap<M> {
         let part =
             |whole: &Square<N>| Square(from_fn(|row| from_fn(|column| whole.0[row][column])));
@@ -132,7 +130,6 @@ impl<const N: usize> Leap<N> {
 
 impl Leap<{ Held.and_before() }> {
     /// Whether a held torque pushes, or the drive keeps a speed.
-    #[must_use]
     pub fn is_held(&self) -> bool {
         [Angle, Speed].map(|row| self.way[(row, Held)]) != [0.0; 2]
     }
@@ -224,7 +221,6 @@ const SWAY: f64 = 0.1;
 
 impl<const N: usize> Filter<N> {
     /// The gains for a noise.
-    #[must_use]
     pub fn new(leaps: &[Leap<N>], noise: &Noise) -> Self {
         let top = leaps
             .iter()
@@ -328,7 +324,6 @@ impl<const N: usize> Filter<N> {
     }
 
     /// The last edges as a turn that repeats without end.
-    #[must_use]
     pub fn around(&self, edges: usize) -> Around<N> {
         let steps = self.gains[self.gains.len() - edges..].to_vec();
         // What a turn makes of each number of a state alone.

@@ -16,7 +16,6 @@ pub type Gains = Arc<dyn Whitens>;
 
 impl Plant {
     /// Leaps of the filter of a stiff shaft, or of one with a mode.
-    #[must_use]
     pub fn leaps<const N: usize>(&self, course: &Course) -> Vec<Leap<N>> {
         let law = &self.law;
         let forgets = law.viscous + law.hold.forgets;
@@ -42,12 +41,10 @@ impl Plant {
                 torque,
                 drift: drift_noise(drifts, h),
                 load,
-                jolt: [0.0; 2],
-                unseen: 0.0,
                 speed: course.speed[at],
                 doubt_s: course.doubt_s[at],
-                corner: [0.0; 2],
                 kept,
+                ..Leap::default()
             }
         };
         (0..course.len()).map(leap).collect()
@@ -150,7 +147,6 @@ impl Plant {
 }
 
 /// The leap of a stiff shaft that nothing damps.
-#[must_use]
 pub fn free<const N: usize>(h: f64) -> Leap<N> {
     let mut way = identity();
     rigid(&mut way, 0.0, h, &[Drift]);
@@ -158,13 +154,8 @@ pub fn free<const N: usize>(h: f64) -> Leap<N> {
         way,
         torque: jostled(0.0, h),
         drift: drift_noise(Speed, h),
-        load: None,
-        jolt: [0.0; 2],
-        unseen: 0.0,
         speed: 1.0,
-        doubt_s: 0.0,
-        corner: [0.0; 2],
-        kept: false,
+        ..Leap::default()
     }
 }
 
@@ -256,9 +247,18 @@ pub enum Leaps {
     Sprung(Vec<Leap<{ Swings.and_before() }>>),
 }
 
+/// The same of the leaps of either shaft.
+macro_rules! either {
+    ($all:expr, $leaps:ident => $of:expr) => {
+        match $all {
+            Leaps::Stiff($leaps) => $of,
+            Leaps::Sprung($leaps) => $of,
+        }
+    };
+}
+
 impl Leaps {
     /// Of a plant.
-    #[must_use]
     pub fn of(plant: &Plant, course: &Course) -> Self {
         match plant.law.mode {
             None => Self::Stiff(plant.leaps(course)),
@@ -268,29 +268,20 @@ impl Leaps {
 
     /// Leaves open how angle and speed changed within intervals.
     pub fn jolt(&mut self, jolts: &[Jolt]) {
-        fn opened<const N: usize>(leap: &mut Leap<N>, jolt: &Jolt) {
+        either!(self, leaps => for jolt in jolts {
+            let leap = &mut leaps[jolt.at];
             (leap.jolt, leap.unseen) = (jolt.known, jolt.unseen);
-        }
-        for jolt in jolts {
-            match self {
-                Self::Stiff(leaps) => opened(&mut leaps[jolt.at], jolt),
-                Self::Sprung(leaps) => opened(&mut leaps[jolt.at], jolt),
-            }
-        }
+        });
     }
 
     /// Whether torques that nobody has found yet leave any interval open.
-    #[must_use]
     pub fn has_unseen(&self) -> bool {
-        match self {
-            Self::Stiff(leaps) => leaps.iter().any(|leap| leap.unseen > 0.0),
-            Self::Sprung(leaps) => leaps.iter().any(|leap| leap.unseen > 0.0),
-        }
+        either!(self, leaps => leaps.iter().any(|leap| leap.unseen > 0.0))
     }
 
     /// Leaves the course open by corners, and by no others: the interval of each as far as it jumps.
     pub fn bend(&mut self, corners: &[Corner], time_s: &[f64]) {
-        fn bent<const N: usize>(leaps: &mut [Leap<N>], corners: &[Corner], time_s: &[f64]) {
+        either!(self, leaps => {
             leaps.iter_mut().for_each(|leap| leap.corner = [0.0; 2]);
             for corner in corners {
                 let at = time_s.partition_point(|time| *time < corner.time_s);
@@ -300,28 +291,18 @@ impl Leaps {
                     leap.corner[1] += corner.kick * corner.kick;
                 }
             }
-        }
-        match self {
-            Self::Stiff(leaps) => bent(leaps, corners, time_s),
-            Self::Sprung(leaps) => bent(leaps, corners, time_s),
-        }
+        });
     }
 
     /// Mean of the speed's size over the edges, rad/s.
-    #[must_use]
     pub fn speed(&self) -> f64 {
-        fn mean<const N: usize>(leaps: &[Leap<N>]) -> f64 {
+        either!(self, leaps => {
             let sum: f64 = leaps.iter().map(|leap| leap.speed.abs()).sum();
             sum / leaps.len().max(1) as f64
-        }
-        match self {
-            Self::Stiff(leaps) => mean(leaps),
-            Self::Sprung(leaps) => mean(leaps),
-        }
+        })
     }
 
     /// The filter for a noise over a range of edges.
-    #[must_use]
     pub fn filter(&self, range: Range<usize>, noise: &Noise) -> Gains {
         let leaps = match self {
             Self::Stiff(leaps) => &leaps[range],
