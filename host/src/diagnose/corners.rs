@@ -1,17 +1,39 @@
-//! Corners of the speed of drives that nobody declared: open like the noise, and found with it.
+//! Corners of the speed of drives that nobody declared, where its acceleration jumps: open like the noise, and found with it.
+//!
+//! Such a drive is a slow drift of the acceleration, as dense all along. A profile of ramps and holds is none: spread over the whole
+//! recording, its corners would make that noise many times too dense. So the drift is open by the size of the jump where one is sure.
 
 use std::collections::BTreeSet;
 
 use super::bench::{self, Bench};
 use super::disc;
 use super::effect::{Carrier, Effect, Site};
-use super::filter::Noise;
+use super::filter::{Noise, Pull};
 use super::lsq;
 use super::model::{Board, Model, Wander};
 use super::noise::FAR;
-use super::plant::{Corner, White};
 use super::scan::SURE;
 
+/// A corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// When, s.
+    pub time_s: f64,
+    /// By how much the acceleration changes, rad/s^2.
+    pub jump: f64,
+    /// By how much the speed does, rad/s: where the shaft rests for a while, both go on from there.
+    pub kick: f64,
+}
+
+impl Corner {
+    /// Numbers of one.
+    pub const NUMBERS: usize = 3;
+}
+
+/// Edges to either side of a corner whose stamps may make what looks like it.
+const SHOWN: usize = 4;
+/// Corners that are found at once at the most.
+const MOST: usize = 256;
 /// Rounds in which corners and the noise are found at the most, as each bears on the other.
 const ROUNDS: usize = 8;
 /// Part of a noise beside corners, of that in which they are none.
@@ -139,22 +161,54 @@ fn worth(bench: &Bench) -> f64 {
     Corner::NUMBERS as f64 * (bench.record.len() as f64).ln() + SURE
 }
 
-/// Corners that residual angles of a recording show.
+/// Corners that residual angles of a recording show, each the best of its neighbours; one at which the speed jumps too has to be worth so
+/// much more.
 fn corners(bench: &Bench, rest: &[f64]) -> Vec<Corner> {
+    let worth = worth(bench);
+    let time_s = &bench.record.time_s;
     let weights = bench.weights.iter().zip(&bench.tails);
     let weights: Vec<f64> = weights.map(|(level, tail)| level * tail).collect();
     let innovations = bench.white(rest);
     // A stamp that is far out is no corner, which all edges after it show.
     let near = innovations.iter().map(|white| white.clamp(-FAR, FAR));
     let near: Vec<f64> = near.collect();
-    let white = White {
-        gains: &bench.gains,
-        innovations: &innovations,
-        near: &near,
-        weights: &weights,
-        time_s: &bench.record.time_s,
+    let sizes = bench.gains.pulls(&innovations, &weights);
+    let near = bench.gains.pulls(&near, &weights);
+    let gain = |pull: &Pull| pull.of_drift().0.max(pull.of_both().0 - worth);
+    // What is worth more than the error of any stamp that shows it is one.
+    let beyond = |at: usize| {
+        let about = at.saturating_sub(SHOWN)..(at + SHOWN).min(sizes.len());
+        let stamps = sizes[about].iter().map(|pull| pull.of_stamp);
+        gain(&sizes[at]) - stamps.fold(0.0, f64::max)
     };
-    white.corners(worth(bench))
+    let gains: Vec<f64> = (0..near.len())
+        .map(|at| gain(&near[at]).max(beyond(at)))
+        .collect();
+    let mut found: Vec<(f64, Corner)> = Vec::new();
+    let mut first = 0;
+    for stretch in gains.chunk_by(|a, b| (*a > worth) == (*b > worth)) {
+        let each = stretch.iter().enumerate();
+        let best = each.max_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((best, most)) = best.filter(|(_, gain)| **gain > worth) {
+            let at = first + best;
+            let here = if gain(&near[at]) > worth {
+                &near[at]
+            } else {
+                &sizes[at]
+            };
+            let rests = here.of_both().0 - worth > here.of_drift().0;
+            let [jump, kick] = match rests {
+                true => sizes[at].of_both().1,
+                false => [sizes[at].of_drift().1, 0.0],
+            };
+            let time_s = 0.5 * (time_s[at.saturating_sub(1)] + time_s[at]);
+            found.push((*most, Corner { time_s, jump, kick }));
+        }
+        first += stretch.len();
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.truncate(MOST);
+    found.into_iter().map(|(_, corner)| corner).collect()
 }
 
 /// What torques that a twin may lack make of each edge for unit of each, rad: friction, and waves that come again every turn. Halves of an order

@@ -425,7 +425,7 @@ impl<const N: usize> Whitens for Filter<N> {
     }
 
     fn pulls(&self, innovations: &[f64], weights: &[f64]) -> Vec<Pull> {
-        self.pulled(innovations, weights)
+        pull::pulls(&self.gains, innovations, weights)
     }
 }
 

@@ -3,7 +3,8 @@
 use std::array::from_fn;
 
 use super::State::{Angle, Drift};
-use super::{DRIFTING, Filter};
+use super::{DRIFTING, Gain};
+use crate::diagnose::lsq::dot;
 use crate::diagnose::square::{Square, identity, through, times};
 
 /// How innovations pull at jumps that the filter knows nothing of, of the drift and of the speed, for unit of each (P. de Jong, J. Penzer,
@@ -44,59 +45,57 @@ impl Pull {
     }
 }
 
-impl<const N: usize> Filter<N> {
-    /// How weighed innovations pull at jumps within the interval before each edge.
-    pub(super) fn pulled(&self, innovations: &[f64], weights: &[f64]) -> Vec<Pull> {
-        let mut pulls = vec![Pull::default(); self.gains.len()];
-        if N < DRIFTING {
-            return pulls;
-        }
-        // Of the state before each edge, from the last one back.
-        let mut score = [0.0; N];
-        let mut information = Square::<N>::default();
-        let each = innovations.iter().zip(weights).zip(&mut pulls);
-        for (((innovation, weight), pull), step) in each.zip(&self.gains).rev() {
-            let scale = step.scale * weight;
-            // Later edges go by what an error of this one makes of the state.
-            let along = |push: &[f64; N], of: &[f64; N]| -> f64 {
-                push.iter().zip(of).map(|(push, of)| push * of).sum()
-            };
-            let of_gain = information.0.map(|row| along(&step.gain, &row));
-            let error = scale * innovation - along(&step.gain, &score);
-            let shows = scale * scale + along(&step.gain, &of_gain);
-            pull.of_stamp = if shows > 0.0 {
-                error * error / shows
-            } else {
-                0.0
-            };
-            let mut after = identity::<N>();
-            for (row, gain) in after.0.iter_mut().zip(&step.gain) {
-                row[Angle as usize] -= gain;
-            }
-            let across = Square(from_fn(|row| from_fn(|column| after.0[column][row])));
-            score = times(&across, &score.map(|of| [of])).map(|[of]| of);
-            information = through(&across, &information);
-            score[Angle as usize] += scale * innovation;
-            information[(Angle, Angle)] += scale * scale;
-            // In the mean of the interval's ends.
-            let pushes = [Drift, step.driven].map(|state| {
-                let mut push = step.way.0.map(|row| 0.5 * row[state as usize]);
-                push[state as usize] += 0.5;
-                push
-            });
-            pull.score = pushes.map(|push| along(&push, &score));
-            let [drift, speed] = pushes;
-            let [of_drift, of_speed] =
-                pushes.map(|push| information.0.map(|row| along(&push, &row)));
-            pull.information = [
-                along(&drift, &of_drift),
-                along(&speed, &of_drift),
-                along(&speed, &of_speed),
-            ];
-            let before = Square(from_fn(|row| from_fn(|column| step.way.0[column][row])));
-            score = times(&before, &score.map(|of| [of])).map(|[of]| of);
-            information = through(&before, &information);
-        }
-        pulls
+/// How weighed innovations pull at jumps within the interval before each edge.
+pub(super) fn pulls<const N: usize>(
+    gains: &[Gain<N>],
+    innovations: &[f64],
+    weights: &[f64],
+) -> Vec<Pull> {
+    let mut pulls = vec![Pull::default(); gains.len()];
+    if N < DRIFTING {
+        return pulls;
     }
+    // Of the state before each edge, from the last one back.
+    let mut score = [0.0; N];
+    let mut information = Square::<N>::default();
+    let each = innovations.iter().zip(weights).zip(&mut pulls);
+    for (((innovation, weight), pull), step) in each.zip(gains).rev() {
+        let scale = step.scale * weight;
+        // Later edges go by what an error of this one makes of the state.
+        let of_gain = information.0.map(|row| dot(&step.gain, &row));
+        let error = scale * innovation - dot(&step.gain, &score);
+        let shows = scale * scale + dot(&step.gain, &of_gain);
+        pull.of_stamp = if shows > 0.0 {
+            error * error / shows
+        } else {
+            0.0
+        };
+        let mut after = identity::<N>();
+        for (row, gain) in after.0.iter_mut().zip(&step.gain) {
+            row[Angle as usize] -= gain;
+        }
+        let across = Square(from_fn(|row| from_fn(|column| after.0[column][row])));
+        score = times(&across, &score.map(|of| [of])).map(|[of]| of);
+        information = through(&across, &information);
+        score[Angle as usize] += scale * innovation;
+        information[(Angle, Angle)] += scale * scale;
+        // In the mean of the interval's ends.
+        let pushes = [Drift, step.driven].map(|state| {
+            let mut push = step.way.0.map(|row| 0.5 * row[state as usize]);
+            push[state as usize] += 0.5;
+            push
+        });
+        pull.score = pushes.map(|push| dot(&push, &score));
+        let [drift, speed] = pushes;
+        let [of_drift, of_speed] = pushes.map(|push| information.0.map(|row| dot(&push, &row)));
+        pull.information = [
+            dot(&drift, &of_drift),
+            dot(&speed, &of_drift),
+            dot(&speed, &of_speed),
+        ];
+        let before = Square(from_fn(|row| from_fn(|column| step.way.0[column][row])));
+        score = times(&before, &score.map(|of| [of])).map(|[of]| of);
+        information = through(&before, &information);
+    }
+    pulls
 }

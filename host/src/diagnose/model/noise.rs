@@ -5,12 +5,12 @@ use rayon::prelude::*;
 use super::board::{BOTH, COMPARED, SIZED};
 use super::{Board, Fit, Model};
 use crate::diagnose::bench;
+use crate::diagnose::corners::Corner;
 use crate::diagnose::course::Course;
 use crate::diagnose::filter::Noise;
 use crate::diagnose::lsq;
 use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::pattern::Pattern;
-use crate::diagnose::plant::Corner;
 
 /// How long a torque that wanders begins to last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

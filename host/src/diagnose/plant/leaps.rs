@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::corner::Corner;
 use super::law::Mode;
 use super::response::{Motion, Plant, parts, reach, swept};
+use crate::diagnose::corners::Corner;
 use crate::diagnose::course::Course;
 use crate::diagnose::filter::State::{Angle, Drift, Held, Speed, Swing, Swings};
 use crate::diagnose::filter::{DRIFTING, Filter, Leap, Noise, State, Whitens};

@@ -4,13 +4,11 @@
 //! slope of all friction and of the drive at the course's own speed. Torques are evaluated at the angles and times that the edges
 //! give, so any size of them is exact to first order in the stamps' errors.
 
-mod corner;
 mod law;
 mod leaps;
 mod response;
 
 pub use crate::effect::Here;
-pub use corner::{Corner, White};
 pub use law::{Hold, Law, Swing, sign};
 pub use leaps::{Gains, Jolt, Leaps, free};
 pub use response::{Motion, Plant};

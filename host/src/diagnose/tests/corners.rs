@@ -46,7 +46,7 @@ fn a_corner_that_a_model_makes_superfluous_is_taken_off() {
     let mut board = board_beside(&twin(AXIS), &twin(THIN));
     let found = board.benches[0].found.corners.clone();
     let mut more = found.clone();
-    more.push(crate::diagnose::plant::Corner {
+    more.push(crate::diagnose::corners::Corner {
         time_s: 0.61,
         jump: 3.0,
         kick: 0.0,
