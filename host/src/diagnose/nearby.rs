@@ -3,6 +3,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::bench;
+use super::edges::median;
 use super::effect::{Carrier, Effect, Site};
 use super::lsq::{Basis, OWN, add, dot};
 use super::model::{Board, Fit};
@@ -35,14 +37,8 @@ impl<'a> Left<'a> {
             add(&mut white, -1.0, &shown);
             errors = Some((pattern, closest));
         }
-        let mut from = 0;
-        let each = board.benches.iter().map(|bench| {
-            let until = from + bench.record.len();
-            let score = bench.score(&white[from..until]);
-            from = until;
-            score
-        });
-        let scores: Vec<Vec<f64>> = each.collect();
+        let each = bench::parts(&board.benches, &white);
+        let scores: Vec<Vec<f64>> = each.map(|(bench, own)| bench.score(own)).collect();
         let of_disc =
             errors.map(|(pattern, errors)| pattern.scores(&board.benches, &errors, &scores));
         Self {
@@ -121,13 +117,12 @@ impl<'a> Left<'a> {
         let inverse = squares.try_inverse()?;
         let aparts = (2..=BESIDE).flat_map(|apart| [-apart, apart]);
         let gains = aparts.filter_map(beside);
-        let mut gains: Vec<f64> = gains.map(|beside| self.about(&beside, &inverse)).collect();
+        let gains: Vec<f64> = gains.map(|beside| self.about(&beside, &inverse)).collect();
         if gains.len() < LEAST {
             return None;
         }
-        let middle = gains.len() / 2;
-        let (_, median, _) = gains.select_nth_unstable_by(middle, f64::total_cmp);
-        Some((*median / (effect.sizes() as f64 * std::f64::consts::LN_2)).max(1.0))
+        let median = median(gains)?;
+        Some((median / (effect.sizes() as f64 * std::f64::consts::LN_2)).max(1.0))
     }
 
     /// The best knobs near those of an effect, each moved by a step that is halved until a share of it is left, and what it explains

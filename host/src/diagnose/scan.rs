@@ -12,7 +12,8 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::bench::Bench;
-use super::cells::SPEEDS;
+use super::cells::{self, SPEEDS};
+use super::edges::median;
 use super::effect::{Carrier, Effect, Growth, On, Site};
 use super::model::{Board, Model};
 use super::nearby::Left;
@@ -30,7 +31,7 @@ pub struct Candidate {
 impl Candidate {
     /// Numbers that it has: sizes and knobs.
     pub fn numbers(&self) -> usize {
-        super::cells::numbers(&self.effects)
+        cells::numbers(&self.effects)
     }
 }
 
@@ -152,9 +153,7 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
 
 /// Sites that have a spectrum, along what.
 fn sites(board: &Board) -> Vec<(Site, Over)> {
-    let channels = board.benches.iter().map(|bench| bench.record.channels());
-    let channels = channels.max().unwrap_or(1);
-    let two_flanks = board.benches.iter().any(|bench| bench.record.classes > 1);
+    let (channels, two_flanks) = (cells::channels(board), cells::has_classes(board));
     let mut sites = vec![
         (Site::Disc(On::ALL), Over::Angle),
         (Site::Torque, Over::Angle),
@@ -382,14 +381,7 @@ impl<'a> Scores<'a> {
         let slowest = if board.undriven {
             let turn = match over {
                 Over::Angle => 1.0,
-                Over::Time => {
-                    board
-                        .benches
-                        .iter()
-                        .map(|bench| bench.course.mean())
-                        .fold(0.0, f64::max)
-                        / TAU
-                }
+                Over::Time => board.fastest() / TAU,
             };
             (SLOWEST * turn / step).ceil() as usize
         } else {
@@ -487,10 +479,8 @@ pub(super) fn local_median(power: &[f64]) -> Vec<f64> {
         let half = (from / 8).clamp(6, 256);
         let until = (from + half).min(power.len());
         let range = from.saturating_sub(half)..(until + half).min(power.len());
-        let mut some: Vec<f64> = power[range].to_vec();
-        let middle = some.len() / 2;
-        some.select_nth_unstable_by(middle, f64::total_cmp);
-        out[from..until].fill((some[middle] / std::f64::consts::LN_2).max(f64::MIN_POSITIVE));
+        let middle = median(power[range].to_vec()).unwrap_or_default();
+        out[from..until].fill((middle / std::f64::consts::LN_2).max(f64::MIN_POSITIVE));
         from = until;
     }
     out

@@ -5,6 +5,7 @@ mod ties;
 use std::sync::Arc;
 
 use super::columns::{Columns, Kept};
+use super::corners::Corner;
 use super::course::Course;
 use super::declared::{self, Declared};
 use super::effect::{Effect, Scene, Site};
@@ -12,7 +13,7 @@ use super::filter::Noise;
 use super::held_up::{self, Task};
 use super::lsq;
 use super::noise::{self, Free, Rest, Tails};
-use super::plant::{Corner, Gains, Hold, Jolt, Law, Leaps, Motion, Plant};
+use super::plant::{Gains, Hold, Jolt, Law, Leaps, Motion, Plant};
 use super::record::Record;
 use super::speed_loop::Unsaid;
 use super::spread::Spread;
@@ -456,6 +457,17 @@ pub fn fit_noise(benches: &[Bench], rest: &[Vec<f64>], start: Noise, free: Free)
     let ticks = benches.iter().map(|bench| bench.record.tick_s);
     let tick_s = ticks.fold(0.0, f64::max);
     noise::fit(&rests(benches, rest), tick_s / 12_f64.sqrt(), start, free)
+}
+
+/// The part of a row of all recordings that is of each.
+pub fn parts<'a>(
+    benches: &'a [Bench],
+    mut row: &'a [f64],
+) -> impl Iterator<Item = (&'a Bench, &'a [f64])> {
+    benches.iter().map(move |bench| {
+        let own = row.split_off(..bench.record.len());
+        (bench, own.unwrap_or_default())
+    })
 }
 
 /// Residual angles with what the likelihood of their noise needs.

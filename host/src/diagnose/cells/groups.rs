@@ -35,7 +35,7 @@ pub fn channels(board: &Board) -> u8 {
 }
 
 /// Whether a board has edges of more than one class.
-fn has_classes(board: &Board) -> bool {
+pub fn has_classes(board: &Board) -> bool {
     board.benches.iter().any(|bench| bench.record.classes > 1)
 }
 

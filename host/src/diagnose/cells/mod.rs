@@ -6,11 +6,11 @@ mod variants;
 
 use rayon::prelude::*;
 
-pub use groups::{SPEEDS, channels, classes, numbers, steady};
+pub use groups::{SPEEDS, channels, classes, has_classes, numbers, steady};
 pub use variants::{elsewhere, grown, harmonics, synchronous};
 
 use super::effect::Effect;
-use super::lsq::{Basis, dot};
+use super::lsq::{Basis, OWN, dot};
 use super::model::{Board, Fit};
 use super::nearby::Left;
 use super::scan::Candidate;
@@ -51,7 +51,7 @@ impl Bank {
         let cleared: Vec<Vec<f64>> = cleared.collect();
         // What is none of its own beside the model says nothing.
         let own = |(cleared, column): (&Vec<f64>, &Vec<f64>)| {
-            dot(cleared, cleared) > 1e-7 * dot(column, column)
+            dot(cleared, cleared) > OWN * dot(column, column)
         };
         let own: Vec<bool> = cleared.iter().zip(&self.columns).map(own).collect();
         let candidate = |effects: &Vec<Effect>| {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::groups::by_speed;
+use super::groups::{by_speed, has_classes};
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::model::Board;
 
@@ -13,8 +13,7 @@ const HARMONICS: [u32; 4] = [3, 4, 6, 8];
 /// well, where it is so loud that they count as noise.
 pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> {
     let [effect] = own else { return Vec::new() };
-    let speed = board.benches.iter().map(|bench| bench.course.mean());
-    let turns_a_s = speed.fold(0.0, f64::max) / TAU;
+    let turns_a_s = board.fastest() / TAU;
     let (order, tone) = match effect.carrier {
         Carrier::Order(order) => (order, order * turns_a_s),
         Carrier::Tone(tone) => (tone / turns_a_s, tone),
@@ -32,7 +31,7 @@ pub fn elsewhere(board: &Board, own: &[Effect], loud: bool) -> Vec<Vec<Effect>> 
         (Site::Disc(On::ALL), Carrier::Order(order)),
         (Site::Torque, Carrier::Tone(tone)),
     ];
-    if board.benches.iter().any(|bench| bench.record.classes > 1) {
+    if has_classes(board) {
         all.push((Site::Level(On::ALL), Carrier::Tone(tone)));
     }
     let images = board.nearest_images(effect).into_iter();
@@ -86,8 +85,7 @@ pub fn synchronous(board: &Board, own: &[Effect]) -> Option<Effect> {
     let Carrier::Tone(tone) = effect.carrier else {
         return None;
     };
-    let speed = board.benches.iter().map(|bench| bench.course.mean());
-    let order = tone * TAU / speed.fold(0.0, f64::max);
+    let order = tone * TAU / board.fastest();
     let exact = 0.5 * (2.0 * order).round();
     let carrier = Carrier::Order(exact);
     let reach = board.reach(&Effect { carrier, ..*effect })[0];

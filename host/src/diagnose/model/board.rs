@@ -257,6 +257,12 @@ impl Board {
         (off.sum::<f64>() / count).sqrt() / mean.max(f64::MIN_POSITIVE)
     }
 
+    /// Mean speed over time of the fastest recording, rad/s, whichever way the shaft turns.
+    pub fn fastest(&self) -> f64 {
+        let each = self.benches.iter().map(|bench| bench.course.mean());
+        each.fold(0.0, f64::max)
+    }
+
     /// Mean speed over all edges, rad/s, whichever way the shaft turns.
     pub fn mean_speed(&self) -> f64 {
         let speeds = self.benches.iter().flat_map(|bench| &bench.course.steady);

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 
 use super::bench::Bench;
+use super::edges::median;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::dot;
 use super::mean_turn::MeanTurn;
@@ -200,14 +201,12 @@ impl Pattern {
     /// Variance of an edge's error that is the middle one over the orders that the recordings settle; of few orders the mean.
     fn middle(powers: &[[f64; 3]]) -> f64 {
         let clear = powers.iter().filter(|[share, ..]| *share > 0.5);
-        let mut clear: Vec<f64> = clear.map(|[share, _, power]| power / share).collect();
+        let clear: Vec<f64> = clear.map(|[share, _, power]| power / share).collect();
         // Of few orders the middle one is any.
         if clear.len() < 8 {
             return Self::mean(powers);
         }
-        let middle = clear.len() / 2;
-        let (_, middle, _) = clear.select_nth_unstable_by(middle, f64::total_cmp);
-        *middle / std::f64::consts::LN_2
+        median(clear).unwrap_or_default() / std::f64::consts::LN_2
     }
 
     /// Variance of a wave of unit size of an order before any recording, rad^2.

@@ -8,7 +8,7 @@ use realfft::RealFftPlanner;
 use statrs::statistics::Statistics;
 
 use super::{Tie, Unsaid};
-use crate::diagnose::bench::Bench;
+use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::cells::Bank;
 use crate::diagnose::disc;
 use crate::diagnose::model::{Board, Fit};
@@ -114,12 +114,8 @@ fn broad(without: &Board, with: &Board) -> f64 {
     without.set_noise(with.noise);
     let powers = |board: &Board| {
         let left = board.fit(&search::nuisances(board)).left;
-        let mut left = &left[..];
-        let each = board.benches.iter().map(|bench| {
-            let own = left.split_off(..bench.record.len()).unwrap_or_default();
-            powers(own)
-        });
-        each.collect::<Vec<_>>()
+        let each = bench::parts(&board.benches, &left);
+        each.map(|(_, own)| powers(own)).collect::<Vec<_>>()
     };
     let (before, after) = (powers(&without), powers(with));
     let each = before.iter().zip(&after).map(|(before, after)| {
@@ -284,12 +280,8 @@ fn sums(seen: &[Seen], rate_hz: f64, edges: usize) -> (f64, f64) {
 
 /// What a loop sees of each recording of a board, and what it would explain of what a fit leaves.
 fn seen(board: &Board, fit: &Fit) -> Vec<Seen> {
-    let mut left = &fit.left[..];
-    let each = board.benches.iter().map(|bench| {
-        let own = left.split_off(..bench.record.len()).unwrap_or_default();
-        Seen::of(bench, own)
-    });
-    each.collect()
+    let each = bench::parts(&board.benches, &fit.left);
+    each.map(|(bench, own)| Seen::of(bench, own)).collect()
 }
 
 /// The rate next to one that explains most.
