@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::lsq;
 use super::plant::Motion;
 use super::record::Record;
 
@@ -151,10 +152,7 @@ impl Course {
         let speeds = first
             .zip(last)
             .map(|((from, from_s), (until, until_s))| (until - from) / (until_s - from_s));
-        let (least, most) = speeds.fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(least, most), speed| (least.min(speed), most.max(speed)),
-        );
+        let (least, most) = lsq::ends(speeds);
         most - least < SAME * most.abs().max(least.abs())
     }
 

@@ -218,9 +218,7 @@ impl Declared {
             plant,
             asked: &asked,
         };
-        let mut off: Vec<f64> = (0..record.len())
-            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0))
-            .collect();
+        let mut off = record.shown(disc);
         let mut response = drive(twin, looped, &scene);
         for (effect, sizes) in effects(twin) {
             match effect.site {

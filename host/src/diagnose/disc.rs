@@ -38,8 +38,7 @@ pub fn shifts(board: &Board, model: &Model) -> Vec<Vec<f64>> {
     let each = board.benches.iter().map(|bench| {
         let mut off = vec![-turned; bench.record.len()];
         if let Some(errors) = &errors {
-            let each = off.iter_mut().enumerate();
-            each.for_each(|(at, off)| *off += errors[bench.record.slot(at)]);
+            lsq::add(&mut off, 1.0, &bench.record.shown(errors));
         }
         let shifts = |term: &&Term| {
             matches!(

@@ -182,6 +182,14 @@ pub fn add(into: &mut [f64], by: f64, row: &[f64]) {
     each.for_each(|(into, of)| *into += by * of);
 }
 
+/// The least and the greatest of some values; of none, what any is below and above.
+pub fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    values.fold(none, |(least, most), value| {
+        (least.min(value), most.max(value))
+    })
+}
+
 /// Sum of products.
 #[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -180,10 +180,8 @@ fn bench(one: &Recorded) -> Result<Bench, DiagnoseError> {
     let noise = Noise {
         torque: 1.0,
         stamp_s: record.tick_s,
-        drift: 0.0,
-        fade: 0.0,
-        angle_rad: 0.0,
         unseen: UNSEEN,
+        ..Noise::default()
     };
     let mut bench = Bench::new(record, &one.twin, &errors, &noise);
     if let Some(record) = whole_turns(&bench) {

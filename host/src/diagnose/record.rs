@@ -131,6 +131,12 @@ impl Record {
             .collect()
     }
 
+    /// Errors of a disc's edges as each edge shows them.
+    pub fn shown(&self, errors: &[f64]) -> Vec<f64> {
+        let each = (0..self.len()).map(|at| errors.get(self.slot(at)).copied());
+        each.map(Option::unwrap_or_default).collect()
+    }
+
     /// Edges.
     pub fn len(&self) -> usize {
         self.time_s.len()

@@ -15,6 +15,7 @@ use super::bench::Bench;
 use super::cells::{self, SPEEDS};
 use super::edges::median;
 use super::effect::{Carrier, Effect, Growth, On, Site};
+use super::lsq;
 use super::model::{Board, Model};
 use super::nearby::Left;
 use super::sweep;
@@ -233,11 +234,6 @@ fn sweeps(left: &Left<'_>, scores: &Scores<'_>, sites: &[(Site, Over)]) -> Vec<E
     each.collect()
 }
 
-/// Band of a share of half the edges' rate.
-fn band_of(share: f64) -> usize {
-    BANDS.iter().filter(|bound| share > **bound).count()
-}
-
 /// Whether two carriers can't be told apart.
 fn near(one: Carrier, other: Carrier, reach: f64) -> bool {
     match (one, other) {
@@ -329,12 +325,10 @@ impl<'a> Scores<'a> {
             Over::Time => record.time_s.clone(),
         };
         // A torque acts in the middle of its interval.
-        let along: Vec<f64> = if site == Site::Torque {
-            (0..along.len())
-                .map(|at| 0.5 * (along[at] + along[at.saturating_sub(1)]))
-                .collect()
-        } else {
-            along
+        let middle = |at: usize| 0.5 * (along[at] + along[at.saturating_sub(1)]);
+        let along = match site {
+            Site::Torque => (0..along.len()).map(middle).collect(),
+            _ => along,
         };
         let unit = match over {
             Over::Angle => 1.0 / TAU,
@@ -391,25 +385,19 @@ impl<'a> Scores<'a> {
             .filter(|&at| power[at] >= power[at - 1] && power[at] >= power[at + 1])
             .collect();
         order.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
+        let band = |at: usize| {
+            let share = at as f64 / count as f64;
+            BANDS.iter().filter(|bound| share > **bound).count()
+        };
         let mut taken: Vec<usize> = Vec::new();
         for at in order {
-            let band = band_of(at as f64 / count as f64);
-            let beside = taken
-                .iter()
-                .filter(|&&other| band_of(other as f64 / count as f64) == band);
+            let beside = taken.iter().filter(|&&other| band(other) == band(at));
             if beside.count() < PEAKS && taken.iter().all(|other| other.abs_diff(at) > 4) {
                 taken.push(at);
             }
         }
-        taken
-            .into_iter()
-            .map(|at| {
-                (
-                    band_of(at as f64 / count as f64),
-                    power[at],
-                    carrier(at as f64),
-                )
-            })
+        let each = taken.into_iter();
+        each.map(|at| (band(at), power[at], carrier(at as f64)))
             .collect()
     }
 }
@@ -424,9 +412,7 @@ pub(super) struct Spectrum {
 
 impl Spectrum {
     pub fn ends(&self) -> (f64, f64) {
-        let least = self.along.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = self.along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        (least, most)
+        lsq::ends(self.along.iter().copied())
     }
 
     fn span(&self) -> f64 {

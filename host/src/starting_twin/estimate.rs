@@ -185,10 +185,8 @@ fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
         let noise = Noise {
             torque: 1.0,
             stamp_s: record.tick_s,
-            drift: 0.0,
-            fade: 0.0,
-            angle_rad: 0.0,
             unseen: UNSEEN,
+            ..Noise::default()
         };
         Bench::new(record.clone(), twin, &[], &noise)
     });

@@ -11,6 +11,7 @@ use crate::diagnose::filter::Noise;
 use crate::diagnose::lsq::dot;
 use crate::diagnose::model::{Board, Model};
 use crate::diagnose::noise::huber;
+use crate::diagnose::pattern::SMALL;
 
 /// Change of a number's logarithm by which its slope and curvature are taken.
 const STEP: f64 = 0.08;
@@ -310,7 +311,7 @@ fn weigh(board: &mut Board, rest: &[Vec<f64>]) {
     let errors = board.pattern.as_ref().map(|pattern| {
         let each = board.benches.iter().zip(rest);
         let white: Vec<f64> = each.flat_map(|(bench, rest)| bench.white(rest)).collect();
-        pattern.errors(&board.benches, &white)
+        pattern.errors_of(&board.benches, &pattern.fold(&board.benches, &white), SMALL)
     });
     for (bench, rest) in board.benches.iter_mut().zip(rest) {
         let left: Vec<f64> = (0..rest.len())

@@ -101,18 +101,16 @@ impl Bench {
     ) -> Self {
         let disc = record.pick(errors);
         let law = Law::of(twin).held(found.hold);
-        let more = |at: usize| found.off.get(at).copied().unwrap_or(0.0);
-        let off: Vec<f64> = (0..record.len())
-            .map(|at| disc.get(record.slot(at)).copied().unwrap_or(0.0) + more(at))
-            .collect();
+        let mut off = record.shown(&disc);
+        lsq::add(&mut off, 1.0, &found.off);
         held_up::release(&mut record, &off);
         let mut course = Course::new(&record, &off);
         let mut plant = Plant::new(law.clone(), &course);
         let looped = found.speed_loop.as_ref();
         let mut declared = Declared::new(&record, twin, looped, &disc, &course, &plant);
         // Once more about the course without what shifts edges, as torques bend it.
-        let off = declared.off.iter().enumerate();
-        let off: Vec<f64> = off.map(|(at, off)| off + more(at)).collect();
+        off.clone_from(&declared.off);
+        lsq::add(&mut off, 1.0, &found.off);
         held_up::release(&mut record, &off);
         let scene = Scene {
             record: &record,
@@ -302,8 +300,7 @@ impl Bench {
 
     /// Takes errors of the disc's edges off angles.
     pub fn less_errors(&self, angles: &mut [f64], errors: &[f64]) {
-        let each = angles.iter_mut().enumerate();
-        each.for_each(|(at, angle)| *angle -= errors[self.record.slot(at)]);
+        lsq::add(angles, -1.0, &self.record.shown(errors));
     }
 
     /// Residual angles that rounding to ticks alone would leave, had the shaft gone as the filter has it beside a residual.

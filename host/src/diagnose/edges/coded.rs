@@ -117,7 +117,14 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
             fresh,
         } = *seen
         else {
-            extra(edges, edges.seconds(row.ticks), last, changed, open_extra);
+            // Rows of one pulse are one event.
+            if let Some(event) = edges.events.last_mut().filter(|_| open_extra) {
+                event.edges += 1;
+            } else {
+                let (time_s, place) = (edges.seconds(row.ticks), last.map_or(0, |(edge, _)| edge));
+                let extra = CountEvent::at(time_s, CountKind::Extra, 1, changed, place);
+                edges.events.push(extra);
+            }
             open_extra = true;
             continue;
         };
@@ -129,14 +136,9 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
             let lost = (rank - next) * on;
             if lost > 0 {
                 let time_s = between(edges, row.ticks, lost);
-                edges.events.push(CountEvent {
-                    kind: CountKind::Lost,
-                    time_s,
-                    after_s: time_s,
-                    place: next,
-                    channel: code.channel(next),
-                    edges: lost as i32,
-                });
+                let (count, channel) = (lost as i32, code.channel(next));
+                let lost = CountEvent::at(time_s, CountKind::Lost, count, channel, next);
+                edges.events.push(lost);
             }
         }
         edges.push(row.ticks, rank, forward, fresh);
@@ -158,21 +160,6 @@ fn between(edges: &Edges, ticks: u64, lost: i64) -> f64 {
     let until = edges.seconds(ticks);
     let from = edges.time_s.last().copied().unwrap_or(until);
     from + (until - from) / (lost + 1) as f64
-}
-
-/// Books a row that is no edge, with those of the same pulse.
-fn extra(edges: &mut Edges, time_s: f64, last: Option<(i64, bool)>, channel: u8, goes_on: bool) {
-    match edges.events.last_mut() {
-        Some(event) if goes_on => event.edges += 1,
-        _ => edges.events.push(CountEvent {
-            kind: CountKind::Extra,
-            time_s,
-            after_s: time_s,
-            place: last.map_or(0, |(edge, _)| edge),
-            channel,
-            edges: 1,
-        }),
-    }
 }
 
 /// One pass of the index, high from one place to another.

@@ -94,6 +94,20 @@ pub struct CountEvent {
     pub edges: i32,
 }
 
+impl CountEvent {
+    /// One that is seen when it happens.
+    const fn at(time_s: f64, kind: CountKind, edges: i32, channel: u8, place: i64) -> Self {
+        Self {
+            kind,
+            time_s,
+            after_s: time_s,
+            place,
+            channel,
+            edges,
+        }
+    }
+}
+
 /// Why edges were not used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -217,14 +231,14 @@ impl Edges {
         self.events
             .iter_mut()
             .for_each(|event| event.place += edges);
-        self.events.push(CountEvent {
-            kind: CountKind::IndexSlip,
-            time_s: start_s,
-            after_s: start_s,
-            place: edges,
-            channel: Levels::Z,
-            edges: edges as i32,
-        });
+        let slip = CountEvent::at(
+            start_s,
+            CountKind::IndexSlip,
+            edges as i32,
+            Levels::Z,
+            edges,
+        );
+        self.events.push(slip);
         true
     }
 

@@ -214,14 +214,8 @@ fn assemble(
     let each = edges.classes as i32;
     let mut last: Option<(usize, i64)> = None;
     for (n, (&ticks, seen)) in lead.ticks.iter().zip(&lead.way.seen).enumerate() {
-        let event = |kind, time_s, place, edges| CountEvent {
-            kind,
-            time_s,
-            after_s: time_s,
-            place,
-            channel: Levels::A,
-            edges,
-        };
+        let event =
+            |kind, time_s, place, edges| CountEvent::at(time_s, kind, edges, Levels::A, place);
         match *seen {
             Seen::Edge { rank, fresh, .. } => {
                 if let Some((from, before)) = last.filter(|_| !fresh) {
@@ -275,12 +269,6 @@ fn finish(lead: &Lead, edges: &mut Edges) {
     let turn = lead.grid.ranks();
     let whole = longest(seen) >= turn;
     edges.anchored = lead.grid.starts() > 1 && (whole || 2.0 * lead.way.lead > SURE);
-    let stretch = |[from, until]: [u64; 2], rows: usize, why| Stretch {
-        from_s: edges.seconds(from),
-        until_s: edges.seconds(until),
-        rows,
-        why,
-    };
     let each = edges.classes as usize;
     let mut unused = Vec::new();
     let mut at = 0;
@@ -299,10 +287,13 @@ fn finish(lead: &Lead, edges: &mut Edges) {
             } else {
                 Unused::OffPattern
             };
-            let ends = [ticks[from], ticks[until - 1]];
-            unused.push(stretch(ends, each * run.len(), why));
+            unused.push(Stretch {
+                from_s: edges.seconds(ticks[from]),
+                until_s: edges.seconds(ticks[until - 1]),
+                rows: each * run.len(),
+                why,
+            });
         }
     }
-    unused.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
     edges.unused = unused;
 }

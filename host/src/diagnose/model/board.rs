@@ -87,9 +87,8 @@ impl Board {
                 torque: 1.0,
                 stamp_s: ticks.fold(0.0, f64::max),
                 drift: if undriven { 1.0 } else { 0.0 },
-                fade: 0.0,
-                angle_rad: 0.0,
                 unseen: if undriven { UNSEEN } else { 0.0 },
+                ..Noise::default()
             },
             free: Free {
                 torque: true,

@@ -197,10 +197,8 @@ impl Board {
         let knobs = effect.knobs();
         let on_one_edge = self.at_its_edge(effect) == Some(*effect);
         let times = self.benches.iter().map(|bench| &bench.record.time_s);
-        let last = { times.clone() }.filter_map(|times| times.last());
-        let last = last.fold(0.0, |a: f64, b| a.max(*b));
-        let first = times.filter_map(|times| times.first());
-        let first = first.fold(f64::INFINITY, |a: f64, b| a.min(*b));
+        let each = times.flat_map(|times| times.first().into_iter().chain(times.last()));
+        let (first, last) = lsq::ends(each.copied());
         (0..knobs.len())
             .filter(|&at| match effect.carrier {
                 Carrier::Bump(..) => at > 1 || !on_one_edge,

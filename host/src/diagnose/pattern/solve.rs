@@ -103,10 +103,7 @@ impl Pattern {
     fn unfold_rows(&self, benches: &[Bench], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut all = vec![Vec::new(); errors.len()];
         for bench in benches {
-            let raw = errors.iter().map(|errors| {
-                let slots = (0..bench.record.len()).map(|at| bench.record.slot(at));
-                slots.map(|slot| errors[slot]).collect()
-            });
+            let raw = errors.iter().map(|errors| bench.record.shown(errors));
             let white = bench.white_rows(raw.collect());
             let each = all.iter_mut().zip(white);
             each.for_each(|(all, white)| all.extend(white));
@@ -114,18 +111,13 @@ impl Pattern {
         all
     }
 
-    /// The errors that fit a white row best.
-    pub fn errors(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
-        self.errors_of(benches, &self.fold(benches, white), SMALL)
-    }
-
-    /// The same, as closely as numbers allow.
+    /// The errors that fit a white row best, as closely as numbers allow.
     pub fn closest(&self, benches: &[Bench], white: &[f64]) -> Vec<f64> {
         self.errors_of(benches, &self.fold(benches, white), SMALLER)
     }
 
     /// The same of a folded score, until a part of it is left.
-    pub(super) fn errors_of(&self, benches: &[Bench], fold: &[f64], small: f64) -> Vec<f64> {
+    pub fn errors_of(&self, benches: &[Bench], fold: &[f64], small: f64) -> Vec<f64> {
         self.errors_of_rows(benches, vec![fold.to_vec()], small)
             .swap_remove(0)
     }

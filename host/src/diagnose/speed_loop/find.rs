@@ -11,6 +11,7 @@ use super::{Tie, Unsaid};
 use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::cells::Bank;
 use crate::diagnose::disc;
+use crate::diagnose::lsq;
 use crate::diagnose::model::{Board, Fit};
 use crate::diagnose::plant::Hold;
 use crate::diagnose::scan::SURE;
@@ -316,9 +317,7 @@ fn most(seen: &[Seen]) -> usize {
 fn rate(seen: &[Seen]) -> Option<f64> {
     let most = most(seen);
     let per_s = seen.iter().map(Seen::edges_per_s);
-    let (slow, fast) = per_s.fold((f64::INFINITY, 0.0_f64), |all, one| {
-        (all.0.min(one), all.1.max(one))
-    });
+    let (slow, fast) = lsq::ends(per_s);
     let range_hz = slow * RATES.start..fast * RATES.end;
     let span = range_hz.end / range_hz.start;
     let mut edges = FIRST.min(most);

@@ -32,10 +32,13 @@ impl Board {
         };
         let cost = before.rss + self.spread();
         let better = lsq::shares(3).find_map(|share| {
-            let board = self.with_gains(|now| Gains {
-                kp: now.kp + share * by.kp,
-                ki: now.ki + share * by.ki,
-            })?;
+            let mut board = self.clone();
+            let loops = board.benches.iter_mut().map(|bench| &mut bench.found);
+            for own in loops.filter_map(|found| found.speed_loop.as_mut()) {
+                own.own.gains.kp += share * by.kp;
+                own.own.gains.ki += share * by.ki;
+            }
+            let board = board.found_anew()?;
             let fit = board.fit(model);
             (fit.rss + board.spread() < cost).then_some(board)
         });
@@ -69,16 +72,5 @@ impl Board {
         let settled =
             lsq::is_settled(kp, variance(count - 2)) && lsq::is_settled(ki, variance(count - 1));
         (!settled).then_some(Gains { kp, ki })
-    }
-
-    /// The board with other gains of that loop.
-    fn with_gains(&self, of: impl Fn(Gains) -> Gains) -> Option<Self> {
-        let mut board = self.clone();
-        for bench in &mut board.benches {
-            if let Some(own) = &mut bench.found.speed_loop {
-                own.own.gains = of(own.own.gains);
-            }
-        }
-        board.found_anew()
     }
 }
