@@ -12,6 +12,7 @@ use super::filter::{Noise, Pull};
 use super::lsq;
 use super::model::{Board, Model, Wander};
 use super::noise::FAR;
+use super::pipeline::SEARCHED;
 use super::scan::SURE;
 
 /// A corner.
@@ -34,12 +35,8 @@ impl Corner {
 const SHOWN: usize = 4;
 /// Corners that are found at once at the most.
 const MOST: usize = 256;
-/// Rounds in which corners and the noise are found at the most, as each bears on the other.
-const ROUNDS: usize = 8;
 /// Part of a noise beside corners, of that in which they are none.
 const LESS: f64 = 1e-3;
-/// Edges of all recordings up to which such torques are seen beside corners: of more, a model has those that show.
-const SEEN: usize = 72_000;
 /// Whole orders of a torque that may make what looks like corners.
 const ORDERS: u32 = 32;
 
@@ -64,7 +61,7 @@ impl Board {
         let before = (self.free, self.levels, self.rounds);
         let noise = self.noise;
         let again = self.has_corners();
-        if !again && self.edges() > SEEN {
+        if !again && self.edges() > SEARCHED {
             return;
         }
         if again {
@@ -94,10 +91,12 @@ impl Board {
 
     /// Finds corners in what a model and torques that the twins may lack leave: those come again, and are no drive's.
     fn find_beside_torques(&mut self, model: &Model) {
-        let seen = self.edges() <= SEEN;
+        // Of more edges a model has those that show.
+        let seen = self.edges() <= SEARCHED;
         let each = self.benches.iter().filter(|_| seen);
         let torques: Vec<Vec<Vec<f64>>> = each.map(torques).collect();
-        for _ in 0..ROUNDS {
+        // As corners and the noise bear on each other.
+        for _ in 0..lsq::ROUNDS {
             let mut rests = disc::rests(self, model);
             for ((bench, rest), torques) in self.benches.iter().zip(&mut rests).zip(&torques) {
                 less(bench, rest, torques);

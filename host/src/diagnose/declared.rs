@@ -278,8 +278,8 @@ const NEAR: f64 = TAU;
 const MOTOR: f64 = 6.0;
 
 /// Part of the speed by which it changes over an interval from which on its course within is in doubt, and part of a torque that is open
-/// there.
-const OPEN: f64 = 0.3;
+/// there, and by which that has to change for the course to be worked out anew.
+pub const OPEN: f64 = 0.3;
 
 /// Orders of the torques that a twin declares, with their sizes as accelerations, rad/s^2.
 pub fn waves(twin: &Twin, law: &Law) -> Vec<(f64, f64)> {

@@ -12,7 +12,7 @@ use super::noise::UNSEEN;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
 use super::spread::Spread;
-use super::{align, jury, map, search, speed_loop, task};
+use super::{align, jury, map, scan, search, speed_loop, task};
 use crate::sim;
 
 /// Edges that a recording needs.
@@ -230,8 +230,8 @@ fn whole_turns(bench: &Bench) -> Option<Record> {
 /// Edges of all recordings that a search begins with, and edges of the disc that it begins with at the least; edges that it ends with, and
 /// that bear on the sizes of what it found: about so many at the most, if the recordings have more.
 const MANY: usize = 18_000;
-const FEW: i64 = 127;
-const SEARCHED: usize = 72_000;
+const FEW: i64 = scan::FEW - 1;
+pub(super) const SEARCHED: usize = 72_000;
 const SIZED: usize = 360_000;
 
 /// Edges of the disc that are looked at, one stage after the other; none for all of them. What the twin says of a recording may go by every

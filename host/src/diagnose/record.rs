@@ -9,6 +9,9 @@ pub use crate::effect::Change;
 use crate::mechanism::Mechanism;
 use crate::twin::Twin;
 
+/// Places along a recording at which something is looked at that is much the same from one to the next.
+pub const PLACES: usize = 32;
+
 /// A recording.
 #[derive(Clone, Debug)]
 pub struct Record {

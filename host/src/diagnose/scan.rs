@@ -57,7 +57,7 @@ const BANDS: [f64; 2] = [0.02, 0.2];
 const CARRIERS: usize = 4;
 const REFINED: usize = 5;
 /// Edges a turn of which each channel has so few that a wave of its own is told from no other.
-const FEW: i64 = 128;
+pub const FEW: i64 = 128;
 /// Share of half of what two frequencies are apart by to which the closer look goes.
 const FINEST: f64 = 0.125;
 

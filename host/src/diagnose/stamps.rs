@@ -8,6 +8,7 @@ use super::filter::Noise;
 use super::model::{Board, Fit};
 use super::name::NINETY_FIVE;
 use super::noise::{self, Free};
+use super::record::PLACES;
 use super::scan::{self, SURE};
 use crate::diagnose::diagnosis::{Finding, Parameter, Place, RunnerUp};
 use crate::mechanism::Mechanism;
@@ -15,11 +16,8 @@ use crate::report::si;
 
 /// How many times as much as edges before foretell stamps have to differ by.
 const MORE: f64 = 4.0;
-/// Deviations from which on an error of a stamp is far out, and those by which more of these have to be late than early for a latency.
+/// Deviations from which on an error of a stamp is far out, and by which more of these have to be late than early for a latency.
 const FAR: f64 = 2.5;
-const LATE: f64 = 2.5;
-/// Edges at which it is worked out what one stamp's error does to the others.
-const SAMPLES: usize = 32;
 
 /// Jitter or latency on top of what all twins declare, or less of what they do; none where one says nothing of its noise.
 pub fn find(board: &Board, fit: &Fit) -> Option<Finding> {
@@ -130,7 +128,7 @@ fn told(board: &Board, fit: &Fit) -> Option<Finding> {
     let share = added2 / best.stamp_s.powi(2);
     let (seen, expected, late) = skewness(board, fit, best.stamp_s, share);
     // A few that are far out skew a sum of cubes, though as many may be early as late.
-    let skewed = seen > 0.5 * expected && late > LATE;
+    let skewed = seen > 0.5 * expected && late > FAR;
     let apart = (2.0 * seen - expected).abs() * expected;
     let (of, other, name, value, text) = if skewed {
         let value = added2.sqrt();
@@ -176,7 +174,8 @@ fn skewness(board: &Board, fit: &Fit, stamp_s: f64, share: f64) -> (f64, f64, f6
     let (mut late, mut far) = (0.0, 0.0_f64);
     for (bench, rest) in board.benches.iter().zip(&rests) {
         let count = rest.len();
-        let stride = count.div_ceil(SAMPLES);
+        // What one stamp's error does to the others is worked out at some edges.
+        let stride = count.div_ceil(PLACES);
         let size = |at: usize| bench.course.speed[at] * stamp_s;
         let scores = bench.score(&bench.white(rest));
         let samples: Vec<usize> = (stride / 2..count).step_by(stride).collect();

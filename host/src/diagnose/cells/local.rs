@@ -8,10 +8,9 @@ use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
 use crate::diagnose::lsq::dot;
 use crate::diagnose::model::Board;
 use crate::diagnose::nearby::Left;
+use crate::diagnose::record::PLACES;
 use crate::diagnose::scan::{Candidate, evidence};
 
-/// Instants of a recording at which steps are tried.
-const INSTANTS: usize = 32;
 /// Bumps whose gain is worked out exactly: others beside them share edges with them, which the folded score does not see.
 const EXACT: usize = 12;
 /// Widths of bumps, edges: from a single one on, each about twice the one before.
@@ -54,7 +53,7 @@ pub fn steps(board: &Board) -> Vec<Vec<Step>> {
         };
         let first_s = bench.record.time_s.first().copied().unwrap_or(0.0);
         let seconds = bench.record.seconds();
-        let later = (1..INSTANTS).map(|at| first_s + seconds * at as f64 / INSTANTS as f64);
+        let later = (1..PLACES).map(|at| first_s + seconds * at as f64 / PLACES as f64);
         let all: Vec<f64> = std::iter::once(f64::NEG_INFINITY).chain(later).collect();
         all.into_par_iter().map(step).collect()
     });

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::Model;
 use crate::diagnose::bench::{Bench, Torques};
 use crate::diagnose::columns::{Columns, White};
+use crate::diagnose::declared::OPEN;
 use crate::diagnose::disc;
 use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::{Noise, SIDE_BY_SIDE};
@@ -18,9 +19,6 @@ use crate::diagnose::pattern::{Pattern, SMALL, SMALLER};
 use crate::diagnose::record::Record;
 use crate::diagnose::spread::Spread;
 use crate::twin::{Drive, Errors};
-
-/// Part of what torques leave open of a course by which it is worked out anew.
-const OPENED: f64 = 0.3;
 
 /// All recordings of a rig beside their twins.
 #[derive(Clone, Debug)]
@@ -202,7 +200,7 @@ impl Board {
                 bench.open(&bench.found.torques),
                 bench.open(&torques(bench)),
             );
-            change(bench, found) < 1.0 && (is - was).abs() <= OPENED * was.max(is)
+            change(bench, found) < 1.0 && (is - was).abs() <= OPEN * was.max(is)
         };
         if each.all(same) {
             return false;
@@ -250,10 +248,7 @@ impl Board {
     pub fn speed_spread(&self) -> f64 {
         let each = self.benches.iter().flat_map(|bench| &bench.course.steady);
         let speeds: Vec<f64> = each.map(|speed| speed.abs()).collect();
-        let count = speeds.len().max(1) as f64;
-        let mean = speeds.iter().sum::<f64>() / count;
-        let off = speeds.iter().map(|speed| (speed - mean).powi(2));
-        (off.sum::<f64>() / count).sqrt() / mean.max(f64::MIN_POSITIVE)
+        disc::rms(&speeds) / self.mean_speed().max(f64::MIN_POSITIVE)
     }
 
     /// Mean speed over time of the fastest recording, rad/s, whichever way the shaft turns.

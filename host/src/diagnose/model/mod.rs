@@ -8,6 +8,7 @@ pub use board::{Board, Correction};
 pub use fit::Fit;
 pub use noise::Wander;
 
+use super::cells::numbers;
 use super::effect::Effect;
 
 /// An effect in a model.
@@ -96,9 +97,7 @@ impl Model {
 
     /// Sizes and knobs of a finding.
     pub fn numbers(&self, group: usize) -> usize {
-        let own = self.effects(group).into_iter();
-        own.map(|effect| effect.sizes() + effect.knobs().len())
-            .sum()
+        numbers(&self.effects(group))
     }
 
     /// Groups that are findings, in the order in which they were found.
