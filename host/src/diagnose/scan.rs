@@ -5,7 +5,6 @@
 //! frequency are few and are evaluated as they are.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
@@ -402,6 +401,15 @@ impl<'a> Scores<'a> {
     }
 }
 
+/// What each order, from 0 on, has of a row.
+pub fn spectrum(mut row: Vec<f64>) -> Vec<Complex<f64>> {
+    let forward = RealFftPlanner::new().plan_fft_forward(row.len());
+    let mut out = forward.make_output_vec();
+    // It fails where lengths differ.
+    let _ = forward.process(&mut row, &mut out);
+    out
+}
+
 /// Values along angle or time.
 pub(super) struct Spectrum {
     pub values: Vec<f64>,
@@ -440,12 +448,7 @@ impl Spectrum {
             grid[first] += value * (1.0 - share);
             grid[(first + 1) % length] += value * share;
         }
-        let fft: Arc<dyn realfft::RealToComplex<f64>> =
-            RealFftPlanner::new().plan_fft_forward(length);
-        let mut out: Vec<Complex<f64>> = fft.make_output_vec();
-        if fft.process(&mut grid, &mut out).is_err() {
-            return vec![0.0; count];
-        }
+        let out = spectrum(grid);
         (0..count)
             .map(|at| {
                 // Spreading over neighbours weakens what is fast.

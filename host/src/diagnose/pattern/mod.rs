@@ -8,13 +8,13 @@ use std::sync::OnceLock;
 
 use nalgebra::{Cholesky, Dyn};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 
 use super::bench::Bench;
 use super::edges::median;
 use super::effect::{Carrier, Effect, On, Site};
 use super::lsq::dot;
 use super::mean_turn::MeanTurn;
+use super::scan::spectrum;
 use super::spread::Spread;
 use solve::Normal;
 pub use solve::{SMALL, SMALLER};
@@ -175,12 +175,7 @@ impl Pattern {
 
     /// Of each order how much of it the recordings settle, its numbers, and its power as the errors have it.
     fn powers(&self, errors: &[f64]) -> Vec<[f64; 3]> {
-        let mut row = errors.to_vec();
-        let forward = RealFftPlanner::new().plan_fft_forward(self.edges);
-        let mut spectrum = forward.make_output_vec();
-        if forward.process(&mut row, &mut spectrum).is_err() {
-            return Vec::new();
-        }
+        let spectrum = spectrum(errors.to_vec());
         let each = self.settled().zip(&spectrum[1..]).enumerate();
         each.map(|(at, (settled, value))| {
             let (numbers, power) = (self.numbers(at + 1), value.norm_sqr());

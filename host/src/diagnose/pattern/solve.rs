@@ -13,6 +13,7 @@ use super::Pattern;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::filter::SIDE_BY_SIDE;
 use crate::diagnose::lsq::{add, dot};
+use crate::diagnose::scan::spectrum;
 
 /// Steps of conjugate gradients at the most.
 const STEPS: usize = 40;
@@ -245,22 +246,18 @@ impl Pattern {
             let by = by(0);
             return row.iter().map(|value| by * value).collect();
         }
-        let mut planner = RealFftPlanner::new();
-        let forward = planner.plan_fft_forward(self.edges);
-        let back = planner.plan_fft_inverse(self.edges);
-        let mut spectrum = forward.make_output_vec();
-        let mut times = row.to_vec();
-        if forward.process(&mut times, &mut spectrum).is_ok() {
-            for (order, value) in spectrum.iter_mut().enumerate() {
-                *value *= by(order) / self.edges as f64;
-            }
-            // The ends are real, up to digits.
-            spectrum[0].im = 0.0;
-            if self.edges.is_multiple_of(2) {
-                spectrum[self.edges / 2].im = 0.0;
-            }
-            let _ = back.process(&mut spectrum, &mut times);
+        let mut spectrum = spectrum(row.to_vec());
+        for (order, value) in spectrum.iter_mut().enumerate() {
+            *value *= by(order) / self.edges as f64;
         }
+        // The ends are real, up to digits.
+        spectrum[0].im = 0.0;
+        if self.edges.is_multiple_of(2) {
+            spectrum[self.edges / 2].im = 0.0;
+        }
+        let back = RealFftPlanner::new().plan_fft_inverse(self.edges);
+        let mut times = back.make_output_vec();
+        let _ = back.process(&mut spectrum, &mut times);
         times
     }
 }

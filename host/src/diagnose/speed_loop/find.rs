@@ -4,7 +4,6 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 use statrs::statistics::Statistics;
 
 use super::{Tie, Unsaid};
@@ -14,7 +13,7 @@ use crate::diagnose::disc;
 use crate::diagnose::lsq;
 use crate::diagnose::model::{Board, Fit};
 use crate::diagnose::plant::Hold;
-use crate::diagnose::scan::SURE;
+use crate::diagnose::scan::{SURE, spectrum};
 use crate::diagnose::search;
 use crate::twin::{Drive, Gains, SpeedLoop};
 
@@ -138,15 +137,9 @@ fn broad(without: &Board, with: &Board) -> f64 {
 
 /// Powers of a row at its frequencies; their sum is that of its squares.
 fn powers(row: &[f64]) -> Vec<f64> {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(row.len());
-    let mut spectrum = forward.make_output_vec();
-    let mut row = row.to_vec();
-    let count = row.len() as f64;
-    if forward.process(&mut row, &mut spectrum).is_err() {
-        return Vec::new();
-    }
-    let each = spectrum.iter();
-    each.map(|value| 2.0 * value.norm_sqr() / count).collect()
+    let each = spectrum(row.to_vec()).into_iter();
+    each.map(|value| 2.0 * value.norm_sqr() / row.len() as f64)
+        .collect()
 }
 
 impl Board {
