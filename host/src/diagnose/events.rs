@@ -15,7 +15,6 @@ use crate::twin::IndexSlip;
 pub const ROWS_A_GLITCH: i32 = 2;
 
 /// Findings of the events that the twins do not declare, one a kind; an index slip each.
-#[must_use]
 pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
     let events: Vec<CountEvent> = rig.iter().flat_map(undeclared).collect();
     let of = |kind: CountKind| events.iter().filter(move |event| event.kind == kind);
@@ -63,7 +62,6 @@ pub fn findings(rig: &[Recorded]) -> Vec<Finding> {
 }
 
 /// Whether findings of a mechanism are counted, whatever else is left.
-#[must_use]
 pub const fn counted(mechanism: Mechanism) -> bool {
     matches!(
         mechanism,

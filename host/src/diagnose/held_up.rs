@@ -31,7 +31,6 @@ pub struct Held {
 
 impl Task {
     /// Of a twin that declares one.
-    #[must_use]
     pub fn of(twin: &Twin) -> Option<Self> {
         let CaptureLatency {
             task_hz: Some(rate_hz),
@@ -50,7 +49,6 @@ impl Task {
     }
 
     /// What a twin says of it.
-    #[must_use]
     pub fn declared(self) -> CaptureLatency {
         CaptureLatency {
             mean_s: None,
@@ -61,7 +59,6 @@ impl Task {
     }
 
     /// Stamps at the ends of its busy times, for a clock with so much jitter; none where that is as long.
-    #[must_use]
     pub fn held(&self, time_s: &[f64], near_s: f64) -> Vec<Held> {
         if self.busy_s <= NEAR * near_s {
             return Vec::new();
@@ -80,7 +77,6 @@ impl Task {
     }
 
     /// How many stamps are within its busy times and not at their ends: none, if it holds captures up.
-    #[must_use]
     pub fn denied(&self, time_s: &[f64], near_s: f64) -> usize {
         let first_s = self.phase_s + self.busy_s;
         let each = time_s.iter().filter(|time_s| {

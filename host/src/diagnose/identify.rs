@@ -20,7 +20,6 @@ const PART: f64 = 0.3;
 
 /// What the twins declare and these recordings do not determine beside a fit, in words: one entry a number or a group of numbers. Of a
 /// group that only shows together a fit has one number at the most, as the others then have no column of their own.
-#[must_use]
 pub fn open(board: &Board, slopes: &[Slopes], fit: &Fit) -> Vec<String> {
     use rayon::prelude::*;
     let basis = fit.basis();

@@ -71,21 +71,18 @@ pub struct Foretold {
 
 impl Foretold {
     /// RMS with the group over RMS without it.
-    #[must_use]
     pub fn rms_ratio(&self) -> f64 {
         (self.with / self.without.max(f64::MIN_POSITIVE)).sqrt()
     }
 }
 
 /// Whether so much of what shows is foretold that it is said.
-#[must_use]
 pub fn foretells(foretold: f64, shown: f64) -> bool {
     foretold >= MOST * shown - SURE
 }
 
 /// What a group does on turns that it was not fitted on; none where it comes once, or once along the course, so that nothing foretells it
 /// from elsewhere.
-#[must_use]
 pub fn foretold(board: &Board, fit: &Fit, group: usize) -> Option<Foretold> {
     let effects = fit.model.effects(group);
     let declared = |effect: &Effect| matches!(effect.site, Site::Declared(_));
@@ -111,7 +108,6 @@ const fn comes_once(effect: &Effect) -> bool {
 }
 
 /// Whether a group of a fit shows more than once, and is foretold on turns that it was not fitted on.
-#[must_use]
 pub fn recurs(board: &Board, fit: &Fit, group: usize) -> bool {
     let Foretold { fall, shown, .. } = Parts::of_group(board, fit, group).foretold(fit, group);
     foretells(fall, shown) && !Parts::blocks(board, fit).only_once(fit, group)
@@ -119,7 +115,6 @@ pub fn recurs(board: &Board, fit: &Fit, group: usize) -> bool {
 
 /// The whole order whose sideband a group's order, with its harmonics, may be: a part of each turn that comes and goes, or turns its phase,
 /// along the recording shows as an order beside it. Its sizes in each of some blocks have more evidence then.
-#[must_use]
 pub fn sideband_of(board: &Board, fit: &Fit, group: usize) -> Option<f64> {
     let beside = |group: usize| -> Option<Vec<Effect>> {
         let effects = fit.model.effects(group).into_iter();
@@ -212,21 +207,18 @@ impl Parts {
     }
 
     /// Blocks over time.
-    #[must_use]
     pub fn blocks(board: &Board, fit: &Fit) -> Self {
         Self::new(board, fit, &alike(BLOCKS), &|_| 1.0)
     }
 
     /// Blocks over time in each of which a group shows as much: what shows in slow turns alone is foretold from other slow turns or not
     /// at all.
-    #[must_use]
     pub fn of_group(board: &Board, fit: &Fit, group: usize) -> Self {
         let own = fit.own(group);
         Self::new(board, fit, &alike(BLOCKS), &|at| own[at] * own[at])
     }
 
     /// The part that is fitted and the part that is held out.
-    #[must_use]
     pub fn held_out(board: &Board, fit: &Fit) -> Self {
         Self::new(board, fit, &[0.0, 1.0 - HELD_OUT], &|_| 1.0)
     }
@@ -264,7 +256,6 @@ impl Parts {
 
     /// What a group does on turns that no term was fitted on, each block foretold by the others. What numbers that are about known have to
     /// be without it, a share of it in each block, is of what it does: they may foretell the turns as well, far from where they are known.
-    #[must_use]
     pub fn foretold(&self, fit: &Fit, group: usize) -> Foretold {
         let all = self.columns(|_| true);
         let others = self.columns(|term| fit.model.terms[term].group != group);
@@ -285,7 +276,6 @@ impl Parts {
     }
 
     /// Whether a group shows in one part of the recordings alone, so that no other part foretells it.
-    #[must_use]
     pub fn only_once(&self, fit: &Fit, group: usize) -> bool {
         let columns = self.columns(|term| fit.model.terms[term].group == group);
         let shown = self.parts.iter().map(|part| {
@@ -298,7 +288,6 @@ impl Parts {
     }
 
     /// Squares left in the last part: with nuisances alone, with everything fitted before it, and with everything fitted on it.
-    #[must_use]
     pub fn judged(&self, fit: &Fit) -> [f64; 3] {
         let last = self.parts.len() - 1;
         let early = |at: usize| at != last;
@@ -312,7 +301,6 @@ impl Parts {
     }
 
     /// Whether the last part, and what numbers that are about known have to be, gets worse by what was found before it.
-    #[must_use]
     pub fn worse(&self, fit: &Fit) -> bool {
         let last = self.parts.len() - 1;
         let lost = |columns: &[usize]| {

@@ -19,7 +19,6 @@ pub struct Said {
 
 impl Said {
     /// A finding that is no effect of the model.
-    #[must_use]
     pub const fn alone(finding: Finding) -> Self {
         Self {
             named: !matches!(finding.mechanism, Mechanism::Unknown),
@@ -30,7 +29,6 @@ impl Said {
     }
 
     /// Whether it is another value of what the twin declares.
-    #[must_use]
     pub fn corrects(&self) -> bool {
         let declared = |cell: &Sized| matches!(cell.effect.site, Site::Declared(_));
         self.named && self.cells.iter().any(declared)
@@ -38,7 +36,6 @@ impl Said {
 
     /// Whether one of them moves all edges alike and the other one flank or channel against the others, so that neither is a part of the
     /// other.
-    #[must_use]
     pub fn is_apart(&self, other: &Self) -> bool {
         let differ = |said: &Self| {
             let mut each = said.cells.iter().map(|cell| cell.effect.site);
@@ -62,7 +59,6 @@ impl Said {
     }
 
     /// How strongly it shows.
-    #[must_use]
     pub fn strength(&self) -> f64 {
         let worth = self.finding.evidence.delta_bic;
         self.loss.map_or(worth, |loss| loss.max(worth))
@@ -70,7 +66,6 @@ impl Said {
 }
 
 /// The named findings, the strongest first, and what has no name after them: as one finding, but for what can be no part of another.
-#[must_use]
 pub fn merged(all: Vec<Said>) -> Vec<Said> {
     let (mut named, nameless): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.named);
     let mut apart: Vec<Said> = Vec::new();

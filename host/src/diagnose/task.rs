@@ -69,7 +69,6 @@ pub fn find(board: &mut Board, fit: &Fit) -> bool {
 }
 
 /// Whether a recording beside its twin alone shows edges that come late together: all of them are needed then.
-#[must_use]
 pub fn shows(bench: &Bench) -> bool {
     of(bench, &bench.residual, bench.noise().stamp_s).is_some()
 }
@@ -256,7 +255,6 @@ fn vector(times_s: &[f64], rate_hz: f64) -> Complex<f64> {
 }
 
 /// The finding of a task that the twin of a recording, as it was given, does not declare so.
-#[must_use]
 pub fn finding(given: &Bench, board: &Board, fit: &Fit, at: usize) -> Option<Finding> {
     let now = &board.benches[at];
     let declared = Task::of(&given.twin);
