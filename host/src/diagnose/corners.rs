@@ -33,8 +33,6 @@ impl Corner {
 
 /// Edges to either side of a corner whose stamps may make what looks like it.
 const SHOWN: usize = 4;
-/// Corners that are found at once at the most.
-const MOST: usize = 256;
 /// Part of a noise beside corners, of that in which they are none.
 const LESS: f64 = 1e-3;
 /// Whole orders of a torque that may make what looks like corners.
@@ -206,7 +204,6 @@ fn corners(bench: &Bench, rest: &[f64]) -> Vec<Corner> {
         first += stretch.len();
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.truncate(MOST);
     found.into_iter().map(|(_, corner)| corner).collect()
 }
 

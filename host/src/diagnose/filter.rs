@@ -183,6 +183,30 @@ impl<const N: usize> Gain<N> {
     }
 }
 
+/// Goes over rows of angles that run side by side, from a state on to the one at their end.
+fn whiten<const N: usize, const L: usize>(
+    steps: &[Gain<N>],
+    mut state: [[f64; L]; N],
+    angles: &mut [[f64; L]],
+) -> [[f64; L]; N] {
+    for (angles, step) in angles.iter_mut().zip(steps) {
+        step.whiten(&mut state, angles);
+    }
+    state
+}
+
+/// The transposed of [`whiten`].
+fn transposed<const N: usize, const L: usize>(
+    steps: &[Gain<N>],
+    mut state: [[f64; L]; N],
+    white: &mut [[f64; L]],
+) -> [[f64; L]; N] {
+    for (values, step) in white.iter_mut().zip(steps).rev() {
+        step.transposed(&mut state, values);
+    }
+    state
+}
+
 /// Goes over rows of the same length some at a time, side by side.
 fn side_by_side(
     rows: &mut [Vec<f64>],
@@ -309,20 +333,6 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    fn whiten_lanes<const L: usize>(&self, first: usize, angles: &mut [[f64; L]]) {
-        let mut state = [[0.0; L]; N];
-        for (angles, step) in angles.iter_mut().zip(&self.gains[first..]) {
-            step.whiten(&mut state, angles);
-        }
-    }
-
-    fn transposed_lanes<const L: usize>(&self, white: &mut [[f64; L]]) {
-        let mut state = [[0.0; L]; N];
-        for (values, step) in white.iter_mut().zip(&self.gains).rev() {
-            step.transposed(&mut state, values);
-        }
-    }
-
     /// The last edges as a turn that repeats without end.
     pub fn around(&self, edges: usize) -> Around<N> {
         let steps = self.gains[self.gains.len() - edges..].to_vec();
@@ -381,14 +391,14 @@ pub trait Whitens: Debug + Send + Sync {
 
 impl<const N: usize> Whitens for Filter<N> {
     fn whiten_from(&self, first: usize, angles: &mut [f64]) {
-        self.whiten_lanes::<1>(first, angles.as_chunks_mut().0);
+        whiten(&self.gains[first..], [[0.0]; N], angles.as_chunks_mut().0);
     }
 
     fn whiten_rows(&self, rows: &mut [Vec<f64>]) {
         side_by_side(
             rows,
-            |one| self.whiten_lanes(0, one),
-            |some| self.whiten_lanes(0, some),
+            |one| _ = whiten(&self.gains, [[0.0]; N], one),
+            |some| _ = whiten(&self.gains, [[0.0; SIDE_BY_SIDE]; N], some),
         );
     }
 
@@ -409,14 +419,14 @@ impl<const N: usize> Whitens for Filter<N> {
     }
 
     fn transposed(&self, white: &mut [f64]) {
-        self.transposed_lanes::<1>(white.as_chunks_mut().0);
+        transposed(&self.gains, [[0.0]; N], white.as_chunks_mut().0);
     }
 
     fn transposed_rows(&self, rows: &mut [Vec<f64>]) {
         side_by_side(
             rows,
-            |one| self.transposed_lanes(one),
-            |some| self.transposed_lanes(some),
+            |one| _ = transposed(&self.gains, [[0.0]; N], one),
+            |some| _ = transposed(&self.gains, [[0.0; SIDE_BY_SIDE]; N], some),
         );
     }
 
@@ -441,23 +451,15 @@ pub struct Around<const N: usize> {
 impl<const N: usize> Around<N> {
     /// Innovations of a turn of angles over their deviations, in place.
     pub fn whiten(&self, angles: &mut [f64]) {
-        let along = |state: &mut [[f64; 1]; N], row: &mut [f64]| {
-            let each = row.as_chunks_mut().0.iter_mut().zip(&self.steps);
-            each.for_each(|(angle, step)| step.whiten(state, angle));
-        };
-        let mut state = [[0.0]; N];
-        along(&mut state, &mut angles.to_vec());
-        along(&mut times(&self.start, &state), angles);
+        let ends = whiten(&self.steps, [[0.0]; N], angles.to_vec().as_chunks_mut().0);
+        let begins = times(&self.start, &ends);
+        whiten(&self.steps, begins, angles.as_chunks_mut().0);
     }
 
     /// The transposed of [`Self::whiten`], in place.
     pub fn transposed(&self, white: &mut [f64]) {
-        let along = |state: &mut [[f64; 1]; N], row: &mut [f64]| {
-            let each = row.as_chunks_mut().0.iter_mut().zip(&self.steps).rev();
-            each.for_each(|(value, step)| step.transposed(state, value));
-        };
-        let mut state = [[0.0]; N];
-        along(&mut state, &mut white.to_vec());
-        along(&mut times(&self.end, &state), white);
+        let ends = transposed(&self.steps, [[0.0]; N], white.to_vec().as_chunks_mut().0);
+        let begins = times(&self.end, &ends);
+        transposed(&self.steps, begins, white.as_chunks_mut().0);
     }
 }

@@ -192,8 +192,12 @@ impl Record {
     }
 
     /// Channels.
-    pub fn channels(&self) -> u8 {
-        channels(self.classes)
+    pub const fn channels(&self) -> u8 {
+        match self.classes {
+            4 => 2,
+            6 => 3,
+            _ => 1,
+        }
     }
 
     /// Time from the first edge to the last, s.
@@ -227,15 +231,6 @@ pub fn change(class: usize, classes: i64) -> Change {
     Change {
         channel: channel as u8,
         rises,
-    }
-}
-
-/// Channels of a sensor with so many classes.
-pub const fn channels(classes: i64) -> u8 {
-    match classes {
-        4 => 2,
-        6 => 3,
-        _ => 1,
     }
 }
 

@@ -378,9 +378,8 @@ impl Bench {
 
     /// A sum that another noise has otherwise, or other weights.
     pub fn mark(&self) -> f64 {
-        let weights = self.weights.iter().zip(&self.tails);
-        let each = self.scales.iter().zip(weights);
-        each.map(|(scale, (weight, tail))| scale * weight * tail)
+        let each = self.scales.iter().zip(&self.weights).zip(&self.tails);
+        each.map(|((scale, weight), tail)| scale * weight * tail)
             .sum()
     }
 

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::median;
 
-/// Turns in which an edge has to be seen for its place to be known.
-const TURNS: usize = 3;
+/// Turns in which an edge has to be seen for its place, and for what the speed does there, to be known.
+pub(super) const TURNS: usize = 3;
 /// Share of intervals that no smooth speed explains.
 const OUTLIERS: f64 = 1e-3;
 /// Standard deviation of a log interval about its prediction at the least: clocks and discs are no better.

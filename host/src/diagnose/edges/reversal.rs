@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use thiserror::Error;
 
+use super::grid::TURNS;
 use super::{Edges, SURE, Stretch, Unused, median};
 use crate::diagnose::noise::FAR;
 use crate::twin::{Drive, Twin};
@@ -22,8 +23,6 @@ const FAST: f64 = 0.3;
 const AGAIN: usize = 50;
 /// How much slower than two teeth before and after, in logarithms of both together, a shaft may have stopped in between.
 const FALLS: f64 = 0.5;
-/// Turns from which on a place's share in a change of speed is known.
-const TURNS: usize = 5;
 /// How many times as much energy as a ripple can take a shaft is to have: friction takes some as well.
 const OVER: f64 = 3.0;
 
