@@ -29,6 +29,14 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// Of one effect.
+    pub fn of(effect: Effect, gain: f64) -> Self {
+        Self {
+            effects: vec![effect],
+            gain,
+        }
+    }
+
     /// Numbers that it has: sizes and knobs.
     pub fn numbers(&self) -> usize {
         cells::numbers(&self.effects)
@@ -123,31 +131,15 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let everywhere: Vec<Effect> = all
         .filter(|effect| !board.is_alias(effect) && !taken(board, model, effect))
         .collect();
-    let exact = everywhere.par_iter().map(|effect| {
-        let rounded = whole(effect, board.reach(effect)[0]);
-        let here = (left.gain(effect), *effect);
-        match rounded {
-            Some(whole) if whole != *effect => {
-                let there = left.gain(&whole);
-                if there > WHOLE * here.0 {
-                    (there, whole)
-                } else {
-                    here
-                }
-            }
-            _ => here,
-        }
-    });
-    let mut exact: Vec<(f64, Effect)> = exact.collect();
-    exact.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let exact = everywhere.par_iter();
+    let exact = exact.map(|effect| or_whole(left, *effect, left.gain(effect)));
+    let mut exact: Vec<(Effect, f64)> = exact.collect();
+    exact.sort_by(|a, b| b.1.total_cmp(&a.1));
     exact.truncate(REFINED);
     let lines = exact.par_iter();
-    let lines = lines.map(|(gain, effect)| refined(left, effect, *gain));
+    let lines = lines.map(|(effect, gain)| refined(left, *effect, *gain));
     let sweeps = sweeps(left, &scores, &sites).into_par_iter();
-    let sweeps = sweeps.map(|effect| Candidate {
-        gain: left.gain(&effect),
-        effects: vec![effect],
-    });
+    let sweeps = sweeps.map(|effect| Candidate::of(effect, left.gain(&effect)));
     lines.chain(sweeps).collect()
 }
 
@@ -253,39 +245,34 @@ fn taken(board: &Board, model: &Model, effect: &Effect) -> bool {
     })
 }
 
-/// The same at the whole order that it may be.
-fn whole(effect: &Effect, reach: f64) -> Option<Effect> {
-    let Carrier::Order(order) = effect.carrier else {
-        return None;
+/// An effect with what it explains, or the same at the whole order that it may be.
+fn or_whole(left: &Left<'_>, effect: Effect, gain: f64) -> (Effect, f64) {
+    let Carrier::Order(exact) = effect.carrier else {
+        return (effect, gain);
     };
-    let whole = order.round();
-    (whole > 0.0 && (order - whole).abs() < reach).then_some(Effect {
-        carrier: Carrier::Order(whole),
-        ..*effect
-    })
+    let order = exact.round();
+    let carrier = Carrier::Order(order);
+    let whole = Effect { carrier, ..effect };
+    let near = (exact - order).abs() < left.board.reach(&effect)[0];
+    if order > 0.0 && near && whole != effect {
+        let there = left.gain(&whole);
+        if there > WHOLE * gain {
+            return (whole, there);
+        }
+    }
+    (effect, gain)
 }
 
 /// The best nearby value of a candidate's frequency or order.
-fn refined(left: &Left<'_>, effect: &Effect, gain: f64) -> Candidate {
-    let as_it_is = Candidate {
-        effects: vec![*effect],
-        gain,
-    };
+fn refined(left: &Left<'_>, effect: Effect, gain: f64) -> Candidate {
+    let as_it_is = Candidate::of(effect, gain);
     if evidence(left.board, gain, as_it_is.numbers()) < 0.0 {
         return as_it_is;
     }
-    let reach = left.board.reach(effect)[0];
-    let (mut effect, mut gain) = left.best_near(effect, &[0.5 * reach], FINEST);
-    if let Some(whole) = whole(&effect, reach) {
-        let there = left.gain(&whole);
-        if there > WHOLE * gain {
-            (effect, gain) = (whole, there);
-        }
-    }
-    Candidate {
-        effects: vec![effect],
-        gain,
-    }
+    let reach = left.board.reach(&effect)[0];
+    let (effect, gain) = left.best_near(&effect, &[0.5 * reach], FINEST);
+    let (effect, gain) = or_whole(left, effect, gain);
+    Candidate::of(effect, gain)
 }
 
 impl<'a> Scores<'a> {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Bank;
 use super::groups::{all_and_each, by_speed};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
@@ -66,9 +67,9 @@ fn best_two(mut all: Vec<(f64, Effect)>) -> impl Iterator<Item = (f64, Effect)> 
     all.into_iter().take(2)
 }
 
-/// The best of all pairs of instants, of each recording.
-pub fn loads(steps: &[Vec<Step>], left: &Left<'_>) -> Vec<Candidate> {
-    let each = steps.iter().zip(&left.board.benches);
+/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
+pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
+    let each = bank.steps.iter().zip(&left.board.benches);
     let each = each.zip(left.scores(Site::Torque));
     each.flat_map(|((steps, bench), scores)| loads_of(steps, left, bench, scores))
         .collect()
@@ -195,14 +196,14 @@ pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
 }
 
 /// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
-pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
+pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     let Some(first) = left.board.benches.first() else {
         return Vec::new();
     };
     let record = &first.record;
     let edges = record.edges;
     let mut growths: Vec<Growth> = Vec::new();
-    for kind in kinds {
+    for kind in &bank.bumps {
         if !growths.contains(&kind.effect.growth) {
             growths.push(kind.effect.growth);
         }
@@ -258,7 +259,7 @@ pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
         };
         (gain, left.board.at_its_edge(&effect).unwrap_or(effect))
     };
-    let shown = kinds.par_iter().filter(|kind| kind.square > 0.0);
+    let shown = bank.bumps.par_iter().filter(|kind| kind.square > 0.0);
     let mut shown: Vec<(f64, Effect)> = shown.map(best).collect();
     shown.sort_by(|a, b| b.0.total_cmp(&a.0));
     shown.truncate(EXACT);
@@ -271,11 +272,7 @@ pub fn bumps(kinds: &[Kind], left: &Left<'_>) -> Vec<Candidate> {
 
 /// An effect with the best knobs of its carrier near its own, both of one unit, where it may be worth them.
 fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
-    let of = |(effect, gain): (Effect, f64)| Candidate {
-        effects: vec![effect],
-        gain,
-    };
-    let as_it_is = of((effect, gain));
+    let as_it_is = Candidate::of(effect, gain);
     if left.board.at_its_edge(&effect) == Some(effect) {
         return as_it_is;
     }
@@ -284,12 +281,12 @@ fn nearest(left: &Left<'_>, effect: Effect, gain: f64, step: f64) -> Candidate {
     }
     let reach = left.board.reach(&effect).into_iter().take(2);
     let least = 0.3 * reach.fold(f64::INFINITY, f64::min);
-    let near = left.best_near(&effect, &[step; 2], least / step);
+    let (near, there) = left.best_near(&effect, &[step; 2], least / step);
     // The way there goes by squares that are not its own.
     let here = left.gain(&effect);
-    if near.1 > here {
-        of(near)
+    if there > here {
+        Candidate::of(near, there)
     } else {
-        of((effect, here))
+        Candidate::of(effect, here)
     }
 }

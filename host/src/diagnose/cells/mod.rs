@@ -7,12 +7,12 @@ mod variants;
 use rayon::prelude::*;
 
 pub use groups::{SPEEDS, channels, classes, has_classes, numbers, steady};
+pub use local::{bumps, loads};
 pub use variants::{elsewhere, grown, harmonics, synchronous};
 
 use super::effect::Effect;
 use super::lsq::{Basis, OWN, dot};
 use super::model::{Board, Fit};
-use super::nearby::Left;
 use super::scan::Candidate;
 
 /// White columns of the cells that are always tried: they hang on the noise alone, so they are worked out once for many looks.
@@ -71,14 +71,4 @@ impl Bank {
         };
         self.groups.par_iter().map(candidate).collect()
     }
-}
-
-/// Torques that come at one instant and go at another: the best of all pairs of a grid of instants, of each recording.
-pub fn loads(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
-    local::loads(&bank.steps, left)
-}
-
-/// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
-pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
-    local::bumps(&bank.bumps, left)
 }
