@@ -44,7 +44,7 @@ fn locked(last: &Mutex<Last>) -> MutexGuard<'_, Last> {
 /// Columns along one course. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Kept {
-    last: Arc<Mutex<Last>>,
+    last: Arc<White>,
     /// Which course it is: no other one has the same.
     pub course: u64,
 }
@@ -61,13 +61,9 @@ impl Default for Kept {
 
 impl Kept {
     /// Those of an effect, worked out where they are not kept.
-    pub fn of(&self, effect: &Effect, work_out: impl FnOnce() -> Vec<Vec<f64>>) -> Columns {
-        if let Some(columns) = locked(&self.last).get(effect) {
-            return columns;
-        }
-        let columns: Columns = Arc::new(work_out());
-        locked(&self.last).put(effect, &columns);
-        columns
+    pub fn of(&self, effect: &Effect, work_out: impl Fn() -> Vec<Vec<f64>>) -> Columns {
+        let each = |open: &[Effect]| open.iter().map(|_| work_out()).collect();
+        self.last.of(Vec::new(), &[*effect], each).swap_remove(0)
     }
 }
 

@@ -281,14 +281,7 @@ const MOTOR: f64 = 6.0;
 /// there, and by which that has to change for the course to be worked out anew.
 pub const OPEN: f64 = 0.3;
 
-/// Orders of the torques that a twin declares, with their sizes as accelerations, rad/s^2.
-pub fn waves(twin: &Twin, law: &Law) -> Vec<(f64, f64)> {
-    let each = effects(twin).into_iter();
-    each.filter_map(|(effect, sizes)| wave(&effect, &sizes, law))
-        .collect()
-}
-
-/// Order and acceleration of a torque that goes with the angle.
+/// Order of a torque that goes with the angle, and its size as an acceleration, rad/s^2.
 pub fn wave(effect: &Effect, sizes: &[f64], law: &Law) -> Option<(f64, f64)> {
     match (effect.site, effect.carrier) {
         (Site::Torque, Carrier::Order(order)) => {

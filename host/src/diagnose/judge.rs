@@ -214,7 +214,7 @@ impl Parts {
     /// Blocks over time in each of which a group shows as much: what shows in slow turns alone is foretold from other slow turns or not
     /// at all.
     pub fn of_group(board: &Board, fit: &Fit, group: usize) -> Self {
-        let own = fit.own(group);
+        let own = fit.own_of(&|term| fit.model.terms[term].group == group);
         Self::new(board, fit, &alike(BLOCKS), &|at| own[at] * own[at])
     }
 

@@ -430,14 +430,10 @@ fn bent(scene: &Scene<'_>, found: &Found, declared: &[Motion]) -> Vec<Motion> {
 
 /// What torques leave open of the course within intervals: those that the twin declares and those that were found.
 fn jolts(twin: &Twin, found: &Torques, course: &Course, plant: &Plant) -> Vec<Jolt> {
-    let law = &plant.law;
-    let found = found.iter();
-    let found = found.filter_map(|(effect, sizes)| declared::wave(effect, sizes, law));
-    let waves: Vec<(f64, f64)> = declared::waves(twin, law)
-        .into_iter()
-        .chain(found)
-        .collect();
-    declared::jolts(&waves, course, plant)
+    let all = declared::effects(twin);
+    let waves = all.iter().chain(found);
+    let waves = waves.filter_map(|(effect, sizes)| declared::wave(effect, sizes, &plant.law));
+    declared::jolts(&waves.collect::<Vec<_>>(), course, plant)
 }
 
 /// The filter's steps, with what the course leaves open.

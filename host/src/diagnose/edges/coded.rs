@@ -135,7 +135,10 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
             let next = edge + if forward == was_forward { on } else { 0 };
             let lost = (rank - next) * on;
             if lost > 0 {
-                let time_s = between(edges, row.ticks, lost);
+                // When the first of them would have come.
+                let until_s = edges.seconds(row.ticks);
+                let from_s = edges.time_s.last().copied().unwrap_or(until_s);
+                let time_s = from_s + (until_s - from_s) / (lost + 1) as f64;
                 let (count, channel) = (lost as i32, code.channel(next));
                 let lost = CountEvent::at(time_s, CountKind::Lost, count, channel, next);
                 edges.events.push(lost);
@@ -153,13 +156,6 @@ pub(super) fn place(code: Code, index_state: Option<Levels>, rows: &[Row], edges
         anchor(edges, &zs, class_of(state).into());
     }
     edges.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-}
-
-/// When the first of `lost` edges would have come before the edge at `ticks`.
-fn between(edges: &Edges, ticks: u64, lost: i64) -> f64 {
-    let until = edges.seconds(ticks);
-    let from = edges.time_s.last().copied().unwrap_or(until);
-    from + (until - from) / (lost + 1) as f64
 }
 
 /// One pass of the index, high from one place to another.

@@ -93,11 +93,6 @@ impl Fit {
         self
     }
 
-    /// What a group makes of each innovation.
-    pub fn own(&self, group: usize) -> Vec<f64> {
-        self.own_of(&self.is_of(group))
-    }
-
     /// What some terms make of each innovation.
     pub fn own_of(&self, asked: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let mut own = vec![0.0; self.left.len()];

@@ -225,11 +225,6 @@ impl Seen {
         }
     }
 
-    fn edges_per_s(&self) -> f64 {
-        let last = self.time_s.len() - 1;
-        last as f64 / (self.time_s[last] - self.time_s[0])
-    }
-
     /// Sum of what a loop that samples at a rate would explain by the first edges, and of its squares.
     fn explained(&self, rate_hz: f64, edges: usize) -> (f64, f64) {
         let edges = edges.min(self.time_s.len());
@@ -307,7 +302,11 @@ fn most(seen: &[Seen]) -> usize {
 /// The rate that explains most.
 fn rate(seen: &[Seen]) -> Option<f64> {
     let most = most(seen);
-    let per_s = seen.iter().map(Seen::edges_per_s);
+    // Edges a second.
+    let per_s = seen.iter().map(|Seen { time_s, .. }| {
+        let last = time_s.len() - 1;
+        last as f64 / (time_s[last] - time_s[0])
+    });
     let (slow, fast) = lsq::ends(per_s);
     let range_hz = slow * RATES.start..fast * RATES.end;
     let span = range_hz.end / range_hz.start;
