@@ -65,7 +65,7 @@ pub struct Correction {
 pub(super) const SIZED: usize = 12;
 pub(super) const COMPARED: usize = 2;
 /// Rounds in which the noise and one thing more that bears on it are found at the most.
-pub const BOTH: usize = 4;
+pub(super) const BOTH: usize = 4;
 
 impl Board {
     /// Of recordings beside their twins, in the noise that fits them so.

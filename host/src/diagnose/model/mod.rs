@@ -4,7 +4,7 @@ mod board;
 mod fit;
 mod noise;
 
-pub use board::{BOTH, Board, Correction};
+pub use board::{Board, Correction};
 pub use fit::Fit;
 pub use noise::Wander;
 

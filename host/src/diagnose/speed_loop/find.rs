@@ -11,7 +11,7 @@ use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::cells::Bank;
 use crate::diagnose::disc;
 use crate::diagnose::lsq;
-use crate::diagnose::model::{BOTH, Board, Fit};
+use crate::diagnose::model::{Board, Fit};
 use crate::diagnose::plant::Hold;
 use crate::diagnose::scan::{SURE, spectrum};
 use crate::diagnose::search;
@@ -34,6 +34,8 @@ const RELATED: u32 = 16;
 /// Rounds in which the best one is looked for closer, and steps to either side in each.
 const ROUNDS: usize = 4;
 const STEPS: i32 = 32;
+/// Rounds in which gains and the samples that came close to an edge are found, as each bears on the other.
+const FITTED: usize = 3;
 /// Intervals of the mean speed without an edge after which a loop sees a standstill.
 const TIMEOUT: f64 = 20.0;
 
@@ -151,11 +153,11 @@ impl Board {
             bench.found.hold = Hold::default();
             bench.found.speed_loop = Some(Unsaid::of(own, &bench.record, &bench.twin));
         };
-        for _ in 0..BOTH {
+        for _ in 0..FITTED {
             board.benches.iter_mut().for_each(plain);
             board = board.found_anew()?;
             let model = &search::nuisances(&board);
-            for _ in 0..BOTH {
+            for _ in 0..FITTED {
                 if !board.regain(model) {
                     break;
                 }
