@@ -2,7 +2,7 @@
 //! look-alikes.
 //!
 //! A new mechanism is a table of that file and a line of the table here; which cell of the diagnosis it names is said in
-//! [`crate::diagnose::name`]. A twin has a section for every mechanism but [`Mechanism::Unknown`], and [`crate::sim`] runs it.
+//! `diagnose::name`. A twin has a section for every mechanism but [`Mechanism::Unknown`], and [`crate::sim`] runs it.
 
 mod card;
 #[cfg(test)]
