@@ -60,6 +60,9 @@ const SLOWEST: f64 = 0.25;
 const PEAKS: usize = 2;
 /// Bounds of bands, as shares of half the edges' rate: what swings slowly has images at high frequencies, which must not hide it.
 const BANDS: [f64; 2] = [0.02, 0.2];
+/// Band of the slow whole orders of a torque that a disc of unknown errors has as well: beside it little of them is left, however much that
+/// tells.
+const SHARED: usize = BANDS.len() + 1;
 /// Carriers of each band that are tried at all sites that are alike, and candidates whose frequency is looked for closely.
 const CARRIERS: usize = 4;
 const REFINED: usize = 5;
@@ -102,7 +105,9 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     for (site, (band, _, carrier)) in peaks {
         let reach = board.reach(&Effect::new(Site::Torque, carrier))[0];
         let beside = carriers.iter().filter(|(by, ..)| alike(board, by, site));
-        let is_new = { beside.clone() }.all(|(.., other)| !near(*other, carrier, reach));
+        let mut of_kind =
+            { beside.clone() }.filter(|(_, of, _)| (*of == SHARED) == (band == SHARED));
+        let is_new = of_kind.all(|(.., other)| !near(*other, carrier, reach));
         if is_new && beside.filter(|(_, of, _)| *of == band).count() < CARRIERS {
             carriers.push((site, band, carrier));
         }
@@ -135,6 +140,7 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let exact = exact.map(|effect| or_whole(left, *effect, left.gain(effect)));
     let mut exact: Vec<(Effect, f64)> = exact.collect();
     exact.sort_by(|a, b| b.1.total_cmp(&a.1));
+    exact.dedup_by_key(|(effect, _)| *effect);
     exact.truncate(REFINED);
     let lines = exact.par_iter();
     let lines = lines.map(|(effect, gain)| refined(left, *effect, *gain));
@@ -184,6 +190,12 @@ fn sites(board: &Board) -> Vec<(Site, Over)> {
 fn has_many(board: &Board) -> bool {
     let mut records = board.benches.iter().map(|bench| &bench.record);
     records.all(|record| record.of_edges > FEW)
+}
+
+/// Whether the disc's errors are unknown, and the speed changes so far that they are told from a torque.
+fn learns_disc(board: &Board) -> bool {
+    let free = board.pattern.as_ref().is_some_and(|pattern| !pattern.known);
+    free && board.speed_spread() > SPEEDS
 }
 
 /// Whether two sites move the same edges, and the same way: what shows at one of them shows at the other. Of few edges it shows anywhere.
@@ -348,11 +360,19 @@ impl<'a> Scores<'a> {
             Over::Angle => Carrier::Order((at * step).next_up()),
             Over::Time => Carrier::Tone(at * step),
         };
+        let shares = site == Site::Torque && over == Over::Angle && learns_disc(board);
+        // Slow ones alone: a torque's angle goes by the square of its order.
+        let slow = (BANDS[0] * top).max(1.0) as usize;
+        let mut shared = vec![0.0; if shares { slow } else { 0 }];
         let mut power = vec![0.0; count];
         for one in &each {
             let spectrum = one.power(step, count);
             // What noise alone gives is what the neighbourhood has.
             let floor = local_median(&spectrum);
+            for (order, sum) in (1_u32..).zip(&mut shared) {
+                let order = f64::from(order);
+                *sum += one.square(order) / floor[(order / step) as usize];
+            }
             for (power, (here, floor)) in power.iter_mut().zip(spectrum.iter().zip(floor)) {
                 *power += here / floor;
             }
@@ -382,9 +402,11 @@ impl<'a> Scores<'a> {
                 taken.push(at);
             }
         }
-        let each = taken.into_iter();
-        each.map(|at| (band(at), power[at], carrier(at as f64)))
-            .collect()
+        let taken = taken.into_iter();
+        let taken = taken.map(|at| (band(at), power[at], carrier(at as f64)));
+        let shared = (1_u32..).zip(shared);
+        let shared = shared.map(|(order, power)| (SHARED, power, Carrier::Order(f64::from(order))));
+        taken.chain(shared).collect()
     }
 }
 
@@ -418,6 +440,14 @@ impl Spectrum {
     /// Frequency up to which edges still follow it: half their mean rate.
     fn fastest(&self) -> f64 {
         0.5 * self.values.len() as f64 / self.span().max(f64::MIN_POSITIVE)
+    }
+
+    /// Square of the size at one frequency, exactly.
+    fn square(&self, frequency: f64) -> f64 {
+        let each = self.values.iter().zip(&self.along);
+        let waves = each
+            .map(|(value, along)| Complex::from_polar(*value, TAU * frequency * self.unit * along));
+        waves.sum::<Complex<f64>>().norm_sqr()
     }
 
     /// Square of the size at multiples of a frequency step.
