@@ -60,11 +60,16 @@ pub fn diagnose(
     let mut map = mapped(&board, &found);
     for few in stages {
         progress(0.75, "Going on with more edges");
-        let Some(more) = board.along(some_of(&benches, few), &found.fit.model) else {
+        let some = some_of(&benches, few);
+        let sized = some.iter().map(Record::len).sum::<usize>() > SEARCHED;
+        if sized {
+            found.hold(&mut board);
+        }
+        let Some(more) = board.along(some, &found.fit.model) else {
             break;
         };
         board = more;
-        if board.edges() > SEARCHED {
+        if sized {
             found.settle(&mut board);
         } else if found.go_on(&mut board) {
             alike = swapped(&mut board, &found.bank, &mut found.fit);
@@ -81,6 +86,9 @@ pub fn diagnose(
     }
     if search::needless(&given, &mut board, &mut found) {
         map = mapped(&board, &found);
+    }
+    if board.edges() <= SEARCHED {
+        found.hold(&mut board);
     }
     if let Some(by) = align::index_moved(&board, &found.fit)
         && rig.iter_mut().all(|one| one.edges.move_index(by))

@@ -13,11 +13,14 @@ use super::pattern::Pattern;
 use super::plant::Hold;
 use super::scan::{SURE, evidence};
 
-/// Fall of twice the negative logarithm of a likelihood that is none.
+/// Fall of twice the negative logarithm of a likelihood that is none, and its rise at a standard error.
 const NOTHING: f64 = 0.5;
+const ONE_SIGMA: f64 = 1.0;
 
-/// Rates at which a held shaft forgets what torque noise made of its speed that are tried, of the edges' rate.
+/// Rates at which a held shaft forgets what torque noise made of its speed that are tried, of the edges' rate, and the ratio of those that
+/// are slower.
 const FORGETS: [f64; 5] = [0.004, 0.016, 0.06, 0.25, 1.0];
+const SLOWER: f64 = 0.25;
 
 /// Rates between them that are tried about the one that fits best.
 const NEARER: usize = 2;
@@ -45,6 +48,27 @@ impl Board {
             return moved;
         }
         let forgets = self.forget(model);
+        forgets | self.hold_by_waves(model)
+    }
+
+    /// Sets how stiffly an unknown drive holds the shaft to what is likeliest beside a model with torques, however little that says: their
+    /// sizes and phases go by it. Whether that is anything else than before.
+    pub fn hold_at_last(&mut self, model: &Model) -> bool {
+        if !self.undriven || self.is_looped() || !self.is_pushed(model) {
+            return false;
+        }
+        let before = self.hold_now();
+        if before.stiffness == 0.0 {
+            let open = self.hold_likelier(model, NOTHING);
+            let benches = self.benches.iter_mut();
+            benches.for_each(|bench| bench.found.hold.open = open);
+        }
+        self.hold_by_waves(model);
+        self.hold_now() != before
+    }
+
+    /// Sets how stiffly an unknown drive holds the shaft to what waves say. Whether that is anything else than before.
+    fn hold_by_waves(&mut self, model: &Model) -> bool {
         let before = self.fit(model);
         let cost = self.held_cost(&before);
         let mut best = (self.clone(), before, cost);
@@ -62,44 +86,67 @@ impl Board {
         if sure {
             *self = best.0;
         }
-        forgets || sure
+        sure
     }
 
     /// Sets how fast an unknown drive forgets noise to what that shows beside a model, and how stiffly it holds the shaft to the same, where
     /// noise is sure of it.
     pub fn hold_by_noise(&mut self, model: &Model) {
-        if !self.undriven || self.is_looped() {
-            return;
+        if self.undriven && !self.is_looped() {
+            self.hold_likelier(model, SURE + (self.edges() as f64).ln());
         }
-        let rate = self.edge_rate();
-        let held = |share: f64| {
-            let (board, cost) = self.forgetting(share * rate, model)?;
-            Some((share, board, cost))
+    }
+
+    /// The same where noise makes it likelier by more than some fall of twice the negative logarithm. By how much it may be off, 1/s.
+    fn hold_likelier(&mut self, model: &Model, least_fall: f64) -> f64 {
+        let held = |rate: f64| {
+            let (board, cost) = self.forgetting(rate, model)?;
+            Some((rate, board, cost))
         };
         let Some((_, _, loose)) = held(0.0) else {
-            return;
+            return 0.0;
         };
-        let tried = FORGETS.par_iter().filter_map(|share| held(*share));
+        // What forgets less than once in a recording does not show.
+        let (rate, longest) = (self.edge_rate(), self.seconds());
+        let slower = std::iter::successors(Some(SLOWER * FORGETS[0]), |share| Some(SLOWER * share));
+        let slower = slower.take_while(|share| share * rate * longest > 1.0);
+        let mut rates: Vec<f64> = FORGETS
+            .into_iter()
+            .chain(slower)
+            .map(|share| share * rate)
+            .collect();
+        rates.sort_by(f64::total_cmp);
+        let tried = rates.into_par_iter().filter_map(held);
         let mut tried: Vec<_> = tried.collect();
+        let mut inside = true;
         for _ in 0..NEARER {
             // Best at the end of all rates is what does not move as a shaft does.
             let between = least(&tried).and_then(held);
+            inside = between.is_some();
             let Some(between) = between else {
-                return;
+                break;
             };
             tried.push(between);
             tried.sort_by(|one, other| one.0.total_cmp(&other.0));
         }
+        let costs = tried.iter().map(|(_, _, cost)| *cost);
+        let lowest = costs.fold(loose, f64::min);
+        let open = tried
+            .iter()
+            .filter(|(_, _, cost)| *cost < lowest + ONE_SIGMA);
+        let open = open.fold(0.0, |most: f64, (rate, ..)| most.max(*rate));
         let best = tried
             .into_iter()
             .min_by(|one, other| one.2.total_cmp(&other.2));
         if let Some((_, board, cost)) = best
-            && evidence(self, loose - cost, 1) > SURE
+            && inside
+            && loose - cost > least_fall
         {
             let rounds = self.rounds;
             *self = board;
             self.rounds = rounds;
         }
+        open
     }
 
     /// Sets how fast an unknown drive forgets noise anew beside a model: torques that nobody had found yet may have made it so. Whether that is
@@ -178,7 +225,8 @@ impl Board {
     /// By how much the stiffness is another one than noise says, and what a change of it by 1/s adds to that: of what noise is sure of.
     fn unlike_noise(&self) -> Option<(f64, f64)> {
         let hold = self.hold_now();
-        (hold.forgets > 0.0).then(|| (hold.stiffness / hold.forgets - 1.0, 1.0 / hold.forgets))
+        let open = hold.open.max(hold.forgets);
+        (open > 0.0).then(|| (hold.stiffness / open - hold.forgets / open, 1.0 / open))
     }
 
     /// A fit whose numbers are as sure as they are beside how stiffly an unknown drive holds the shaft, which turns the phases of torques.
@@ -186,8 +234,9 @@ impl Board {
     pub fn unsure_of_hold(&self, fit: &Fit) -> Fit {
         let mut other = fit.clone();
         let step = self.hold_step();
-        let is_held = self.hold_now().stiffness != 0.0;
-        let moved = is_held.then(|| self.stiffer(step)).flatten();
+        let hold = self.hold_now();
+        let is_open = hold.stiffness != 0.0 || hold.open != 0.0;
+        let moved = is_open.then(|| self.stiffer(step)).flatten();
         if let Some(moved) = moved {
             let solved = self.beside_hold(fit, &moved, step);
             let own = fit.columns.len();

@@ -13,6 +13,8 @@ pub struct Hold {
     pub stiffness: f64,
     /// How fast it forgets what noise did to the speed, 1/s: as much, where the noise is of a torque and white.
     pub forgets: f64,
+    /// How far off that may be, 1/s; as far as it is itself where nothing says so.
+    pub open: f64,
     /// Whether noise goes all the same as if nothing held the shaft.
     pub loose: bool,
 }

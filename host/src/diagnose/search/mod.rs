@@ -71,6 +71,13 @@ impl Found {
         self.prune(board);
     }
 
+    /// Sizes of what was found beside how stiffly an unknown drive holds the shaft as it is likeliest.
+    pub fn hold(&mut self, board: &mut Board) {
+        if board.hold_at_last(&self.fit.model) {
+            self.fit = along(board, &self.fit.model);
+        }
+    }
+
     /// Goes on with a board of other edges of the same recordings. Whether that finds something else.
     pub fn go_on(&mut self, board: &mut Board) -> bool {
         let effects = |fit: &Fit| -> Vec<Effect> {

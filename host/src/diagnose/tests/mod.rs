@@ -6,6 +6,7 @@ mod corners;
 mod hall;
 mod parts;
 mod search;
+mod undriven;
 
 use super::bench::Bench;
 use super::diagnosis::Answer;

@@ -1,0 +1,66 @@
+//! Torques beside a drive of which the twins say nothing.
+
+use super::{against, board_beside, said, twin};
+use crate::diagnose::effect::{Carrier, Effect, Site};
+use crate::diagnose::model::Model;
+
+/// Inertia of the rigs, kg m^2.
+const INERTIA: f64 = 1e-3;
+
+/// A rig whose drive holds the shaft by so much over the inertia, 1/s, with a torque of some rad/s^2, and its sensor alone.
+fn rig(lines: u32, points: &[(f64, f64)], held: f64, order: f64, push: f64) -> [String; 2] {
+    let sensor = format!(
+        "[encoder.quadrature]\nlines = {lines}\nindex = true\n\n[timer]\nclock_hz = 84000000\n"
+    );
+    let points = points
+        .iter()
+        .map(|(t_s, r_min)| format!("{{ t_s = {t_s}, r_min = {r_min} }}"));
+    let points: Vec<String> = points.collect();
+    let rig = format!(
+        "seed = 31\nduration = {{ turns = 31 }}\n\n{sensor}jitter_s = 3e-8\n\n[shaft]\ninertia_kg_m2 = {INERTIA}\nviscous_n_m_s = {}\n\n\
+        [errors]\nseed = 3\nposition = {{ normal = {{ rms_rad = 3e-5, per = \"edge\" }} }}\n\n[drive.profile]\npoints = [{}]\n\n\
+        [noise.white]\npsd_n2_m2_s = 2e-8\nhold_s = 1e-4\n\n[[ripple]]\norder = {order}\nphase_rad = 0.3\ntorque_n_m = {}\n",
+        held * INERTIA,
+        points.join(", "),
+        push * INERTIA
+    );
+    [rig, format!("duration = {{ turns = 1 }}\n\n{sensor}")]
+}
+
+#[test]
+fn an_unbalance_is_told_from_a_disc_that_nobody_knows_and_its_size_is_as_sure_as_the_drive() {
+    let points = [(0.0, 60.0), (5.0, 60.0), (6.0, 150.0), (14.0, 150.0)];
+    let [real, given] = rig(100, &points, 4.0, 1.0, 2.0);
+    let answer = against(&real, &given);
+    assert_eq!(said(&answer), ["torque at order 1, constant"]);
+    let parameters = &answer.diagnosis.findings[0].parameters;
+    let [low, high] = parameters["torque_n_m"].ci95.unwrap();
+    // The twin gives no inertia: the torque is that of 1 kg m^2.
+    assert!(low < 2.0 && 2.0 < high && high < 3.0, "{low} {high}");
+    let [low, high] = parameters["phase_rad"].ci95.unwrap();
+    assert!(low < 0.3 && 0.3 < high && high - low > 0.2, "{low} {high}");
+}
+
+#[test]
+fn how_stiffly_a_drive_holds_is_as_likely_beside_torques_and_their_phases_go_by_it() {
+    let points = [(0.0, 300.0), (2.0, 300.0), (3.0, 900.0), (5.0, 900.0)];
+    let [real, given] = rig(64, &points, 8.0, 0.387, 4.0);
+    let mut board = board_beside(&twin(&real), &twin(&given));
+    let mut model = Model::default();
+    model.add(&[Effect::new(Site::Torque, Carrier::Order(0.387))], 0);
+    let phase = |board: &crate::diagnose::model::Board| {
+        let fit = board.fit(&model);
+        let mut numbers = board.unsure_of_hold(&fit).numbers(0).into_iter();
+        let phase = numbers.find(|number| number.name == "phase_rad").unwrap();
+        (phase.value, phase.error.unwrap())
+    };
+    assert_eq!(board.benches[0].found.hold.stiffness, 0.0);
+    let (loose, sure) = phase(&board);
+    assert!((loose - 0.3).abs() > 2.0 * sure, "{loose} {sure}");
+    assert!(board.hold_at_last(&model));
+    let stiffness = board.benches[0].found.hold.stiffness;
+    assert!((2.0..20.0).contains(&stiffness), "{stiffness}");
+    let (held, unsure) = phase(&board);
+    assert!((held - 0.3).abs() < 2.0 * unsure, "{held} {unsure}");
+    assert!((held - 0.3).abs() < (loose - 0.3).abs(), "{held} {loose}");
+}
