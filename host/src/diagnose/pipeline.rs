@@ -99,6 +99,8 @@ pub fn diagnose(
     let search::Found {
         fit, worth, noise, ..
     } = &found;
+    let mut terms = fit.model.terms.iter();
+    let drags = terms.any(|term| !term.nuisance && term.effect.is_friction());
     let mut answer = answer(rig, &given, &board, fit, &alike, worth, *noise);
     answer.not_identifiable = found.not_identifiable;
     if !board.disc_given && board.speed_spread() < SPEEDS {
@@ -107,6 +109,10 @@ pub fn diagnose(
     }
     if !search::past_learned(&board).is_empty() {
         let open = "what of edge classes goes with the speed: the twin's disc was learned at one speed, with their delays in it (errors.learned_r_min)";
+        answer.not_identifiable.push(open.to_owned());
+    }
+    if board.undriven && !board.is_looped() && !drags {
+        let open = "friction, loads and inertia, as the twin gives no drive, and what they change looks like what a drive does";
         answer.not_identifiable.push(open.to_owned());
     }
     answer.map = map;

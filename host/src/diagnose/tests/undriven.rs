@@ -64,3 +64,16 @@ fn how_stiffly_a_drive_holds_is_as_likely_beside_torques_and_their_phases_go_by_
     assert!((held - 0.3).abs() < 2.0 * unsure, "{held} {unsure}");
     assert!((held - 0.3).abs() < (loose - 0.3).abs(), "{held} {loose}");
 }
+
+#[test]
+fn what_a_drive_makes_up_for_that_nobody_declared_is_said_to_be_open() {
+    let points = [(0.0, 300.0), (1.0, 300.0), (2.0, 600.0), (4.0, 600.0)];
+    let [real, thin] = rig(64, &points, 8.0, 3.0, 0.1);
+    let open = |given: &str| {
+        let answer = against(&real, given);
+        let mut each = answer.not_identifiable.into_iter();
+        each.any(|text| text.starts_with("friction, loads and inertia"))
+    };
+    assert!(open(&thin));
+    assert!(!open(&real));
+}
