@@ -233,14 +233,19 @@ impl Board {
     #[must_use]
     pub fn unsure_of_hold(&self, fit: &Fit) -> Fit {
         let mut other = fit.clone();
-        let step = self.hold_step();
         let hold = self.hold_now();
-        let is_open = hold.stiffness != 0.0 || hold.open != 0.0;
-        let moved = is_open.then(|| self.stiffer(step)).flatten();
-        if let Some(moved) = moved {
+        if hold.stiffness == 0.0 && hold.open == 0.0 {
+            return other;
+        }
+        // A torque goes by the square root of 1 + (b / w)^2: near 0 its slope says nothing of what a standard error of b does.
+        let (mut step, own) = (self.hold_step(), fit.columns.len());
+        for _ in 0..2 {
+            let Some(moved) = self.stiffer(step) else {
+                break;
+            };
             let solved = self.beside_hold(fit, &moved, step);
-            let own = fit.columns.len();
             other.covariance = solved.covariance.view((0, 0), (own, own)).into_owned();
+            step = solved.covariance[(own, own)].sqrt().max(step);
         }
         other
     }

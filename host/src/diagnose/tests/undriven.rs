@@ -66,6 +66,25 @@ fn how_stiffly_a_drive_holds_is_as_likely_beside_torques_and_their_phases_go_by_
 }
 
 #[test]
+fn a_torque_is_as_unsure_as_a_standard_error_of_the_stiffness_makes_it_also_where_none_is_likeliest()
+ {
+    let points = [(0.0, 300.0), (2.0, 300.0), (3.0, 900.0), (5.0, 900.0)];
+    let [real, given] = rig(64, &points, 0.1, 0.387, 4.0);
+    let mut board = board_beside(&twin(&real), &twin(&given));
+    let mut model = Model::default();
+    model.add(&[Effect::new(Site::Torque, Carrier::Order(0.387))], 0);
+    board.benches[0].found.hold.open = 20.0;
+    let fit = board.fit(&model);
+    let error = |fit: &crate::diagnose::model::Fit| {
+        let mut numbers = fit.numbers(0).into_iter();
+        let torque = numbers.find(|number| number.name == "torque_n_m").unwrap();
+        torque.error.unwrap()
+    };
+    let wider = error(&board.unsure_of_hold(&fit)) / error(&fit);
+    assert!(wider > 1.05, "{wider}");
+}
+
+#[test]
 fn what_a_drive_makes_up_for_that_nobody_declared_is_said_to_be_open() {
     let points = [(0.0, 300.0), (1.0, 300.0), (2.0, 600.0), (4.0, 600.0)];
     let [real, thin] = rig(64, &points, 8.0, 3.0, 0.1);
