@@ -32,9 +32,6 @@ use quadcal::table::ErrorTable;
 use capture::CaptureRegisters;
 use interface::{FlashInterface, MappedSlots};
 
-/// Makes a change of the memory layout rebuild the image; the linker finds the file by itself.
-const _: &[u8] = include_bytes!("../../../memory.x");
-
 /// Lines of the encoder.
 const LINES: u32 = 2500;
 

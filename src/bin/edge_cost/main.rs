@@ -36,9 +36,6 @@ use counter::InstructionCounter;
 use rig::{BLOCK, LINES, Rig, SLOTS};
 use stage::{Stage, idle};
 
-/// Makes a change of the memory layout rebuild the image; the linker finds the file by itself.
-const _: &[u8] = include_bytes!("../../../memory.x");
-
 /// Blocks of edges in a run: six turns.
 const BLOCKS: usize = 6 * SLOTS as usize / BLOCK;
 

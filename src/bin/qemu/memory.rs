@@ -21,7 +21,7 @@ pub fn static_bytes() -> usize {
 pub fn stack_high_water() -> usize {
     let top = addr_of!(_stack_start) as usize;
     let mut at = addr_of!(_stack_end);
-    // SAFETY: memory.x gives the stack the whole region from `_stack_end` up to `_stack_start`, both 4-byte aligned, and
+    // SAFETY: the layouts in memory/ give the stack the whole region from `_stack_end` up to `_stack_start`, both 4-byte aligned, and
     // the loop stays inside it. Volatile, as the words below the stack pointer belong to no Rust object.
     while (at as usize) < top && unsafe { at.read_volatile() } == STACK_PAINT_VALUE {
         at = at.wrapping_add(1);

@@ -14,9 +14,6 @@ use cortex_m as _;
 use cortex_m_rt::{ExceptionFrame, exception};
 use cortex_m_semihosting::heprintln;
 
-/// Makes a change of the memory layout rebuild the images; the linker finds the file by itself.
-const _: &[u8] = include_bytes!("../../../memory.x");
-
 /// Ends the run: exit code 0, or 1 with the reason on the error output.
 pub fn finish<E: fmt::Display>(result: Result<(), E>) -> ! {
     if let Err(error) = &result {

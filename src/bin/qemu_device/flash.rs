@@ -41,7 +41,7 @@ impl ChipFlash {
         if from >= to {
             return Ok(());
         }
-        // SAFETY: the bytes lie in the room that memory.x keeps free of program, so no Rust object is written to but the slices
+        // SAFETY: the bytes lie in the room that memory/stm32f405.x keeps free of program, so no Rust object is written to but the slices
         // that `Mapped` gives out; the store changes only the place that is not in use, after which nobody looks into such a slice
         // before it is given out anew.
         unsafe {

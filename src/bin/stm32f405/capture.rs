@@ -9,7 +9,7 @@ use quadcal::stm32_capture::{Register, Registers};
 /// Edges of a channel that are kept: 64 may come between two drains.
 const LATCHES: usize = 128;
 
-/// A word of DMA's: in main RAM, where memory.x puts every static, so that DMA1 reaches it.
+/// A word of DMA's: in main RAM, where memory/stm32f405.x puts every static, so that DMA1 reaches it.
 static MEMORY: [[AtomicU32; LATCHES]; 3] = [const { [const { AtomicU32::new(0) }; LATCHES] }; 3];
 
 /// The registers and the memory; there is one.

@@ -20,7 +20,7 @@ unsafe extern "C" {
     static _tables_end: u32;
 }
 
-/// Offsets that memory.x keeps free for tables.
+/// Offsets that memory/stm32f405.x keeps free for tables.
 pub fn room() -> Range<u32> {
     // The symbols' addresses alone carry meaning; nothing is read there.
     let offset = |address: usize| (address - FLASH) as u32;
