@@ -1,4 +1,4 @@
-//! README and pages of `docs/`: links lead somewhere, a number that stands twice is the same twice, the table of dependencies is whole.
+//! README, its neighbours and the pages of `docs/`: links lead somewhere, a number that stands twice is the same twice, the table of dependencies is whole.
 #![allow(missing_docs)]
 
 use std::fs;
@@ -16,7 +16,8 @@ fn pages() -> Vec<PathBuf> {
     let mut pages: Vec<_> = files
         .filter(|path| path.extension().is_some_and(|end| end == "md"))
         .collect();
-    pages.push(workspace().join("README.md"));
+    let top = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"];
+    pages.extend(top.map(|name| workspace().join(name)));
     pages
 }
 
