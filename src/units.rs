@@ -61,6 +61,12 @@ impl TickDelta8 {
         if from_hz == to_hz || self.0 == 0 {
             return Some(self);
         }
+        self.scaled(from_hz, to_hz)
+    }
+
+    /// Not inlined: the compiler would write its 128-bit arithmetic down once for every class.
+    #[inline(never)]
+    fn scaled(self, from_hz: u64, to_hz: u64) -> Option<Self> {
         let size = u128::from(self.0.unsigned_abs()) * u128::from(to_hz);
         let nearest = (size + u128::from(from_hz / 2)).checked_div(u128::from(from_hz))?;
         let size = i32::try_from(nearest).ok()?;
