@@ -28,7 +28,7 @@ mod reader;
 mod session;
 
 pub use reader::{EventReader, ReadError};
-pub use session::{Part, Report, SessionError, TURNS_DEFAULT, run};
+pub use session::{Part, Report, SessionError, TURNS_DEFAULT, correct, run};
 
 /// First four bytes of an event file.
 pub const MAGIC: [u8; 4] = *b"QCEV";

@@ -1,5 +1,5 @@
-//! A whole session, bytes in and bytes out: learn from the first turns, then correct the rest. The same code runs in a
-//! firmware image and on the host, so that the two can be held against each other byte for byte.
+//! A whole session, bytes in and bytes out: learn from the first turns, then correct the rest; or correct all with a table learned
+//! before. The same code runs in a firmware image and on the host, so that the two can be held against each other byte for byte.
 
 use core::fmt;
 
@@ -12,9 +12,9 @@ use crate::estimate::{
     Anchor, EdgeBuffers, Estimator, Progress, Slice, Solution, SolveError, Solver, Totals,
 };
 use crate::shape::{EncoderShape, ShapeError};
-use crate::slot::{self, Delays, SlotHeader};
+use crate::slot::{self, Delays, Slot, SlotHeader};
 use crate::step::{Faults, SensorError};
-use crate::table::{ErrorTable, TableError};
+use crate::table::{Entry, ErrorTable, TableError};
 use crate::timebase::{Timebase16, Timebase32};
 use crate::units::Ticks;
 
@@ -141,10 +141,35 @@ impl Clock {
     }
 }
 
-impl<S, F> Front<'_, S>
+impl<'a, S, F> Front<'a, S>
 where
     S: FnMut(&mut [u8]) -> Result<usize, F>,
 {
+    /// Reads the header; the stream must be of an encoder with so many edges a turn.
+    fn new(source: S, block: &'a mut [u8], edges: usize) -> Result<Self, SessionError<F>> {
+        let events = EventReader::new(source, block)?;
+        let header = *events.header();
+        if header.wiring != Wiring::Quadrature {
+            return Err(SessionError::Wiring(header.wiring));
+        }
+        if u64::from(header.lines) * u64::from(CLASSES) != edges as u64 {
+            return Err(SessionError::Lines {
+                wanted: header.lines,
+                edges,
+            });
+        }
+        let decoder = QuadratureDecoder::new(DecoderConfig::new(header.lines))
+            .map_err(SessionError::Sensor)?;
+        Ok(Self {
+            events,
+            clock: match header.timer {
+                TimerWidth::Bits16 => Clock::Bits16(Timebase16::new()),
+                TimerWidth::Bits32 => Clock::Bits32(Timebase32::new()),
+            },
+            decoder,
+        })
+    }
+
     fn next_sample(&mut self) -> Result<Option<Sample>, ReadError<F>> {
         while let Some(event) = self.events.next_event()? {
             if let Some(sample) = self.clock.sample(event) {
@@ -152,6 +177,31 @@ where
             }
         }
         Ok(None)
+    }
+
+    /// Corrects what is left of the stream into a corrected file, and says how many edges that were.
+    fn correct<E: Entry>(
+        &mut self,
+        table: ErrorTable<'_, E>,
+        mut sink: impl FnMut(&[u8]) -> Result<(), F>,
+    ) -> Result<u32, SessionError<F>> {
+        let header = self.events.header();
+        let head = CorrectedHeader {
+            lines: header.lines,
+            clock_hz: header.clock_hz,
+        };
+        let mut sink = |bytes: &[u8]| sink(bytes).map_err(SessionError::Sink);
+        sink(&head.emit())?;
+        let mut corrector = Corrector::new(table, Anchor::Index);
+        let mut corrected = 0_u32;
+        while let Some(sample) = self.next_sample()? {
+            if let Some(edge) = corrector.push(&self.decoder.push(sample)) {
+                corrected = corrected.saturating_add(1);
+                sink(&emit_edge(&edge))?;
+            }
+        }
+        sink(&emit_faults(self.decoder.faults()))?;
+        Ok(corrected)
     }
 }
 
@@ -173,29 +223,9 @@ where
     S: FnMut(&mut [u8]) -> Result<usize, F>,
     K: FnMut(Part, &[u8]) -> Result<(), F>,
 {
-    let events = EventReader::new(source, block)?;
-    let header = *events.header();
-    if header.wiring != Wiring::Quadrature {
-        return Err(SessionError::Wiring(header.wiring));
-    }
-    let edges = buffers.edges();
-    if u64::from(header.lines) * u64::from(CLASSES) != edges as u64 {
-        return Err(SessionError::Lines {
-            wanted: header.lines,
-            edges,
-        });
-    }
+    let mut front = Front::new(source, block, buffers.edges())?;
+    let header = *front.events.header();
     let shape = EncoderShape::new(header.lines * CLASSES, CLASSES).map_err(SessionError::Shape)?;
-    let decoder =
-        QuadratureDecoder::new(DecoderConfig::new(header.lines)).map_err(SessionError::Sensor)?;
-    let mut front = Front {
-        events,
-        clock: match header.timer {
-            TimerWidth::Bits16 => Clock::Bits16(Timebase16::new()),
-            TimerWidth::Bits32 => Clock::Bits32(Timebase32::new()),
-        },
-        decoder,
-    };
     let turns = match header.turns {
         0 => TURNS_DEFAULT,
         turns => turns,
@@ -216,27 +246,35 @@ where
     )
     .map_err(SessionError::Table)?
     .with_delays(Delays::found(solution.class_delays(), header.clock_hz.into()).of_class);
-    let head = CorrectedHeader {
-        lines: header.lines,
-        clock_hz: header.clock_hz,
-    };
-    let mut sink = |bytes: &[u8]| sink(Part::Corrected, bytes).map_err(SessionError::Sink);
-    sink(&head.emit())?;
-    let mut corrector = Corrector::new(table, Anchor::Index);
-    let mut corrected = 0_u32;
-    while let Some(sample) = front.next_sample()? {
-        if let Some(edge) = corrector.push(&front.decoder.push(sample)) {
-            corrected = corrected.saturating_add(1);
-            sink(&emit_edge(&edge))?;
-        }
-    }
-    let faults = *front.decoder.faults();
-    sink(&emit_faults(&faults))?;
+    let corrected = front.correct(table, |bytes| sink(Part::Corrected, bytes))?;
     Ok(Report {
         learned,
         corrected,
-        faults,
+        faults: *front.decoder.faults(),
     })
+}
+
+/// Corrects a whole stream with a table that was learned before, hands `sink` every corrected edge and the faults, and says how many
+/// edges were corrected. `source` and `block` are as for [`EventReader::new`].
+///
+/// # Errors
+/// [`SessionError`]; what the sink was given until then is no whole file.
+pub fn correct<S, K, F>(
+    source: S,
+    block: &mut [u8],
+    slot: &Slot<'_>,
+    sink: K,
+) -> Result<u32, SessionError<F>>
+where
+    S: FnMut(&mut [u8]) -> Result<usize, F>,
+    K: FnMut(&[u8]) -> Result<(), F>,
+{
+    let mut front = Front::new(source, block, slot.header.shape.edges() as usize)?;
+    let clock_hz = front.events.header().clock_hz;
+    let table = slot
+        .table_at(clock_hz.into())
+        .map_err(SessionError::Table)?;
+    front.correct(table, sink)
 }
 
 /// What was learned: the table, the turns it rests on, and the tick at which the last of them was over.

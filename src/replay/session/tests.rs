@@ -103,3 +103,41 @@ fn a_stream_that_does_not_suit_is_refused_before_anything_is_written() {
         Err(SessionError::TooFewTurns(totals)) if totals.turns < 3
     ));
 }
+
+#[test]
+fn a_table_learned_before_corrects_the_whole_stream() {
+    let bytes = file(HEADER, 6 * 32);
+    let (_, (learned, rest)) = session(&bytes).unwrap();
+    let slot = Slot::parse(&learned).unwrap();
+    let with = |mut file: &[u8]| {
+        let mut corrected = Vec::new();
+        let source = |block: &mut [u8]| {
+            let (now, later) = file.split_at(block.len().min(file.len()));
+            block[..now.len()].copy_from_slice(now);
+            file = later;
+            Ok::<usize, ()>(now.len())
+        };
+        let sink = |bytes: &[u8]| {
+            corrected.extend_from_slice(bytes);
+            Ok(())
+        };
+        correct(source, &mut [0; 80], &slot, sink).map(|edges| (edges, corrected))
+    };
+    let (edges, whole) = with(&bytes).unwrap();
+    let (whole, rest) = (
+        CorrectedFile::parse(&whole).unwrap(),
+        CorrectedFile::parse(&rest).unwrap(),
+    );
+    // The first sample tells the levels.
+    assert_eq!(edges, 6 * 32 - 1);
+    assert_eq!(whole.edges().len(), edges as usize);
+    // The first edge after learning has none before it.
+    let later = whole.edges().skip(edges as usize - rest.edges().len() + 1);
+    assert!(later.eq(rest.edges().skip(1)));
+    let nine = file(Header { lines: 9, ..HEADER }, 192);
+    let wrong = SessionError::Lines {
+        wanted: 9,
+        edges: 32,
+    };
+    assert_eq!(with(&nine).err(), Some(wrong));
+}
