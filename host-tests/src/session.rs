@@ -1,8 +1,9 @@
-//! The session that firmware images run ([`quadcal::replay::run`]), on the host: event file in, slot and corrected file out.
+//! The sessions that firmware images run ([`quadcal::replay`]), on the host: event file in, slot and corrected file out.
 
 use std::convert::Infallible;
 
 use quadcal::replay::{self, HEADER_LEN, Header, Part, ReadError, Report, SessionError};
+use quadcal::slot::Slot;
 use quadcal_host::buffers::HeapBuffers;
 
 /// What a session wrote.
@@ -20,18 +21,12 @@ pub struct Written {
 ///
 /// # Errors
 /// As the session.
-pub fn run(mut file: &[u8]) -> Result<Written, SessionError<Infallible>> {
+pub fn run(file: &[u8]) -> Result<Written, SessionError<Infallible>> {
     let head = file
         .first_chunk::<HEADER_LEN>()
         .ok_or(ReadError::Truncated { offset: file.len() })?;
     let header = Header::parse(head).map_err(|error| ReadError::Format { offset: 0, error })?;
     let (mut slot, mut corrected) = (Vec::new(), Vec::new());
-    let source = |block: &mut [u8]| {
-        let (now, later) = file.split_at(block.len().min(file.len()));
-        block[..now.len()].copy_from_slice(now);
-        file = later;
-        Ok(now.len())
-    };
     let sink = |part, bytes: &[u8]| {
         match part {
             Part::Slot => slot.extend_from_slice(bytes),
@@ -40,10 +35,34 @@ pub fn run(mut file: &[u8]) -> Result<Written, SessionError<Infallible>> {
         Ok(())
     };
     let buffers = HeapBuffers::new(4 * header.lines as usize);
-    let report = replay::run(source, &mut [0; 4096], buffers, sink)?;
+    let report = replay::run(source(file), &mut [0; 4096], buffers, sink)?;
     Ok(Written {
         slot,
         corrected,
         report,
     })
+}
+
+/// Corrects all of an event file with a table: the corrected file.
+///
+/// # Errors
+/// As the session.
+pub fn correct(file: &[u8], slot: &Slot<'_>) -> Result<Vec<u8>, SessionError<Infallible>> {
+    let mut corrected = Vec::new();
+    let sink = |bytes: &[u8]| {
+        corrected.extend_from_slice(bytes);
+        Ok(())
+    };
+    replay::correct(source(file), &mut [0; 4096], slot, sink)?;
+    Ok(corrected)
+}
+
+/// Hands a file out in blocks.
+fn source(mut file: &[u8]) -> impl FnMut(&mut [u8]) -> Result<usize, Infallible> {
+    move |block| {
+        let (now, later) = file.split_at(block.len().min(file.len()));
+        block[..now.len()].copy_from_slice(now);
+        file = later;
+        Ok(now.len())
+    }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::image::{built, cargo_build, finish};
-use super::{FirmwareError, workspace};
+use super::{CORTEX_M4, FirmwareError, Target, workspace};
 
 /// Debian's packages that compile C for bare Arm.
 pub const C_PACKAGES: [&str; 2] = ["gcc-arm-none-eabi", "make"];
@@ -25,15 +25,20 @@ pub fn c_compiler() -> Result<(), FirmwareError> {
     Ok(())
 }
 
-/// Builds the static library that C links, and returns its path.
+/// Builds the static library that C links on the Cortex-M4, and returns its path.
 ///
 /// # Errors
 /// No toolchain, or Cargo's own errors.
 pub fn c_library() -> Result<PathBuf, FirmwareError> {
+    c_library_for(&CORTEX_M4)
+}
+
+/// The same for any target.
+pub(super) fn c_library_for(target: &Target) -> Result<PathBuf, FirmwareError> {
     // With another kind beside it the library would not be optimised as a whole.
     let library = ["rustc", "-p", "quadcal-c", "--crate-type", "staticlib"];
-    cargo_build("libquadcal_c.a", &library)?;
-    Ok(built("libquadcal_c.a"))
+    cargo_build(target, "libquadcal_c.a", &library)?;
+    Ok(built(target, "libquadcal_c.a"))
 }
 
 /// Builds a program of `c/example` in `folder` with a library, by its Makefile; functions of the library named in `keep` are linked even

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
-use super::{FirmwareError, TARGET, toolchain, workspace};
+use super::{CORTEX_M4, FirmwareError, Target, toolchain, workspace};
 
 /// Names of all images, in order: the folders of `src/bin`.
 ///
@@ -23,21 +23,21 @@ pub fn images() -> Result<Vec<String>, FirmwareError> {
     Ok(names)
 }
 
-/// Where Cargo leaves what it built for the target.
-pub(super) fn built(name: &str) -> PathBuf {
+/// Where Cargo leaves what it built for a target.
+pub(super) fn built(target: &Target, name: &str) -> PathBuf {
     let folder = workspace().join("target-firmware");
-    folder.join(TARGET).join("firmware").join(name)
+    folder.join(target.triple).join("firmware").join(name)
 }
 
-/// Has Cargo build for the target by `args`; `what` is named in messages.
-pub(super) fn cargo_build(what: &str, args: &[&str]) -> Result<(), FirmwareError> {
+/// Has Cargo build for a target by `args`; `what` is named in messages.
+pub(super) fn cargo_build(target: &Target, what: &str, args: &[&str]) -> Result<(), FirmwareError> {
     let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
     cargo
         .current_dir(workspace())
         .args(args)
-        .args(["--profile", "firmware", "--target", TARGET])
+        .args(["--profile", "firmware", "--target", target.triple])
         .args(["--target-dir", "target-firmware"]);
-    toolchain()?.apply(&mut cargo);
+    toolchain(target)?.apply(target, &mut cargo);
     finish(cargo, what)
 }
 
@@ -56,12 +56,34 @@ pub(super) fn finish(mut command: Command, what: &str) -> Result<(), FirmwareErr
     })
 }
 
-/// Builds image `image` (a `[[bin]]` of the core package) with the features given besides `firmware`, and returns the ELF's
-/// path. The file stays as it is while other tests build the same image with other features.
+/// Builds the core for a target with every feature that a library user may set.
+///
+/// # Errors
+/// No toolchain, or Cargo's own errors.
+pub fn build_core(target: &Target) -> Result<(), FirmwareError> {
+    let features = "defmt,device,embedded-hal,stm32_capture,stm32f405,summary";
+    let core = ["build", "-p", "quadcal", "--lib", "--features", features];
+    cargo_build(target, "the core", &core)
+}
+
+/// Builds image `image` (a `[[bin]]` of the core package) for the Cortex-M4 with the features given besides `firmware`, and returns the
+/// ELF's path. The file stays as it is while other tests build the same image with other features.
 ///
 /// # Errors
 /// No toolchain, or Cargo's own errors.
 pub fn build(image: &str, features: &[&str]) -> Result<PathBuf, FirmwareError> {
+    build_for(&CORTEX_M4, image, features)
+}
+
+/// Builds an image as [`build`] does, for a target that images run on.
+///
+/// # Errors
+/// No toolchain, or Cargo's own errors.
+pub fn build_for(
+    target: &Target,
+    image: &str,
+    features: &[&str],
+) -> Result<PathBuf, FirmwareError> {
     // One build at a time: between Cargo's end and the copy another would replace the file.
     static BUILDING: Mutex<()> = Mutex::new(());
     let _building = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -72,9 +94,13 @@ pub fn build(image: &str, features: &[&str]) -> Result<PathBuf, FirmwareError> {
         .collect();
     let joined = all.join(",");
     let package = ["build", "-p", "quadcal", "--bin", image];
-    cargo_build(image, &[&package[..], &["--features", &joined]].concat())?;
-    let built = built(image);
-    let images = folder.join("images");
+    cargo_build(
+        target,
+        image,
+        &[&package[..], &["--features", &joined]].concat(),
+    )?;
+    let built = built(target, image);
+    let images = folder.join("images").join(target.triple);
     let name = std::iter::once(image)
         .chain(features.iter().copied())
         .collect::<Vec<_>>()

@@ -7,17 +7,18 @@ mod code;
 mod elf;
 mod image;
 mod qemu;
+mod sizes;
+mod target;
 mod toolchain;
 
 pub use c_program::{C_PACKAGES, c_compiler, c_library, c_program};
 pub use code::{Function, Offence, offences, reachable};
 pub use elf::{Size, Symbol, loaded, size, symbols, value};
-pub use image::{build, images};
-pub use qemu::{Output, run_qemu, start_qemu, start_qemu_at_port};
+pub use image::{build, build_core, build_for, images};
+pub use qemu::{Output, run_qemu, run_qemu_on, start_qemu, start_qemu_at_port};
+pub use sizes::{Flash, Sizes, sizes};
+pub use target::{CORTEX_M4, TARGETS, Target};
 pub use toolchain::{DEBIAN_PACKAGES, Toolchain, toolchain};
-
-/// The target of every image: Cortex-M4F.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Debian's package that holds `qemu-system-arm`.
 pub const QEMU_PACKAGE: &str = "qemu-system-arm";
@@ -27,12 +28,14 @@ pub const QEMU_PACKAGE: &str = "qemu-system-arm";
 pub enum FirmwareError {
     /// Neither rustup nor Debian offers a compiler for the target.
     #[error(
-        "no Rust library for {TARGET}: `rustup target add {TARGET}` failed, and Debian's compiler with library source is not \
-         there either.\nInstall one of the two:\n  rustup target add {TARGET}\n  apt-get install -y --no-install-recommends {}\n\
+        "no Rust library for {triple}: `rustup target add {triple}` failed, and Debian's compiler with library source is not \
+         there either.\nInstall one of the two:\n  rustup target add {triple}\n  apt-get install -y --no-install-recommends {}\n\
          rustup said: {rustup}",
         DEBIAN_PACKAGES.join(" ")
     )]
     NoToolchain {
+        /// The target.
+        triple: &'static str,
         /// What rustup answered.
         rustup: String,
     },
@@ -47,6 +50,11 @@ pub enum FirmwareError {
         /// Cargo's error output.
         log: String,
     },
+    /// There is no linker for every target.
+    #[error(
+        "no rust-lld and no ld.lld; install one: apt-get install -y --no-install-recommends lld"
+    )]
+    NoLinker,
     /// There is no C compiler for bare Arm, or no `make`.
     #[error(
         "{program} is not on PATH; install it: apt-get install -y --no-install-recommends {}",

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use process_control::{ChildExt, Control};
 
-use super::FirmwareError;
+use super::{CORTEX_M4, FirmwareError, Target};
 
 /// What a run in QEMU left behind.
 #[derive(Debug)]
@@ -45,10 +45,24 @@ pub fn run_qemu(
     dir: &Path,
     limit: Duration,
 ) -> Result<Output, FirmwareError> {
+    run_qemu_on(&CORTEX_M4, elf, args, dir, limit)
+}
+
+/// Runs `elf` as [`run_qemu`] does, on a target's machine.
+///
+/// # Errors
+/// No QEMU, or no end within `limit`.
+pub fn run_qemu_on(
+    target: &Target,
+    elf: &Path,
+    args: &[&str],
+    dir: &Path,
+    limit: Duration,
+) -> Result<Output, FirmwareError> {
     // Files, not pipes: they can't fill up, and what was printed before a hang is still there.
     let (out, out_end) = stream()?;
     let (err, err_end) = stream()?;
-    let mut machine = machine(elf, args, dir, "null");
+    let mut machine = machine(target, elf, args, dir, "null");
     let mut child = spawn(counting(&mut machine).stdout(out_end).stderr(err_end))?;
     let status = child
         .controlled()
@@ -75,7 +89,7 @@ pub fn run_qemu(
 /// # Errors
 /// No QEMU.
 pub fn start_qemu(elf: &Path, args: &[&str], dir: &Path) -> Result<Child, FirmwareError> {
-    let mut machine = machine(elf, args, dir, "null");
+    let mut machine = machine(&CORTEX_M4, elf, args, dir, "null");
     spawn(
         counting(&mut machine)
             .stdout(Stdio::piped())
@@ -96,7 +110,7 @@ pub fn start_qemu_at_port(
 ) -> Result<Child, FirmwareError> {
     let serial = format!("unix:{},server=on,wait=off", socket.replace(',', ",,"));
     spawn(
-        machine(elf, args, dir, &serial)
+        machine(&CORTEX_M4, elf, args, dir, &serial)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped()),
     )
@@ -108,7 +122,7 @@ fn counting(machine: &mut Command) -> &mut Command {
 }
 
 /// The command that runs `elf`, its first serial port being `serial`.
-fn machine(elf: &Path, args: &[&str], dir: &Path, serial: &str) -> Command {
+fn machine(target: &Target, elf: &Path, args: &[&str], dir: &Path, serial: &str) -> Command {
     let name = elf.file_stem().unwrap_or_default().to_string_lossy();
     let mut config = OsString::from("enable=on,target=native");
     for word in std::iter::once(name.as_ref()).chain(args.iter().copied()) {
@@ -120,7 +134,7 @@ fn machine(elf: &Path, args: &[&str], dir: &Path, serial: &str) -> Command {
         .current_dir(dir)
         .args([
             "-M",
-            "netduinoplus2",
+            target.machine.unwrap_or("none"),
             "-display",
             "none",
             "-serial",

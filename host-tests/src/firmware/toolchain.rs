@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{FirmwareError, TARGET};
+use super::{FirmwareError, Target};
 
 /// Debian's packages that build the target without rustup's library.
 pub const DEBIAN_PACKAGES: [&str; 4] = [
@@ -35,7 +35,7 @@ pub enum Toolchain {
 ///
 /// # Errors
 /// [`FirmwareError::NoToolchain`], which names what to install.
-pub fn toolchain() -> Result<Toolchain, FirmwareError> {
+pub fn toolchain(target: &Target) -> Result<Toolchain, FirmwareError> {
     let wish = std::env::var("QUADCAL_FIRMWARE_TOOLCHAIN").unwrap_or_default();
     let (rustup, debian) = match wish.as_str() {
         "" => (true, true),
@@ -45,14 +45,14 @@ pub fn toolchain() -> Result<Toolchain, FirmwareError> {
     };
     let mut said = "not asked".to_owned();
     if rustup {
-        if target_installed() {
+        if installed(target) {
             return Ok(Toolchain::Rustup);
         }
         said = match Command::new("rustup")
-            .args(["target", "add", TARGET])
+            .args(["target", "add", target.triple])
             .output()
         {
-            Ok(output) if output.status.success() && target_installed() => {
+            Ok(output) if output.status.success() && installed(target) => {
                 return Ok(Toolchain::Rustup);
             }
             Ok(output) => String::from_utf8_lossy(&output.stderr).trim().to_owned(),
@@ -61,13 +61,16 @@ pub fn toolchain() -> Result<Toolchain, FirmwareError> {
     }
     match debian_linker() {
         Some(linker) if debian => Ok(Toolchain::Debian { linker }),
-        _ => Err(FirmwareError::NoToolchain { rustup: said }),
+        _ => Err(FirmwareError::NoToolchain {
+            triple: target.triple,
+            rustup: said,
+        }),
     }
 }
 
 impl Toolchain {
     /// Makes `cargo` build for the target with this toolchain.
-    pub fn apply(&self, cargo: &mut Command) {
+    pub fn apply(&self, target: &Target, cargo: &mut Command) {
         // Flags from the environment would replace the linker arguments of .cargo/config.toml.
         for name in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
             cargo.env_remove(name);
@@ -77,13 +80,14 @@ impl Toolchain {
                 .env("RUSTC", DEBIAN_RUSTC)
                 .env("RUSTC_BOOTSTRAP", "1")
                 .env("CARGO_UNSTABLE_BUILD_STD", "core")
-                .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+                .env(target.linker_variable(), linker);
         }
     }
 }
 
-fn target_installed() -> bool {
-    print(&rustc(), &["--print", "target-libdir", "--target", TARGET])
+fn installed(target: &Target) -> bool {
+    let folder = ["--print", "target-libdir", "--target", target.triple];
+    print(&rustc(), &folder)
         .and_then(|folder| std::fs::read_dir(folder).ok())
         .is_some_and(|entries| {
             entries
@@ -98,17 +102,30 @@ fn debian_linker() -> Option<PathBuf> {
     if !source.is_dir() {
         return None;
     }
-    let host = print(&rustc(), &["--print", "host-tuple"]).unwrap_or_default();
-    let lld = print(&rustc(), &["--print", "sysroot"]).map(|root| {
-        Path::new(&root)
-            .join("lib/rustlib")
-            .join(host)
-            .join("bin/rust-lld")
-    });
-    lld.filter(|lld| lld.is_file()).or_else(|| {
+    rust_lld().or_else(|| {
         let ld = Path::new("/usr/bin/arm-none-eabi-ld");
         ld.is_file().then(|| ld.to_owned())
     })
+}
+
+/// The linker that comes with rustup's compiler.
+fn rust_lld() -> Option<PathBuf> {
+    let host = print(&rustc(), &["--print", "host-tuple"]).unwrap_or_default();
+    let root = print(&rustc(), &["--print", "sysroot"])?;
+    let lld = Path::new(&root)
+        .join("lib/rustlib")
+        .join(host)
+        .join("bin/rust-lld");
+    lld.is_file().then_some(lld)
+}
+
+/// A linker for every target.
+///
+/// # Errors
+/// [`FirmwareError::NoLinker`], which names what to install.
+pub(super) fn lld() -> Result<PathBuf, FirmwareError> {
+    let debian = || Some(PathBuf::from("/usr/bin/ld.lld")).filter(|lld| lld.is_file());
+    rust_lld().or_else(debian).ok_or(FirmwareError::NoLinker)
 }
 
 fn rustc() -> String {

@@ -4,23 +4,24 @@
 use std::process::{Command, Stdio};
 
 use quadcal_host_tests::firmware::{
-    self, C_PACKAGES, DEBIAN_PACKAGES, FirmwareError, QEMU_PACKAGE, Toolchain,
+    self, C_PACKAGES, DEBIAN_PACKAGES, FirmwareError, QEMU_PACKAGE, TARGETS, Target, Toolchain,
 };
 
 use crate::steps::{self, Failure};
 
 /// Checks everything, installs what it can, and names all that is still missing.
 pub fn run() -> Result<(), Failure> {
-    let missing: Vec<String> = [
+    let others = [
         qemu(),
-        target(),
         c_compiler(),
         component("rustfmt", "fmt"),
         component("clippy", "clippy"),
-    ]
-    .into_iter()
-    .filter_map(Result::err)
-    .collect();
+    ];
+    let missing: Vec<String> = others
+        .into_iter()
+        .chain(TARGETS.iter().map(target))
+        .filter_map(Result::err)
+        .collect();
     if missing.is_empty() {
         Ok(())
     } else {
@@ -47,16 +48,18 @@ fn c_compiler() -> Result<(), String> {
     Ok(())
 }
 
-fn target() -> Result<(), String> {
-    let found = firmware::toolchain().or_else(|error| match error {
-        FirmwareError::NoToolchain { .. } if apt_install(&DEBIAN_PACKAGES) => firmware::toolchain(),
+fn target(target: &Target) -> Result<(), String> {
+    let found = firmware::toolchain(target).or_else(|error| match error {
+        FirmwareError::NoToolchain { .. } if apt_install(&DEBIAN_PACKAGES) => {
+            firmware::toolchain(target)
+        }
         _ => Err(error),
     });
+    let triple = target.triple;
     match found.map_err(|error| error.to_string())? {
-        Toolchain::Rustup => println!("{}: the library of the compiler in use", firmware::TARGET),
+        Toolchain::Rustup => println!("{triple}: the library of the compiler in use"),
         Toolchain::Debian { linker } => println!(
-            "{}: Debian's compiler and library source, linker {}",
-            firmware::TARGET,
+            "{triple}: Debian's compiler and library source, linker {}",
             linker.display()
         ),
     }

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use quadcal_host_tests::firmware::{self, FirmwareError, TARGET, Toolchain};
+use quadcal_host_tests::firmware::{self, CORTEX_M4, FirmwareError, Toolchain};
 
 use crate::prerequisites;
 
@@ -52,11 +52,6 @@ pub const STEPS: &[Step] = &[
             doc.current_dir(firmware::workspace());
             run(doc.env("RUSTDOCFLAGS", "-D warnings"))
         },
-    },
-    Step {
-        name: "defmt",
-        about: "the core for the target, with every optional feature",
-        run: defmt,
     },
     Step {
         name: "firmware",
@@ -147,19 +142,8 @@ fn cargo(args: &[&str]) -> Result<(), Failure> {
         .current_dir(firmware::workspace()))
 }
 
-fn defmt() -> Result<(), Failure> {
-    let mut check = Command::new("cargo");
-    check.current_dir(firmware::workspace());
-    let features = "defmt,summary,embedded-hal,device,stm32_capture,stm32f405";
-    check.args(["check", "-p", "quadcal", "--lib", "--features", features]);
-    check.args(["--profile", "firmware", "--target", TARGET]);
-    check.args(["--target-dir", "target-firmware"]);
-    firmware::toolchain()?.apply(&mut check);
-    run(&mut check)
-}
-
 fn images() -> Result<(), Failure> {
-    let toolchain = firmware::toolchain()?;
+    let toolchain = firmware::toolchain(&CORTEX_M4)?;
     match &toolchain {
         Toolchain::Rustup => {
             let mut clippy = Command::new("cargo");
@@ -174,12 +158,14 @@ fn images() -> Result<(), Failure> {
                 "--profile",
                 "firmware",
             ]);
-            clippy.args(["--target", TARGET, "--target-dir", "target-firmware"]);
-            toolchain.apply(&mut clippy);
+            let triple = CORTEX_M4.triple;
+            clippy.args(["--target", triple, "--target-dir", "target-firmware"]);
+            toolchain.apply(&CORTEX_M4, &mut clippy);
             run(clippy.args(["--", "-D", "warnings"]))?;
         }
         Toolchain::Debian { .. } => println!(
-            "no lints: clippy needs rustup's library for {TARGET}; built with Debian's compiler"
+            "no lints: clippy needs rustup's library for {}; built with Debian's compiler",
+            CORTEX_M4.triple
         ),
     }
     println!("{:<24} {:>8} {:>8} {:>8}", "image", "text", "data", "bss");
