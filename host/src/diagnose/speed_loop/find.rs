@@ -29,8 +29,10 @@ const OTHER: f64 = 3.7e-3;
 const RATES: Range<f64> = 0.02..20.0;
 /// Rates that are looked at closer at first; of more edges half as many each time.
 const KEPT: usize = 64;
-/// A rate that samples the right instants among others shows as well: ratios to the right one are of numbers up to this.
-const RELATED: u32 = 16;
+/// A rate that samples the right instants among others shows as well: ratios to the right one are of numbers up to this, and so many of
+/// the first edges tell them apart.
+const RELATED: u32 = 32;
+const COMPARED: usize = FIRST * MORE * MORE;
 /// Rounds in which the best one is looked for closer, and steps to either side in each.
 const ROUNDS: usize = 4;
 const STEPS: i32 = 32;
@@ -279,17 +281,16 @@ fn nearby(seen: &[Seen], mut rate: f64) -> f64 {
     for _ in 0..ROUNDS {
         let steps = -STEPS..=STEPS;
         let near = steps.map(|by| rate * (1.0 + f64::from(by) * step / f64::from(STEPS)));
-        rate = explains_most(seen, near.collect()).unwrap_or(rate);
+        rate = explains_most(seen, near.collect(), usize::MAX).unwrap_or(rate);
         step *= 4.0 / f64::from(STEPS);
     }
     rate
 }
 
-/// The one of some rates that explains most of all edges.
-fn explains_most(seen: &[Seen], rates: Vec<f64>) -> Option<f64> {
-    let most = most(seen);
+/// The one of some rates that explains most of the first edges.
+fn explains_most(seen: &[Seen], rates: Vec<f64>, edges: usize) -> Option<f64> {
     let each = rates.into_par_iter();
-    let each = each.map(|rate| (sums(seen, rate, most).0, rate));
+    let each = each.map(|rate| (sums(seen, rate, edges).0, rate));
     let each: Vec<(f64, f64)> = each.collect();
     let best = each.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, rate)| rate)
@@ -340,6 +341,6 @@ fn rate(seen: &[Seen]) -> Option<f64> {
     let related = (1..=RELATED).flat_map(|up| (1..=RELATED).map(move |down| (up, down)));
     let related = related.map(|(up, down)| best * f64::from(up) / f64::from(down));
     let related = related.filter(|rate| range_hz.contains(rate));
-    let rate = explains_most(seen, related.collect())?;
+    let rate = explains_most(seen, related.collect(), COMPARED)?;
     Some(nearby(seen, rate))
 }
