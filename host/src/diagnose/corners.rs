@@ -77,6 +77,7 @@ impl Board {
         if again {
             self.loosen(false);
             (self.free, self.levels, self.rounds) = before;
+            self.noise.ring = noise.ring;
             if self.free.fade {
                 // Corners other than before may need a drift beside them that was none.
                 let lasting = self.fading(Wander::Lasting);

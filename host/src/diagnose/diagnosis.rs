@@ -298,6 +298,8 @@ pub struct Answer {
     pub learned_disc_rms_rad: Option<f64>,
     /// The speed loop that drives the shaft, where the twins do not say how it is driven and the edges show one.
     pub learned_speed_loop: Option<LearnedLoop>,
+    /// The mode of the machine that noise keeps ringing, where the twins do not say how it is driven and the edges show one.
+    pub learned_ringing: Option<LearnedRinging>,
     /// Errors of the disc's edges, rad, where it was learned.
     #[serde(skip)]
     pub pattern: Option<LearnedDisc>,
@@ -320,6 +322,15 @@ pub struct LearnedDisc {
     pub errors_rad: Vec<f64>,
     /// How sure they are.
     pub spread: Spread,
+}
+
+/// A mode that noise keeps ringing, as the edges show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LearnedRinging {
+    /// Its frequency undamped, Hz.
+    pub f_hz: f64,
+    /// Its damping over critical damping.
+    pub damping_ratio: f64,
 }
 
 /// A speed loop as the edges show it.

@@ -1,11 +1,12 @@
 //! The Kalman filter of a shaft whose course is free: innovations, likelihood, and the same filter for any regressor.
 //!
 //! State: angle, speed, a slow drift of the acceleration, the torque that is held over the present step of a noise grid, and, where the
-//! twin has a mode, angle and speed of the swing. An edge shows the angle at its time with the error of its stamp. The gains depend on
+//! twin or the noise has a mode, angle and speed of the swing. An edge shows the angle at its time with the error of its stamp. The gains depend on
 //! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
 //! Trans. Information Theory 11, 1965).
 
 mod pull;
+mod ring;
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
@@ -16,6 +17,7 @@ use nalgebra::DMatrix;
 use State::{Angle, Drift, Held, Speed, Swing, Swings};
 
 pub use pull::Pull;
+pub use ring::Ring;
 
 use super::square::{Square, back, identity, through, times};
 
@@ -61,6 +63,8 @@ pub struct Noise {
     pub angle_rad: f64,
     /// Part of the speed that torques which nobody has found yet leave open near a standstill of an unknown drive.
     pub unseen: f64,
+    /// A mode of the machine that noise keeps ringing.
+    pub ring: Ring,
 }
 
 /// From one edge to the next: what stays of the state, and what noise of unit size adds.
@@ -80,6 +84,8 @@ pub struct Leap<const N: usize> {
     pub unseen: f64,
     /// Speed at the edge, rad/s.
     pub speed: f64,
+    /// Time since the edge before, s.
+    pub h: f64,
     /// RMS error of this stamp beside the others', s.
     pub doubt_s: f64,
     /// Density of the drift, (rad/s^3)^2 s, and variance of the speed, (rad/s)^2, on top, where a drive that nobody declared has a corner.
@@ -89,10 +95,14 @@ pub struct Leap<const N: usize> {
 }
 
 impl<const N: usize> Leap<N> {
-    /// The same of the first states alone.
+    /// The same of the first states alone, or beside further ones.
     pub fn first<const M: usize>(&self) -> Leap<M> {
+        let cell = |whole: &Square<N>, row: usize, column: usize| {
+            let row = whole.0.get(row);
+            row.and_then(|row| row.get(column)).copied().unwrap_or(0.0)
+        };
         let part =
-            |whole: &Square<N>| Square(from_fn(|row| from_fn(|column| whole.0[row][column])));
+            |whole: &Square<N>| Square(from_fn(|row| from_fn(|column| cell(whole, row, column))));
         Leap {
             way: part(&self.way),
             torque: part(&self.torque),
@@ -101,6 +111,7 @@ impl<const N: usize> Leap<N> {
             jolt: self.jolt,
             unseen: self.unseen,
             speed: self.speed,
+            h: self.h,
             doubt_s: self.doubt_s,
             corner: self.corner,
             kept: self.kept,
@@ -275,10 +286,22 @@ impl<const N: usize> Filter<N> {
             p[(Swings, Swings)] = SWAY * SWAY * top * top;
             p[(Swing, Swing)] = 1e-6;
         }
+        let rings = N >= Swings.and_before() && noise.ring.density > 0.0;
+        if rings {
+            p[(Swing, Swing)] = 0.0;
+            p[(Swings, Swings)] = 0.0;
+            ring::add(&mut p, noise.ring.at_rest());
+        }
         let gains = leaps.iter().enumerate().map(|(at, leap)| {
-            let (way, drift_size) = leap.fading(noise);
+            let (mut way, drift_size) = leap.fading(noise);
+            // What damps the whole within a step has less in common with the swing; far less keeps their covariance one.
+            let share = (leap.torque[(Speed, Speed)] / leap.h.max(f64::MIN_POSITIVE)).powi(4);
+            let ring = rings.then(|| noise.ring.over(leap.h, &mut way, noise.torque, share));
             if at > 0 {
                 p = through(&way, &p);
+                if let Some(ring) = ring {
+                    ring::add(&mut p, ring);
+                }
                 p.add(noise.torque, &leap.torque);
                 let [drift, kick] = leap.corner;
                 p.add(drift_size + drift, &leap.drift);

@@ -116,6 +116,7 @@ pub fn answer(
         cells: all.into_iter().map(|one| one.cells).collect(),
         inertia_known: inertia_known(board),
         learned_speed_loop: board.learned_loop(),
+        learned_ringing: board.learned_ringing(),
         learned_disc_rms_rad: pattern
             .as_ref()
             .filter(|_| !board.disc_given)
@@ -315,7 +316,14 @@ fn kind_of_noise(board: &Board) -> Option<String> {
     let noise = board.noise;
     let level = |bench: &Bench| bench.weights.iter().all(|weight| *weight == 1.0);
     let wanders = noise.drift > noise.torque * noise.fade * noise.fade;
-    // How a drive that nobody declared wanders is its own. A corner that is slower than the recording shows nowhere.
+    // How a drive that nobody declared wanders and rings is its own.
+    if noise.ring.density > 0.0 && !board.undriven {
+        return Some(format!(
+            "a swing at about {} that noise keeps up",
+            si(noise.ring.rate / std::f64::consts::TAU, "Hz")
+        ));
+    }
+    // A corner that is slower than the recording shows nowhere.
     if wanders && !board.undriven && noise.fade * board.seconds() > 1.0 {
         let hz = noise.fade / std::f64::consts::TAU;
         return Some(format!(

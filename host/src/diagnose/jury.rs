@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::agreement;
+use super::filter::Ring;
 use super::judge;
 use super::model::{Board, Fit, Model, Wander};
 use super::noise::Tails;
@@ -32,14 +33,19 @@ pub fn judge(board: &mut Board, fit: &mut Fit, at_once: bool) -> Judged {
     }
     loop {
         let plain = board.lost(fit);
-        let any = likeliest(board, &fit.model);
+        // What rings beside all findings: one of them may be a part of that, but that is none of theirs.
+        let any = likeliest(board, &fit.model, board.may_ring(fit));
         let with = any.2.min(plain);
         let gain = plain - any.2 - NUMBERS * (board.edges() as f64).ln();
         judged.noise += gain.max(0.0);
         let groups = fit.model.groups().into_par_iter().map(|group| {
-            let without = likeliest(&any.0, &fit.model.without(group));
-            let near = board.is_near(&fit.model, group);
-            (group, if near { without.2 - with } else { 0.0 })
+            let without = fit.model.without(group);
+            // Noise fitted without it explains no less than the same noise.
+            let most = any.0.lost(&any.0.fit(&without)) - with;
+            if most < SURE || !board.is_near(&fit.model, group) {
+                return (group, most.min(0.0));
+            }
+            (group, likeliest(&any.0, &without, None).2 - with)
         });
         judged.worth = groups.collect();
         judged.worth.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -55,7 +61,7 @@ pub fn judge(board: &mut Board, fit: &mut Fit, at_once: bool) -> Judged {
         judged.changed = true;
         let weak = weak.into_iter();
         let rest = weak.fold(fit.model.clone(), |model, one| model.without(one.0));
-        (*board, *fit, _) = likeliest(&any.0, &rest);
+        (*board, *fit, _) = likeliest(&any.0, &rest, None);
     }
 }
 
@@ -86,15 +92,18 @@ pub fn bear_out(board: &mut Board, fit: &mut Fit, worth: &mut [(usize, f64)]) ->
 }
 
 /// A model in the noise that makes it most likely.
-fn likeliest(board: &Board, model: &Model) -> (Board, Fit, f64) {
+fn likeliest(board: &Board, model: &Model, ring: Option<Ring>) -> (Board, Fit, f64) {
     let board = board.declaring(model);
     let tails = [Tails::Normal, Tails::Student];
     let quick = tails.map(|tails| (tails, Wander::Quick));
     let lasting = tails.map(|tails| (tails, Wander::Lasting));
     // One that wanders already goes on from there.
     let lasts = board.undriven && board.noise.fade <= 0.0;
-    let each = quick.into_par_iter().chain(lasting);
+    let rings = ring.map(|ring| tails.map(|tails| (tails, Wander::Ringing(ring))));
+    let each = quick.into_iter().chain(lasting);
     let each = each.filter(|(_, wander)| lasts || *wander == Wander::Quick);
+    let each: Vec<_> = each.chain(rings.into_iter().flatten()).collect();
+    let each = each.into_par_iter();
     let each = each.map(|(tails, wander)| board.in_any_noise(tails, wander).at_its_noise(model));
     let mut each: Vec<_> = each.collect();
     each.sort_by(|a, b| a.2.total_cmp(&b.2));

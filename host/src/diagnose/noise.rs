@@ -12,6 +12,17 @@ const EDGES_MOST: usize = 12_000;
 /// Innovations beyond so many deviations count as if they were linear: they are events, not noise.
 pub const FAR: f64 = 4.0;
 
+/// Part of its rate by which a mode that rings is damped at the least: with less it would be a line, which is looked for as such.
+const LINE: f64 = 0.02;
+/// The same at the most: with more it hardly swings.
+const DAMPED: f64 = 0.5;
+/// Correlation of what keeps a mode ringing with the torque noise at the most.
+const ALIKE: f64 = 0.999;
+/// Steps of a fit at the most; a mode that rings has as many numbers again.
+const STEPS: u64 = 120;
+/// By how much sizes of the noise may be off where a fit begins, as a logarithm.
+const FIRST: f64 = 1.5;
+
 /// Edges of a stretch that has a level of its own at the least, stretches of a recording at the most, and the least square of a level
 /// over that of all.
 const STRETCH: usize = 64;
@@ -36,6 +47,8 @@ pub struct Free {
     pub stamp: bool,
     /// What torques that nobody has found yet leave open near a standstill.
     pub unseen: bool,
+    /// A mode that rings.
+    pub ring: bool,
     /// How far out innovations come.
     pub tails: Tails,
 }
@@ -165,6 +178,16 @@ impl Problem<'_> {
             noise.drift *= noise.fade * noise.fade;
         }
         noise.unseen = next(self.free.unseen, noise.unseen).min(UNSEEN);
+        if self.free.ring {
+            let ring = &mut noise.ring;
+            ring.density = next(true, ring.density);
+            ring.rate = next(true, ring.rate);
+            let damping = next(true, ring.damping);
+            ring.damping = damping.clamp(LINE * ring.rate, DAMPED * ring.rate);
+            // A logarithm of any size makes a correlation.
+            let odds = next(true, 1.0).powi(2);
+            ring.shared = ALIKE * (1.0 - 2.0 / (odds + 1.0));
+        }
         noise
     }
 
@@ -181,7 +204,8 @@ impl Problem<'_> {
                 let scales = filter.scales();
                 let weights = &rest.weights[range.clone()];
                 let each = white.iter().zip(weights).zip(scales);
-                each.filter(|(_, scale)| *scale > 0.0)
+                // A noise that can't be has no deviations.
+                each.filter(|(_, scale)| *scale != 0.0)
                     .map(|((white, weight), scale)| {
                         self.free.tails.fitted(white * weight) - 2.0 * scale.ln()
                     })
@@ -251,29 +275,40 @@ pub fn fit(rests: &[Rest<'_>], least_stamp_s: f64, start: Noise, free: Free) -> 
         .max(1e-2 * least_stamp_s.powi(2))
         .sqrt();
     let slow = if free.fade { start.fade.powi(2) } else { 1.0 };
+    let ring = start.ring;
+    // Each with how far off it may be at first, as a logarithm.
     let first = [
-        (free.torque, start.torque.max(1e-30)),
-        (free.stamp, over),
-        (free.drift, (start.drift / slow).max(1e-30)),
-        (free.fade, start.fade),
-        (free.unseen, start.unseen.max(1e-30)),
+        (free.torque, start.torque.max(1e-30), FIRST),
+        (free.stamp, over, FIRST),
+        (free.drift, (start.drift / slow).max(1e-30), FIRST),
+        (free.fade, start.fade, FIRST),
+        (free.unseen, start.unseen.max(1e-30), FIRST),
+        (free.ring, ring.density.max(1e-30), FIRST),
+        (free.ring, ring.rate, 0.5 * ring.damping / ring.rate),
+        (free.ring, ring.damping, FIRST),
+        (
+            free.ring,
+            ((ALIKE + ring.shared) / (ALIKE - ring.shared)).sqrt(),
+            FIRST,
+        ),
     ];
-    let first: Vec<f64> = (first.iter().filter(|(free, _)| *free))
-        .map(|(_, size)| size.ln())
-        .collect();
+    let first = first.iter().filter(|(free, ..)| *free);
+    let (first, aparts): (Vec<f64>, Vec<f64>) =
+        first.map(|(_, size, step)| (size.ln(), *step)).unzip();
     if first.is_empty() {
         let cost = problem.cost_of(&start);
         return (start, cost);
     }
+    let steps = if free.ring { 2 * STEPS } else { STEPS };
     let mut corners = vec![first.clone(); first.len() + 1];
-    for at in 0..first.len() {
-        corners[at + 1][at] += 1.5;
+    for (at, apart) in aparts.into_iter().enumerate() {
+        corners[at + 1][at] += apart;
     }
     let run = NelderMead::new(corners)
         .with_sd_tolerance(0.05)
         .and_then(|solver| {
             let run = Executor::new(problem, solver);
-            run.configure(|state| state.max_iters(120)).run()
+            run.configure(|state| state.max_iters(steps)).run()
         });
     let Ok(ended) = run else {
         return (start, f64::INFINITY);

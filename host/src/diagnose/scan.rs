@@ -420,7 +420,7 @@ pub fn spectrum(mut row: Vec<f64>) -> Vec<Complex<f64>> {
 }
 
 /// Values along angle or time.
-pub(super) struct Spectrum {
+pub struct Spectrum {
     pub values: Vec<f64>,
     pub along: Vec<f64>,
     /// What a unit of `along` is in turns or s.
@@ -432,13 +432,13 @@ impl Spectrum {
         lsq::ends(self.along.iter().copied())
     }
 
-    fn span(&self) -> f64 {
+    pub fn span(&self) -> f64 {
         let (least, most) = self.ends();
         ((most - least) * self.unit).max(0.0)
     }
 
     /// Frequency up to which edges still follow it: half their mean rate.
-    fn fastest(&self) -> f64 {
+    pub fn fastest(&self) -> f64 {
         0.5 * self.values.len() as f64 / self.span().max(f64::MIN_POSITIVE)
     }
 
@@ -478,7 +478,7 @@ impl Spectrum {
 }
 
 /// Median around each value over that of an exponential distribution with mean 1: over more of them, the higher their number.
-pub(super) fn local_median(power: &[f64]) -> Vec<f64> {
+pub fn local_median(power: &[f64]) -> Vec<f64> {
     let mut out = vec![1.0; power.len()];
     let mut from = 0;
     while from < power.len() {

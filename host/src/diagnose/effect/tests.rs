@@ -48,6 +48,7 @@ fn bench(real: &Twin, given: &Twin) -> Option<Bench> {
         fade: 0.0,
         angle_rad: 0.0,
         unseen: 0.0,
+        ..Noise::default()
     };
     edges
         .events

@@ -95,6 +95,7 @@ impl Board {
                 fade: false,
                 stamp: true,
                 unseen: undriven,
+                ring: false,
                 tails: Tails::Normal,
             },
             undriven,

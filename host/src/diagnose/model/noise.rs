@@ -1,28 +1,40 @@
 //! The noise of a board: its size beside a model, how likely that makes the recordings, and which kinds of it there may be.
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 
 use super::board::{BOTH, COMPARED, SIZED};
 use super::{Board, Fit, Model};
-use crate::diagnose::bench;
+use crate::diagnose::bench::{self, Bench};
 use crate::diagnose::corners::Corner;
 use crate::diagnose::course::Course;
-use crate::diagnose::filter::Noise;
+use crate::diagnose::diagnosis::LearnedRinging;
+use crate::diagnose::effect::Carrier;
+use crate::diagnose::filter::{Noise, Ring};
 use crate::diagnose::lsq;
 use crate::diagnose::noise::{Free, Tails};
 use crate::diagnose::pattern::Pattern;
+use crate::diagnose::scan::{SURE, Spectrum, local_median};
 
-/// How long a torque that wanders begins to last.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What else there may be to noise, and where a fit of it begins: how long a torque that wanders lasts, or a mode that rings.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wander {
     /// About a turn.
     Quick,
     /// Far longer than the recordings: of a drive that nobody declared, what its corners leave stays.
     Lasting,
+    /// None; a mode of the machine.
+    Ringing(Ring),
 }
 
 /// Part of a drift that lasts that fades while the longest recording does: a corner may be a million times as large as the noise beside it.
 const LASTING: f64 = 1e-6;
+
+/// Numbers of a mode that rings.
+const RINGS: usize = 4;
+/// How much a mode is damped where a fit of it begins, of its rate.
+const DAMPED: f64 = 0.1;
 
 /// Whether a size of the noise has hardly changed.
 fn is_alike(was: f64, is: f64) -> bool {
@@ -123,6 +135,7 @@ impl Board {
         let numbers: usize = groups.map(|group| fit.model.numbers(group)).sum();
         let corners = self.benches.iter().map(|bench| bench.found.corners.len());
         let numbers = numbers + Corner::NUMBERS * corners.sum::<usize>();
+        let numbers = numbers + if self.free.ring { RINGS } else { 0 };
         let chance = numbers as f64 * (self.edges() as f64).ln();
         let scales: f64 = scales.map(|scale| scale.ln()).sum();
         self.squares(fit) + volume + chance - 2.0 * (scales + weights)
@@ -168,6 +181,7 @@ impl Board {
             drift: board.undriven,
             fast: false,
             fade: false,
+            ring: false,
             tails: Tails::Normal,
             ..board.free
         };
@@ -182,6 +196,7 @@ impl Board {
             board.noise.drift = board.noise.torque * board.turning().powi(2);
         }
         board.noise.fade = 0.0;
+        board.noise.ring = Ring::default();
         board.set_noise(board.noise);
         board
     }
@@ -208,17 +223,81 @@ impl Board {
         let mut board = self.clone();
         board.levels = true;
         board.rounds = COMPARED;
+        board.free.tails = tails;
+        if let Wander::Ringing(ring) = wander {
+            board.free.ring = true;
+            board.set_noise(Noise {
+                ring,
+                ..board.noise
+            });
+            return board;
+        }
         board.free = Free {
             drift: true,
             fast: true,
             fade: true,
-            tails,
             ..board.free
         };
         if board.noise.fade <= 0.0 {
             board.set_noise(board.fading(wander));
         }
         board
+    }
+
+    /// Where a mode may ring that nothing has found yet: where most of what innovations have more of than white ones is near one frequency.
+    /// Medians are not those of lines. What rings makes up tones and sweeps alone: where none was found there is none to judge.
+    pub fn may_ring(&self, fit: &Fit) -> Option<Ring> {
+        let sprung = |bench: &Bench| bench.plant.law.mode.is_some();
+        let mut terms = fit.model.terms.iter().filter(|term| !term.nuisance);
+        let rhythm =
+            terms.any(|term| matches!(term.effect.carrier, Carrier::Tone(_) | Carrier::Chirp(..)));
+        if !rhythm || self.free.ring || self.benches.iter().any(sprung) {
+            return None;
+        }
+        let each = bench::parts(&self.benches, &fit.left);
+        let each = each.map(|(bench, left)| Spectrum {
+            values: left.to_vec(),
+            along: bench.record.time_s.clone(),
+            unit: 1.0,
+        });
+        let each: Vec<Spectrum> = each.collect();
+        let longest = each.iter().map(Spectrum::span).fold(0.0, f64::max);
+        let step = 0.5 / longest;
+        let fastest = each.iter().map(Spectrum::fastest).fold(0.0, f64::max);
+        let mut power = vec![0.0; (fastest / step) as usize];
+        for one in &each {
+            let own = one.power(step, power.len());
+            let unit = lsq::dot(&one.values, &one.values) * each.len() as f64;
+            let own = own.iter().map(|own| own / unit);
+            power.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        let floors = local_median(&power).into_iter().enumerate().skip(1);
+        // What as many lines as a swing of that damping has are worth with that mean, each told by two points.
+        let worth = |(at, floor): (usize, f64)| {
+            let lines = DAMPED * at as f64 / 2.0;
+            let worth = 2.0 * lines * (floor - 1.0 - floor.ln());
+            (worth, at, floor)
+        };
+        let more = floors.filter(|(_, floor)| *floor > 1.0).map(worth);
+        let (worth, at, floor) = more.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let rate = TAU * step * at as f64;
+        let damping = DAMPED * rate;
+        (worth > SURE).then_some(Ring {
+            // As large at its rate as the torque noise, so many times.
+            density: (floor - 1.0) * self.noise.torque * DAMPED * DAMPED,
+            rate,
+            damping,
+            shared: 0.0,
+        })
+    }
+
+    /// What rings beside a drive that nobody declared, for a report.
+    pub fn learned_ringing(&self) -> Option<LearnedRinging> {
+        let Ring { rate, damping, .. } = self.noise.ring;
+        (self.undriven && self.free.ring).then(|| LearnedRinging {
+            f_hz: rate / TAU,
+            damping_ratio: 0.5 * damping / rate,
+        })
     }
 
     /// The noise with a drift that fades from now on.
@@ -230,6 +309,7 @@ impl Board {
                 fade: self.turning(),
                 ..self.noise
             },
+            Wander::Ringing(ring) => Noise { ring, ..self.noise },
             Wander::Lasting => {
                 let each = self.benches.iter().map(|bench| bench.record.seconds());
                 Noise {

@@ -42,6 +42,7 @@ impl Plant {
                 drift: drift_noise(drifts, h),
                 load,
                 speed: course.speed[at],
+                h,
                 doubt_s: course.doubt_s[at],
                 kept,
                 ..Leap::default()
@@ -155,6 +156,7 @@ pub fn free<const N: usize>(h: f64) -> Leap<N> {
         torque: jostled(0.0, h),
         drift: drift_noise(Speed, h),
         speed: 1.0,
+        h,
         ..Leap::default()
     }
 }
@@ -308,6 +310,9 @@ impl Leaps {
             Self::Stiff(leaps) => &leaps[range],
             Self::Sprung(leaps) => return Arc::new(Filter::new(&leaps[range], noise)),
         };
+        if noise.ring.density > 0.0 {
+            return first::<{ Swings.and_before() }>(leaps, noise);
+        }
         // Fewer states take less time.
         match (leaps.iter().any(Leap::is_held), noise.drift > 0.0) {
             (true, _) => Arc::new(Filter::new(leaps, noise)),
@@ -317,7 +322,7 @@ impl Leaps {
     }
 }
 
-/// The filter of the first states.
+/// The filter of so many states.
 fn first<const M: usize>(leaps: &[Leap<{ Held.and_before() }>], noise: &Noise) -> Gains {
     let leaps: Vec<Leap<M>> = leaps.iter().map(Leap::first).collect();
     Arc::new(Filter::new(&leaps, noise))

@@ -28,6 +28,7 @@ fn the_transposed_filter_is_the_filters_adjoint() {
         fade: 0.0,
         angle_rad: 0.0,
         unseen: 0.0,
+        ..Noise::default()
     };
     let filter = Filter::new(&leaps, &noise);
     let wave =

@@ -96,3 +96,38 @@ fn what_a_drive_makes_up_for_that_nobody_declared_is_said_to_be_open() {
     assert!(open(&thin));
     assert!(!open(&real));
 }
+
+/// A rig whose load swings behind a coupling at 120 Hz, kept up by noise alone, with what else it has, and a twin of its sensor, disc and noise.
+fn coupled(seed: u32, more: &str) -> [String; 2] {
+    let known = "[encoder.quadrature]\nlines = 64\nindex = true\n\n[timer]\nclock_hz = 84000000\njitter_s = 2e-8\n\n\
+        [errors]\nseed = 3\nposition = { normal = { rms_rad = 3e-5, per = \"edge\" } }\n\n[noise.white]\npsd_n2_m2_s = 3e-7\n";
+    let rig = format!(
+        "seed = {seed}\nduration = {{ turns = 40 }}\n\n{known}hold_s = 5e-5\n\n[shaft]\ninertia_kg_m2 = {INERTIA}\nviscous_n_m_s = 0.01\n\n\
+        [drive.constant]\nr_min = 300\n\n[torsional_resonance]\nf_hz = 120\ndamping_ratio = 0.02\ninertia_share = 0.5\n\n{more}"
+    );
+    let given =
+        format!("duration = {{ turns = 1 }}\n\n[shaft]\ninertia_kg_m2 = {INERTIA}\n\n{known}");
+    [rig, given]
+}
+
+#[test]
+fn a_coupling_that_noise_keeps_ringing_is_no_sweep_and_hides_no_tone() {
+    let [real, given] = coupled(5, "");
+    let answer = against(&real, &given);
+    // Some of the noise may be left over, but no effect is made of it.
+    let cells = answer.cells.iter().flatten().count();
+    assert_eq!(cells, 0, "{:?}", said(&answer));
+    let ringing = answer.learned_ringing.unwrap();
+    assert!((ringing.f_hz / 120.0 - 1.0).abs() < 0.15, "{ringing:?}");
+    assert!(ringing.damping_ratio < 0.15, "{ringing:?}");
+    let hum = "[[torque_tone]]\nf_hz = 122\ntorque_n_m = 0.02\nphase_rad = 0.4\n";
+    let [real, given] = coupled(6, hum);
+    let answer = against(&real, &given);
+    let orders = answer.diagnosis.findings.iter();
+    let told: Vec<f64> = orders
+        .flat_map(|one| one.place.frequencies_hz.clone())
+        .collect();
+    assert_eq!(told.len(), 1, "{:?}", said(&answer));
+    assert!((told[0] - 122.0).abs() < 0.05, "{told:?}");
+    assert!(answer.learned_ringing.is_some());
+}

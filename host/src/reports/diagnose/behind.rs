@@ -30,13 +30,21 @@ pub(super) fn beside(answer: &Answer) -> Vec<String> {
             sized(looped.ki_n_m, "N m", 2),
         )
     });
+    let rings = answer.learned_ringing.map(|ringing| {
+        format!(
+            "The twin does not give the drive: noise keeps it or the machine ringing at about {}, with a damping ratio of about {}.",
+            sized(ringing.f_hz, "Hz", 2),
+            si_digits(ringing.damping_ratio, "", 1).0,
+        )
+    });
     let open = (!answer.not_identifiable.is_empty()).then(|| {
         format!(
             "Not determined by these recordings: {}.",
             answer.not_identifiable.join("; ")
         )
     });
-    disc.into_iter().chain(looped).chain(open).collect()
+    let drive = looped.into_iter().chain(rings);
+    disc.into_iter().chain(drive).chain(open).collect()
 }
 
 /// Evidence and parameters of each finding.

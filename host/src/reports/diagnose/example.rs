@@ -307,6 +307,7 @@ pub(crate) fn full() -> Answer {
         declared: vec![Default::default(); 6],
         not_identifiable: Vec::new(),
         learned_speed_loop: None,
+        learned_ringing: None,
         learned_disc_rms_rad: None,
         shares: vec![
             Some(0.874),
