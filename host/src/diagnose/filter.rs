@@ -1,8 +1,8 @@
 //! The Kalman filter of a shaft whose course is free: innovations, likelihood, and the same filter for any regressor.
 //!
 //! State: angle, speed, a slow drift of the acceleration, the torque that is held over the present step of a noise grid, and, where the
-//! twin or the noise has a mode, angle and speed of the swing. An edge shows the angle at its time with the error of its stamp. The gains depend on
-//! times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
+//! twin or the noise has a mode, angle and speed of the swing. An edge shows the angle at its time with the error of its stamp. The gains
+//! depend on times and noise alone, so one run serves every regressor (R. E. Kalman, Trans. ASME 82, 1960; likelihood by F. C. Schweppe, IEEE
 //! Trans. Information Theory 11, 1965).
 
 mod pull;

@@ -32,7 +32,8 @@ pub(super) fn beside(answer: &Answer) -> Vec<String> {
     });
     let rings = answer.learned_ringing.map(|ringing| {
         format!(
-            "The twin does not give the drive: noise keeps it or the machine ringing at about {}, with a damping ratio of about {}.",
+            "The twin does not give the drive: noise keeps it or the machine ringing at about {}, with a damping ratio of about {}. \
+             Torques near that frequency are stated too large, as such a mode amplifies them.",
             sized(ringing.f_hz, "Hz", 2),
             si_digits(ringing.damping_ratio, "", 1).0,
         )
