@@ -27,6 +27,8 @@ pub mod log2;
 mod motion;
 #[cfg(feature = "embedded-hal")]
 pub mod pins;
+#[cfg(any(test, feature = "pio_capture"))]
+pub mod pio_capture;
 #[cfg(feature = "device")]
 pub mod recalibrate;
 pub mod recip;

@@ -2,6 +2,7 @@
 
 pub(crate) mod shaft;
 mod streams;
+pub(crate) mod truth;
 
 use std::vec;
 use std::vec::Vec;

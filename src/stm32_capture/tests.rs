@@ -7,9 +7,9 @@ use std::vec::Vec;
 
 use super::*;
 use crate::capture::tests::shaft::{Edge, LINES, Random, Shaft};
+use crate::capture::tests::truth::encoder;
 use crate::capture::{Captures, Event};
-use crate::edge::{Levels, Sample};
-use crate::encoder::{Encoder, EncoderConfig};
+use crate::edge::Levels;
 use model::{BUS, Bus, F405_MAP, G4_MAP, Map, Model};
 
 /// The driver behind a merger, with a model that has begun and levels that are known.
@@ -74,15 +74,6 @@ impl<C: Chip> Rig<C> {
     fn shaft(&mut self) -> Shaft {
         Shaft::new(self.model().now + 500)
     }
-}
-
-fn encoder() -> Encoder<'static> {
-    let mut encoder = Encoder::new(EncoderConfig::new(LINES, 1_000_000), None).unwrap();
-    encoder.edge_at(Sample {
-        ticks: 0,
-        levels: Shaft::START,
-    });
-    encoder
 }
 
 fn edges_come_through<C: Chip>(map: Map, seed: u64, (interval, ticks, period): (u64, u32, u64)) {

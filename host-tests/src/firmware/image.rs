@@ -65,7 +65,7 @@ pub(super) fn finish(mut command: Command, what: &str) -> Result<(), FirmwareErr
 /// # Errors
 /// No toolchain, or Cargo's own errors.
 pub fn build_core(target: &Target) -> Result<(), FirmwareError> {
-    let features = "defmt,device,embedded-hal,stm32_capture,stm32f405,summary";
+    let features = "defmt,device,embedded-hal,pio_capture,stm32_capture,stm32f405,summary";
     let core = ["build", "-p", "quadcal", "--lib", "--features", features];
     cargo_build(target, "the core", &core)
 }

@@ -3,46 +3,12 @@
 use super::model::LATCHES;
 use super::*;
 use crate::capture::Loss;
+use crate::capture::tests::truth;
 
-/// Feeds what was drained to an encoder and holds its position against the shaft's: right, or in doubt. Returns what was missed, and
-/// how many samples came in doubt and without.
+/// What was missed, and how many samples came in doubt and without.
 fn right_or_doubtful(rig: &Rig<F405>, edges: &[Edge]) -> (Vec<Loss>, u32, u32) {
-    let mut encoder = encoder();
-    // The shaft as it is in truth, by itself: referenced, right from the start.
-    let mut truth = self::encoder();
-    let positions: Vec<_> = edges
-        .iter()
-        .map(|edge| {
-            truth.edge_at(edge.sample());
-            let decoder = truth.decoder();
-            (edge.ticks, decoder.position(), decoder.is_referenced())
-        })
-        .collect();
-    assert_eq!(truth.faults().total(), 0);
-    let (mut missed, mut doubtful, mut sure) = (Vec::new(), 0, 0);
-    for event in &rig.events {
-        encoder.take(*event);
-        match event {
-            Event::Missed(loss) => missed.push(*loss),
-            Event::Change(sample) => {
-                let (_, position, referenced) = *positions
-                    .iter()
-                    .rfind(|(ticks, ..)| *ticks <= sample.ticks)
-                    .unwrap();
-                let decoder = encoder.decoder();
-                if decoder.is_uncertain() {
-                    doubtful += 1;
-                } else {
-                    sure += 1;
-                    let at = sample.ticks;
-                    assert_eq!(decoder.is_referenced(), referenced, "at {at}");
-                    assert_eq!(decoder.position(), position, "at {at}");
-                }
-            }
-        }
-    }
-    assert_eq!(encoder.faults().missed as usize, missed.len());
-    (missed, doubtful, sure)
+    let samples: Vec<_> = edges.iter().map(Edge::sample).collect();
+    truth::right_or_doubtful(&rig.events, &samples)
 }
 
 /// A shaft in steady motion, drained every `period` ticks at most, with what `disturb` does to the model.
@@ -123,14 +89,14 @@ fn a_capture_that_the_timer_misses_without_a_word_is_found_at_the_pins() {
         let (rig, edges) = disturbed(seed, 1500, |model, _| {
             model.deaf_at.push(200 + seed as usize);
         });
-        let mut encoder = encoder();
+        let mut encoder = truth::encoder();
         let last = rig.events.iter().filter(|event| {
             encoder.take(**event);
             matches!(event, Event::Missed(Loss::Levels))
         });
         assert_eq!(last.count(), 1, "seed {seed}");
         // Twelve turns later all is well again.
-        let mut truth = self::encoder();
+        let mut truth = truth::encoder();
         for edge in &edges {
             truth.edge_at(edge.sample());
         }
