@@ -17,6 +17,7 @@ fn text() -> (Vec<String>, Vec<u32>, Vec<u32>) {
         match (line, line.strip_suffix(':')) {
             (".wrap_target", _) => bottoms.push(at),
             (".wrap", _) => tops.push(at - 1),
+            (".program quadcal", _) => {}
             (_, Some(label)) => labels.push((label, at)),
             _ => code.push(line),
         }
