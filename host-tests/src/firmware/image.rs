@@ -42,21 +42,22 @@ pub(super) fn cargo_build(target: &Target, what: &str, args: &[&str]) -> Result<
         cargo.env("CARGO_PROFILE_FIRMWARE_DEBUG", "0");
     }
     toolchain(target)?.apply(target, &mut cargo);
-    finish(cargo, what)
+    finish(cargo, what).map(drop)
 }
 
-/// Runs a command that builds; its error output is the reason where it fails.
-pub(super) fn finish(mut command: Command, what: &str) -> Result<(), FirmwareError> {
+/// Runs a command that builds, and returns its error output; that is the reason where it fails.
+pub(super) fn finish(mut command: Command, what: &str) -> Result<String, FirmwareError> {
     let output = command.output().map_err(FirmwareError::io(format!(
         "starting {:?}",
         command.get_program()
     )))?;
+    let log = String::from_utf8_lossy(&output.stderr).into_owned();
     if output.status.success() {
-        return Ok(());
+        return Ok(log);
     }
     Err(FirmwareError::Build {
         image: what.to_owned(),
-        log: String::from_utf8_lossy(&output.stderr).into_owned(),
+        log,
     })
 }
 

@@ -26,7 +26,11 @@ pub const STEPS: &[Step] = &[
     Step {
         name: "fmt",
         about: "formatting",
-        run: || cargo(&["fmt", "--all", "--check"]),
+        run: || {
+            cargo(&["fmt", "--all", "--check"])?;
+            let examples = ["--manifest-path", "examples/Cargo.toml"];
+            cargo(&[&["fmt"][..], &examples, &["--all", "--check"]].concat())
+        },
     },
     Step {
         name: "clippy",
