@@ -19,6 +19,7 @@ mod memory;
 #[path = "../qemu/mod.rs"]
 mod qemu;
 mod supplies;
+#[path = "../stm32f405/usart.rs"]
 mod usart;
 
 use core::fmt;

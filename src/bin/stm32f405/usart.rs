@@ -1,7 +1,7 @@
-//! USART1 as QEMU has it: the first `-serial`. What comes in is put aside by its interrupt, so that nothing is lost while the main
+//! USART1 of an STM32F405; in QEMU the first `-serial`. What comes in is put aside by its interrupt, so that nothing is lost while the main
 //! loop is at work.
 //!
-//! A board would also set up clock, pins and baud rate (RM0090, chapter 30); here there is no line to set up.
+//! A board sets clock, pins and baud rate up before (RM0090, chapter 30); in QEMU there is no line to set up.
 
 use core::cell::RefCell;
 use core::convert::Infallible;
@@ -51,7 +51,7 @@ fn read(register: usize) -> u32 {
 
 fn write(register: usize, value: u32) {
     let address: *mut u32 = ptr::without_provenance_mut(REGISTERS + register);
-    // SAFETY: a register of USART1, 4-byte aligned; it reaches no memory. Only the port's one owner writes.
+    // SAFETY: a register of USART1, 4-byte aligned; it reaches no memory. Only the port's owner writes, or whoever sends for it.
     unsafe { address.write_volatile(value) }
 }
 
@@ -82,6 +82,16 @@ unsafe fn DefaultHandler(interrupt: i16) {
         let [byte, ..] = read(DATA).to_le_bytes();
         // A byte too many is lost, and with it the frame that it was in: the check sum tells.
         let _ = interrupt::free(|cs| INBOX.borrow(cs).borrow_mut().push_back(byte));
+    }
+}
+
+/// Sends what `next` gives if there is room for a byte, and does not wait.
+#[allow(dead_code)] // One image of two.
+pub fn send_one(next: impl FnOnce() -> Option<u8>) {
+    if read(STATUS) & ROOM_TO_SEND != 0
+        && let Some(byte) = next()
+    {
+        write(DATA, byte.into());
     }
 }
 
