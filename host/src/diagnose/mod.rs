@@ -35,6 +35,7 @@ mod nearby;
 pub(crate) mod noise;
 pub(crate) mod numbers;
 pub(crate) mod pattern;
+pub(crate) mod phases;
 pub mod pipeline;
 pub(crate) mod plant;
 mod possible;

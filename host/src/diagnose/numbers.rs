@@ -255,14 +255,37 @@ pub fn changed(twin: &Twin, values: &[(&Knob, &[f64])]) -> Option<Twin> {
     twin_of(tree, twin)
 }
 
-/// All knobs of a twin whose numbers it declares: none that is 0.
+/// All knobs of a twin whose numbers it declares: none that is 0. A phase that is each recording's own says nothing.
 pub fn knobs(twin: &Twin) -> Vec<Knob> {
     let Some(tree) = tree(twin) else {
         return Vec::new();
     };
     let mut all = Vec::new();
     collect(&tree, &tree, &Path::default(), &mut all);
+    let each = all.into_iter();
+    each.map(|knob| match knob {
+        Knob::Wave(size, _) if is_free(twin, &tree, &size) => Knob::Number(size),
+        other => other,
+    })
+    .collect()
+}
+
+/// What of a twin swings with a phase that is each recording's own.
+pub fn free_waves(twin: &Twin) -> Vec<Knob> {
+    let Some(tree) = tree(twin) else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    collect(&tree, &tree, &Path::default(), &mut all);
+    all.retain(|knob| matches!(knob, Knob::Wave(size, _) if is_free(twin, &tree, size)));
     all
+}
+
+/// Whether the phase of a size is each recording's own: of an order that is not whole, or a frequency.
+fn is_free(twin: &Twin, tree: &Value, size: &Path) -> bool {
+    let number = |key: &str| size.split().0.with(key).number(tree);
+    let turns = number("order").is_some_and(|order| order.fract() != 0.0);
+    twin.free_phases && (turns || number("f_hz").is_some())
 }
 
 fn collect(tree: &Value, value: &Value, path: &Path, all: &mut Vec<Knob>) {
@@ -327,6 +350,26 @@ mod tests {
                 .iter()
                 .any(|name| name.contains("duration") || name.contains("clock"))
         );
+    }
+
+    #[test]
+    fn phases_at_whole_orders_and_of_the_disc_are_the_machines_others_may_be_each_recordings() {
+        let more = "[[torque_tone]]\nf_hz = 50\ntorque_n_m = 1e-3\n[[ripple]]\norder = 5\ntorque_n_m = 1e-3\n\
+            [errors.eccentricity]\namplitude_rad = 1e-4\nphase_rad = 1\n";
+        let free = |start: &str| {
+            let twin = Twin::parse(&format!("{start}{TWIN}{more}"), "t.toml").unwrap();
+            let free = free_waves(&twin).into_iter();
+            let mut free: Vec<String> = free.map(|knob| knob.path().to_string()).collect();
+            // A phase that is free is no number of the twin.
+            let waves = knobs(&twin).into_iter();
+            let waves = waves.filter(|knob| matches!(knob, Knob::Wave(..))).count();
+            assert_eq!(waves + free.len(), 4);
+            free.sort();
+            free
+        };
+        assert_eq!(free(""), [""; 0]);
+        let expected = ["gear_mesh[0].torque_n_m", "torque_tone[0].torque_n_m"];
+        assert_eq!(free("free_phases = true\n"), expected);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::noise::UNSEEN;
 use super::record::Record;
 use super::rig::{DiagnoseError, Recorded};
 use super::spread::Spread;
-use super::{align, jury, map, scan, search, speed_loop, task};
+use super::{align, jury, map, phases, scan, search, speed_loop, task};
 use crate::sim;
 
 /// Edges that a recording needs.
@@ -41,6 +41,9 @@ pub fn diagnose(
         if by != 0 {
             bench.turn(by)?;
         }
+    }
+    for bench in &mut benches {
+        phases::settle(bench)?;
     }
     let first = some(&benches, stages(&benches)[0])?;
     speed_loop::find(&mut benches, first);

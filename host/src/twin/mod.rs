@@ -81,6 +81,10 @@ pub struct Twin {
     /// What drives the shaft.
     #[serde(default, skip_serializing_if = "Drive::is_unknown")]
     pub drive: Drive,
+    /// Whether each recording has phases of its own where orders are not whole and at frequencies: it begins anywhere in the turn of a belt
+    /// or a gear. The simulator goes by the phases that are written.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub free_phases: bool,
     /// Torque ripple locked to the shaft's angle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ripple: Vec<Ripple>,

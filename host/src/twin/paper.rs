@@ -40,6 +40,7 @@ impl Twin {
                 ..Shaft::default()
             },
             drive: Drive::Constant { r_min: 15.0 },
+            free_phases: false,
             ripple: vec![
                 ripple(5.0, 0.3, 0.01),
                 ripple(10.0, 1.1, 0.005),

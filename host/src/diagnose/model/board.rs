@@ -127,6 +127,11 @@ impl Board {
         };
         if self.pattern.is_some() {
             self.size_up(&none);
+            // Phases that a recording showed go by where the shaft was, and not by where a disc that the twin lacks shows it.
+            let mut benches = self.benches.iter();
+            if benches.any(|bench| bench.twin.free_phases) && self.go_by(&none) {
+                self.fit_noise(&none);
+            }
         }
         self.find_corners(&none);
         self.hold_by_noise(&none);
