@@ -200,6 +200,49 @@ fn a_machine_that_has_not_changed_is_complete_beside_the_twin_of_it() {
 }
 
 #[test]
+fn gears_and_tones_of_a_machine_are_in_its_twin_wherever_a_recording_begins_in_their_cycle() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    // Sizes are over the inertia in the twin, where nothing says that.
+    for (name, seed, [mesh, gear, tone], size) in [
+        ("healthy", 41, [0.3, 1.1, 2.0], 4e-4),
+        ("later", 42, [2.1, 4.4, 0.4], 4e-4),
+        ("worn", 43, [5.0, 3.3, 4.1], 8e-4),
+    ] {
+        let twin = format!(
+            "{}[noise.white]\npsd_n2_m2_s = 1e-12\n\
+             [[gear_mesh]]\norder = 7.31\nphase_rad = {mesh}\ntorque_n_m = {size}\n\
+             [[gear_mesh]]\norder = 0.43\nphase_rad = {gear}\ntorque_n_m = 2e-4\n\
+             [[torque_tone]]\nf_hz = 51.7\nphase_rad = {tone}\ntorque_n_m = 3e-4\n",
+            TWIN.replace("turns = 20", "turns = 60")
+                .replace("[errors]", "[errors]\nseed = 4")
+        );
+        fs::write(at.join(format!("{name}.toml")), twin).unwrap();
+        let simulate = format!("simulate {name}.toml --seed {seed} -o {name}.csv");
+        done(at, &simulate);
+    }
+    done(at, "twin healthy.csv --gears -o made.toml --json made.json");
+    let summary = json(&fs::read_to_string(at.join("made.json")).unwrap());
+    let numbers = summary["numbers"].as_array().unwrap();
+    let has = |size: f64| {
+        let mut values = numbers.iter().filter_map(|number| number["value"].as_f64());
+        values.any(|value| (value - size).abs() < 0.01 * size)
+    };
+    assert!(has(4.0) && has(2.0) && has(3.0), "{summary}");
+    for again in ["healthy", "later"] {
+        let said = done(at, &format!("diagnose {again}.csv --twin made.toml"));
+        let complete = said.contains("complete: nothing was found");
+        assert!(complete, "{again}: {said}");
+    }
+    let finding = only_finding(at, "worn.csv --twin made.toml", "explained");
+    let text = finding["text"].as_str().unwrap();
+    assert!(text.contains("torque_n_m: 4."), "{finding}");
+    let size = &finding["parameters"]["torque_n_m"];
+    let [least, most] = [0, 1].map(|end| size["ci95"][end].as_f64().unwrap());
+    assert!(least < 8.0 && 8.0 < most && most < 9.0, "{size}");
+}
+
+#[test]
 fn a_machine_whose_disc_has_come_off_its_centre_is_named_beside_the_twin_of_it() {
     // One standard error for all edges hid this: order 1 is known a thousand times less closely than fast orders. With few lines the disc's
     // own order 10 hides the ripple's from who looks at the disc alone.

@@ -151,8 +151,8 @@ impl Diagnose {
             clock_hz,
             placed,
         } = Recordings::read(&inputs, Given::default(), globals)?;
-        let twin = starting_twin::bare(&found, clock_hz)?;
-        let text = starting_twin::bare_text(&found, clock_hz);
+        let twin = starting_twin::bare(&found, clock_hz, &[])?;
+        let text = starting_twin::bare_text(&found, clock_hz, &[]);
         let mut said = vec![(
             "Twin",
             "no twin given: one was made from the recording, of its sensor and clock; the disc's errors are free".to_owned(),

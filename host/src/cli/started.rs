@@ -4,7 +4,7 @@ use crate::calibrate::{self, Disagreement};
 use crate::diagnose::edges::{self, Sensor};
 use crate::recording::Row;
 use crate::sensor::{SensorKind, SensorPlan};
-use crate::starting_twin::{self, Found, Given, Placed, Starting, StartingError};
+use crate::starting_twin::{self, Found, Given, Placed, Rhythm, Starting, StartingError};
 use crate::survey::Survey;
 
 use super::Globals;
@@ -65,15 +65,28 @@ impl Recordings {
         })
     }
 
-    /// The starting twin's numbers.
+    /// The starting twin's numbers, beside what swings at a rate of its own.
     ///
     /// # Errors
     /// As [`starting_twin::estimate`].
     pub fn estimate(
         &self,
+        rhythms: Vec<Rhythm>,
         progress: &mut dyn FnMut(f64, &'static str),
     ) -> Result<Starting, Failure> {
-        starting_twin::estimate(&self.found, self.clock_hz, &self.placed, progress)
+        starting_twin::estimate(&self.found, self.clock_hz, &self.placed, rhythms, progress)
+            .map_err(Failure::from)
+    }
+
+    /// What swings at a rate of its own.
+    ///
+    /// # Errors
+    /// As [`starting_twin::rhythms`].
+    pub fn rhythms(
+        &self,
+        progress: &mut dyn FnMut(f64, &'static str),
+    ) -> Result<Vec<Rhythm>, Failure> {
+        starting_twin::rhythms(&self.found, self.clock_hz, &self.placed, progress)
             .map_err(Failure::from)
     }
 }

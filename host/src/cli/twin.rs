@@ -19,6 +19,7 @@ const EXAMPLES: &str = "\
 Examples:
   quadcal twin healthy.csv -o healthy.toml           sensor, noise, delays, disc
   quadcal diagnose later.csv --twin healthy.toml     what changed since
+  quadcal twin healthy.csv --gears -o healthy.toml   its gears, belts and tones too
   quadcal twin slow.csv fast.csv -o rig.toml         tells torque ripple and delays from the disc
   quadcal twin crank.csv --map 'a=Channel 0' -o crank.toml
   quadcal twin hub.csv --lines 15 -o hub.toml        where the recording does not tell
@@ -52,6 +53,9 @@ pub struct Twin {
         help_heading = "Sensor"
     )]
     missing: u32,
+    /// Look for gears, belts, bearings and tones too: a diagnosis of each recording, which takes longer
+    #[arg(long, help_heading = "Machine")]
+    gears: bool,
     /// Twin to write, TOML
     #[arg(short, long, value_name = "TWIN", help_heading = "Results")]
     output: Target,
@@ -86,8 +90,13 @@ impl Twin {
             missing: self.missing,
         };
         let recordings = Recordings::read(&inputs, given, globals)?;
+        let mut rhythms = Vec::new();
+        if self.gears {
+            let mut progress = Progress::share("Looking for gears", globals);
+            rhythms = recordings.rhythms(&mut |done, what| progress.at(done, what))?;
+        }
         let mut progress = Progress::share("Estimating", globals);
-        let starting = recordings.estimate(&mut |done, what| progress.at(done, what))?;
+        let starting = recordings.estimate(rhythms, &mut |done, what| progress.at(done, what))?;
         drop(progress);
         self.write(&starting, errors)
     }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::delays::{self, ClassDelay};
 use super::disc::{self, DiscFound};
 use super::noise::{self, NoiseFound};
+use super::rhythm::Rhythm;
 use super::sensor::Found;
 use super::write::bare_text;
 use super::{Estimate, StartingError};
@@ -16,6 +17,7 @@ use crate::diagnose::filter::Noise;
 use crate::diagnose::model::{Board, Fit, Model};
 use crate::diagnose::noise::UNSEEN;
 use crate::diagnose::pattern::Pattern;
+use crate::diagnose::phases;
 use crate::diagnose::pipeline::EDGES_LEAST;
 use crate::diagnose::record::Record;
 use crate::diagnose::rig::DiagnoseError;
@@ -84,19 +86,28 @@ pub struct Starting {
     pub delay_limit_s: Option<f64>,
     /// Torques at whole orders that the speeds tell from the disc.
     pub torques: Vec<OrderTorque>,
+    /// What swings at orders that are not whole, and at frequencies.
+    pub rhythms: Vec<Rhythm>,
     /// The disc's errors.
     pub disc: Option<DiscFound>,
 }
 
-/// A twin of a sensor and a clock.
+/// A recording's edges beside its twin.
+struct Rig {
+    record: Record,
+    twin: Twin,
+}
+
+/// A twin of a sensor and a clock, and of what swings.
 ///
 /// # Errors
 /// [`TwinError`] for a sensor or clock that no twin may have.
-pub fn bare(found: &Found, clock_hz: u64) -> Result<Twin, TwinError> {
-    Twin::parse(&bare_text(found, clock_hz), "the recordings' own twin")
+pub fn bare(found: &Found, clock_hz: u64, rhythms: &[Rhythm]) -> Result<Twin, TwinError> {
+    let text = bare_text(found, clock_hz, rhythms);
+    Twin::parse(&text, "the recordings' own twin")
 }
 
-/// Estimates a starting twin's numbers.
+/// Estimates a starting twin's numbers beside what swings at a rate of its own.
 ///
 /// # Errors
 /// [`StartingError`] where a recording is too short.
@@ -104,10 +115,11 @@ pub fn estimate(
     found: &Found,
     clock_hz: u64,
     recordings: &[Placed],
+    rhythms: Vec<Rhythm>,
     progress: &mut dyn FnMut(f64, &'static str),
 ) -> Result<Starting, StartingError> {
-    let mut twin = bare(found, clock_hz)?;
-    let mut records = Vec::new();
+    let twin = bare(found, clock_hz, &rhythms)?;
+    let mut rigs = Vec::new();
     for one in recordings {
         let record = Record::of(&one.edges, &twin);
         if record.len() < EDGES_LEAST || record.turns() < TURNS_LEAST {
@@ -119,23 +131,30 @@ pub fn estimate(
             }
             .into());
         }
-        records.push(record);
+        let twin = twin.clone();
+        rigs.push(Rig { record, twin });
     }
     progress(0.05, "Fitting the noise");
-    let speed_r_min = speeds(&records);
-    let turns = align::turns(&benches(&records, &twin));
-    for (record, by) in records.iter_mut().zip(turns) {
-        record.place.iter_mut().for_each(|place| *place += by);
+    let speed_r_min = speeds(&rigs);
+    let turns = align::turns(&benches(&rigs));
+    for (rig, by) in rigs.iter_mut().zip(turns) {
+        let places = rig.record.place.iter_mut();
+        places.for_each(|place| *place += by);
     }
-    let mut board = Board::of(benches(&records, &twin));
+    let mut beside_all = benches(&rigs);
+    for (rig, bench) in rigs.iter_mut().zip(&mut beside_all) {
+        phases::settle(bench)?;
+        rig.twin.clone_from(&bench.twin);
+    }
+    let mut board = Board::of(beside_all);
     // Of recordings of which nothing is known nothing is missing.
     board.levels = true;
     let mut board = board.at_rest();
-    settle(&mut board, &twin);
-    renoise(&mut board, &records, &twin, &Model::default());
+    settle(&mut board, &rigs);
+    renoise(&mut board, &rigs, &Model::default());
     progress(0.3, "Looking for delays");
     let (delays, delay_limit_s) = if changes(speed_r_min) {
-        delays_of(&mut board, &records, &mut twin)
+        delays_of(&mut board, &mut rigs)
     } else {
         (Vec::new(), None)
     };
@@ -150,7 +169,7 @@ pub fn estimate(
     fit = board.fit(&fit.model);
     let NoiseFound {
         stamp_s, torque, ..
-    } = renoise(&mut board, &records, &twin, &fit.model);
+    } = renoise(&mut board, &rigs, &fit.model);
     let fit = board.fit(&fit.model);
     progress(0.9, "Fitting the disc");
     let disc = disc::find(&board, &fit);
@@ -159,16 +178,17 @@ pub fn estimate(
         found: found.clone(),
         clock_hz,
         edges: board.edges(),
-        turns: records.iter().map(Record::turns).sum(),
-        seconds: records.iter().map(Record::seconds).sum(),
+        turns: rigs.iter().map(|rig| rig.record.turns()).sum(),
+        seconds: rigs.iter().map(|rig| rig.record.seconds()).sum(),
         speed_r_min,
-        anchored: records.iter().all(|record| record.anchored),
+        anchored: rigs.iter().all(|rig| rig.record.anchored),
         stamp_s,
         jitter_s: beside_ticks(stamp_s, tick2),
         torque,
         delays,
         delay_limit_s,
         torques: sized(&fit, held),
+        rhythms,
         disc,
     })
 }
@@ -180,8 +200,8 @@ fn beside_ticks(stamp_s: Estimate, tick2: f64) -> Option<Estimate> {
     (low * low > tick2).then_some(beside)
 }
 
-fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
-    let each = records.iter().map(|record| {
+fn benches(rigs: &[Rig]) -> Vec<Bench> {
+    let each = rigs.iter().map(|Rig { record, twin }| {
         let noise = Noise {
             torque: 1.0,
             stamp_s: record.tick_s,
@@ -193,9 +213,9 @@ fn benches(records: &[Record], twin: &Twin) -> Vec<Bench> {
     each.collect()
 }
 
-/// Puts recordings beside another twin, in the noise that a board has.
-fn beside(board: &mut Board, records: &[Record], twin: &Twin) {
-    let before = std::mem::replace(&mut board.benches, benches(records, twin));
+/// Puts recordings beside other twins, in the noise that a board has.
+fn beside(board: &mut Board, rigs: &[Rig]) {
+    let before = std::mem::replace(&mut board.benches, benches(rigs));
     for (bench, before) in board.benches.iter_mut().zip(before) {
         bench.weights = before.weights;
         bench.found.hold = before.found.hold;
@@ -211,12 +231,8 @@ fn beside(board: &mut Board, records: &[Record], twin: &Twin) {
     board.set_noise(board.noise);
 }
 
-/// Finds the delays and puts them into the twin and onto the board. Without any, how large one could be unseen, s.
-fn delays_of(
-    board: &mut Board,
-    records: &[Record],
-    twin: &mut Twin,
-) -> (Vec<ClassDelay>, Option<f64>) {
+/// Finds the delays and puts them into the twins and onto the board. Without any, how large one could be unseen, s.
+fn delays_of(board: &mut Board, rigs: &mut [Rig]) -> (Vec<ClassDelay>, Option<f64>) {
     let Some(delays) = delays::find(board) else {
         let limit_s = delays::resolution(board).map(|error| super::NORMAL_95 * error);
         return (Vec::new(), limit_s);
@@ -224,8 +240,10 @@ fn delays_of(
     let (mut late_s, mut covariance) = delays.fit(board);
     let mut told = delays.told(board, &late_s, &covariance);
     for _ in 0..ROUNDS {
-        (twin.edge_delay, twin.channel_skew) = delays::declared(&told);
-        beside(board, records, twin);
+        for rig in &mut *rigs {
+            (rig.twin.edge_delay, rig.twin.channel_skew) = delays::declared(&told);
+        }
+        beside(board, rigs);
         resize(board, &Model::default());
         let (more_s, spread) = delays.fit(board);
         let done = more_s.amax() < 0.1 * spread.diagonal().amax().sqrt();
@@ -240,8 +258,8 @@ fn delays_of(
 }
 
 /// Slowest and fastest mean speed of a turn, r/min, but for a few.
-fn speeds(records: &[Record]) -> [f64; 2] {
-    let each = records.iter().flat_map(|record| {
+fn speeds(rigs: &[Rig]) -> [f64; 2] {
+    let each = rigs.iter().flat_map(|Rig { record, .. }| {
         let turn = (record.len() as f64 / record.turns()).ceil() as usize;
         let pairs = (turn..record.len()).map(move |at| (at - turn, at));
         pairs.filter_map(|(from, until)| {
@@ -261,16 +279,16 @@ fn speeds(records: &[Record]) -> [f64; 2] {
 }
 
 /// Whether the speed changes so much that what goes with it is told from the disc.
-fn changes([slow, fast]: [f64; 2]) -> bool {
+pub(super) fn changes([slow, fast]: [f64; 2]) -> bool {
     fast > TWO_SPEEDS * slow && fast >= 0.0 || slow < TWO_SPEEDS * fast && fast < 0.0
 }
 
 /// Sets the noise to what edges show against the same edges a turn before, where that is likelier: the disc's errors cancel so, whatever
 /// they are, and all noise comes twice. Noise that was fitted with the disc in it may be so large that it hides the disc in turn.
-fn settle(board: &mut Board, twin: &Twin) {
+fn settle(board: &mut Board, rigs: &[Rig]) {
     resize(board, &Model::default());
-    let parts = board.benches.iter().filter_map(|bench| {
-        let record = &bench.record;
+    let parts = rigs.iter().filter_map(|rig| {
+        let record = &rig.record;
         let mean_speed = record.turns() * TAU / record.seconds();
         let mut seen: Vec<Option<usize>> = vec![None; record.edges as usize];
         let (mut first, mut changes) = (None, Vec::new());
@@ -284,14 +302,14 @@ fn settle(board: &mut Board, twin: &Twin) {
                 changes.push(changes.last().copied().unwrap_or(0.0));
             }
         }
-        Some((part(record, first?..record.len()), changes))
+        Some((rig.part(first?..record.len()), changes))
     });
-    let (records, changes): (Vec<Record>, Vec<Vec<f64>>) = parts.unzip();
-    if records.is_empty() {
+    let (parts, changes): (Vec<Rig>, Vec<Vec<f64>>) = parts.unzip();
+    if parts.is_empty() {
         return;
     }
     let mut twice = Board {
-        benches: benches(&records, twin),
+        benches: benches(&parts),
         pattern: None,
         ..board.clone()
     };
@@ -331,12 +349,12 @@ fn resize(board: &mut Board, model: &Model) {
 }
 
 /// Fits the noise and the pattern's size in turn, as each bears on the other.
-fn renoise(board: &mut Board, records: &[Record], twin: &Twin, model: &Model) -> NoiseFound {
-    let mut found = noise_of(board, records, twin, model);
+fn renoise(board: &mut Board, rigs: &[Rig], model: &Model) -> NoiseFound {
+    let mut found = noise_of(board, rigs, model);
     for _ in 1..ROUNDS {
         board.set_noise(found.noise);
         resize(board, model);
-        found = noise_of(board, records, twin, model);
+        found = noise_of(board, rigs, model);
     }
     board.set_noise(found.noise);
     resize(board, model);
@@ -408,21 +426,20 @@ fn sized(fit: &Fit, held: bool) -> Vec<OrderTorque> {
 }
 
 /// The noise beside a model, on the middle of long recordings.
-fn noise_of(board: &Board, records: &[Record], twin: &Twin, model: &Model) -> NoiseFound {
+fn noise_of(board: &Board, rigs: &[Rig], model: &Model) -> NoiseFound {
     let edges = board.edges();
     if edges <= NOISE_EDGES {
         return noise::fit(board, model);
     }
     let share = NOISE_EDGES as f64 / edges as f64;
-    let parts = records
-        .iter()
-        .map(|record| part(record, middle_of(record, share)));
-    let parts: Vec<Record> = parts.collect();
+    let parts: Vec<Rig> = { rigs.iter() }
+        .map(|rig| rig.part(middle_of(&rig.record, share)))
+        .collect();
     let mut part = board.clone();
-    for (bench, record) in part.benches.iter_mut().zip(records) {
-        bench.weights = bench.weights[middle_of(record, share)].to_vec();
+    for (bench, rig) in part.benches.iter_mut().zip(rigs) {
+        bench.weights = bench.weights[middle_of(&rig.record, share)].to_vec();
     }
-    beside(&mut part, &parts, twin);
+    beside(&mut part, &parts);
     noise::fit(&part, model)
 }
 
@@ -434,11 +451,17 @@ fn middle_of(record: &Record, share: f64) -> std::ops::Range<usize> {
     from..from + kept
 }
 
-fn part(record: &Record, range: std::ops::Range<usize>) -> Record {
-    Record {
-        time_s: record.time_s[range.clone()].to_vec(),
-        place: record.place[range.clone()].to_vec(),
-        way: record.way[range].to_vec(),
-        ..record.clone()
+impl Rig {
+    fn part(&self, range: std::ops::Range<usize>) -> Self {
+        let record = &self.record;
+        Self {
+            record: Record {
+                time_s: record.time_s[range.clone()].to_vec(),
+                place: record.place[range.clone()].to_vec(),
+                way: record.way[range].to_vec(),
+                ..record.clone()
+            },
+            twin: self.twin.clone(),
+        }
     }
 }

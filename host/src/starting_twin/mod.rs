@@ -13,6 +13,7 @@ mod disc;
 mod estimate;
 mod list;
 mod noise;
+mod rhythm;
 mod sensor;
 mod write;
 
@@ -25,6 +26,7 @@ pub use delays::ClassDelay;
 pub use disc::DiscFound;
 pub use estimate::{Placed, Starting, bare, estimate};
 pub use list::errors_csv;
+pub use rhythm::{Rhythm, find as rhythms};
 pub use sensor::{Found, Given, SensorUnknown, Source, find};
 pub use write::{Number, bare_text, lines_of, numbers, text};
 

@@ -6,9 +6,9 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::delays;
-use super::estimate::Starting;
+use super::estimate::{Starting, changes};
 use super::sensor::{Found, Source};
-use super::{ClassDelay, Estimate};
+use super::{ClassDelay, Estimate, Rhythm};
 use crate::diagnose::spread::Spread;
 use crate::report::si;
 use crate::twin::{Encoder, Twin, TwinError};
@@ -105,6 +105,12 @@ impl Starting {
         (!guesses.is_empty()).then(|| guesses.join("; "))
     }
 
+    /// What one speed does not tell of what swings.
+    fn rhythm_guess(&self) -> Option<&'static str> {
+        let one_speed = !changes(self.speed_r_min) && !self.rhythms.is_empty();
+        one_speed.then_some("at one speed an order and a frequency look the same, and torque and run-out: record a second speed, half as fast again, and give both recordings")
+    }
+
     /// Delays as keys of the twin.
     fn delay_keys(&self) -> Vec<(String, &ClassDelay)> {
         let (_, skew) = delays::declared(&self.delays);
@@ -172,6 +178,13 @@ pub fn numbers(starting: &Starting) -> Vec<Number> {
         let key = format!("ripple[{at}].torque_n_m");
         add(key, torque.size, "N m at 1 kg m^2", None);
     }
+    for (at, rhythm) in starting.rhythms.iter().enumerate() {
+        let (section, _, size, unit) = rhythm.keys();
+        let before = starting.rhythms[..at].iter();
+        let at = before.filter(|one| one.keys().0 == section).count();
+        let guess = starting.rhythm_guess().map(str::to_owned);
+        add(format!("{section}[{at}].{size}"), rhythm.size, unit, guess);
+    }
     if let Some(disc) = &starting.disc {
         let key = "errors.rms_rad".to_owned();
         add(key, disc.rms_rad, "rad", starting.disc_guess());
@@ -213,6 +226,7 @@ fn written(starting: &Starting, recordings: &[String], errors: Option<&Path>) ->
         "duration = {{ turns = {:.0} }}",
         starting.turns.ceil()
     ));
+    free_phases(&starting.rhythms, &mut line);
     line(String::new());
     sensor(&starting.found, &mut line);
     disc(starting, errors, &mut line);
@@ -235,6 +249,7 @@ fn written(starting: &Starting, recordings: &[String], errors: Option<&Path>) ->
         line(format!("phase_rad = {:.4}", torque.phase_rad));
         line(String::new());
     }
+    sections(&starting.rhythms, starting.rhythm_guess(), &mut line);
     line("[noise.white]".to_owned());
     let [low, high] = starting.torque.ci95;
     line(format!(
@@ -246,14 +261,17 @@ fn written(starting: &Starting, recordings: &[String], errors: Option<&Path>) ->
     text
 }
 
-/// The text of a twin of a sensor and a clock, which knows nothing else.
+/// The text of a twin of a sensor and a clock, and of what swings, which knows nothing else.
 #[must_use]
-pub fn bare_text(found: &Found, clock_hz: u64) -> String {
-    let mut text = "seed = 1\nduration = { turns = 1 }\n\n".to_owned();
+pub fn bare_text(found: &Found, clock_hz: u64, rhythms: &[Rhythm]) -> String {
+    let mut text = "seed = 1\nduration = { turns = 1 }\n".to_owned();
     let mut line = |words: String| {
         let _ = writeln!(text, "{words}");
     };
+    free_phases(rhythms, &mut line);
+    line(String::new());
     sensor(found, &mut line);
+    sections(rhythms, None, &mut line);
     line("[timer]".to_owned());
     line(format!("clock_hz = {clock_hz}"));
     text
@@ -295,6 +313,36 @@ fn sensor(found: &Found, line: &mut impl FnMut(String)) {
         }
     }
     line(String::new());
+}
+
+fn free_phases(rhythms: &[Rhythm], line: &mut impl FnMut(String)) {
+    if !rhythms.is_empty() {
+        line("free_phases = true  # a recording begins anywhere in the turn of a belt or a gear, or in a tone's cycle".to_owned());
+    }
+}
+
+fn sections(rhythms: &[Rhythm], guess: Option<&str>, line: &mut impl FnMut(String)) {
+    for rhythm in rhythms {
+        if let Some(guess) = guess {
+            line(format!("# guess: {guess}"));
+        }
+        let (section, rate, size, unit) = rhythm.keys();
+        line(format!("[[{section}]]"));
+        let [low, high] = rhythm.rate.ci95;
+        // Digits of a hundredth of the interval, and one more.
+        let digits = (3.0 - (high - low).log10()).clamp(1.0, 15.0) as usize;
+        line(format!(
+            "{rate} = {:.digits$}  # {low:.digits$} to {high:.digits$}",
+            rhythm.rate.value
+        ));
+        line(format!(
+            "{size} = {:.4e}  # {}",
+            rhythm.size.value,
+            interval(rhythm.size, unit)
+        ));
+        line(format!("phase_rad = {:.4}", rhythm.phase_rad));
+        line(String::new());
+    }
 }
 
 fn disc(starting: &Starting, errors: Option<&Path>, line: &mut impl FnMut(String)) {
@@ -446,6 +494,17 @@ pub fn lines_of(starting: &Starting) -> Vec<(&'static str, String)> {
             ),
         ));
     }
+    for rhythm in &starting.rhythms {
+        lines.push((
+            "Swings",
+            format!(
+                "{}: {} ({})",
+                rhythm.words(),
+                si(rhythm.size.value, rhythm.keys().3),
+                interval(rhythm.size, rhythm.keys().3)
+            ),
+        ));
+    }
     if let Some(disc) = &starting.disc {
         lines.push((
             "Disc",
@@ -457,8 +516,10 @@ pub fn lines_of(starting: &Starting) -> Vec<(&'static str, String)> {
             ),
         ));
     }
-    if let Some(guess) = starting.disc_guess() {
-        lines.push(("Guess", guess));
-    }
+    let guesses = [
+        starting.rhythm_guess().map(str::to_owned),
+        starting.disc_guess(),
+    ];
+    lines.extend(guesses.into_iter().flatten().map(|guess| ("Guess", guess)));
     lines
 }

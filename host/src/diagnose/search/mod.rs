@@ -29,7 +29,7 @@ use super::task;
 /// How often a search goes on in other noise at the most.
 const TRIALS: usize = 3;
 /// Findings at the most.
-const FINDINGS: usize = 7;
+pub const FINDINGS: usize = 7;
 /// Rounds in which the course and what shifts edges are found, as each bears on the other.
 const COURSES: usize = 3;
 /// Findings that are put elsewhere at the most, after one has been added.
