@@ -11,6 +11,7 @@
 mod delays;
 mod disc;
 mod estimate;
+mod lines;
 mod list;
 mod noise;
 mod rhythm;
@@ -25,10 +26,11 @@ use crate::twin::TwinError;
 pub use delays::ClassDelay;
 pub use disc::DiscFound;
 pub use estimate::{Placed, Starting, bare, estimate};
+pub use lines::lines_of;
 pub use list::errors_csv;
 pub use rhythm::{Rhythm, find as rhythms};
 pub use sensor::{Found, Given, SensorUnknown, Source, find};
-pub use write::{Number, bare_text, lines_of, numbers, text};
+pub use write::{Number, bare_text, numbers, text};
 
 /// A number with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

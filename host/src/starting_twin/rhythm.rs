@@ -5,10 +5,10 @@ use super::estimate::{Placed, bare};
 use super::sensor::Found;
 use super::{Estimate, StartingError};
 use crate::diagnose::diagnosis::{Answer, Sized};
-use crate::diagnose::edges::Edges;
 use crate::diagnose::pipeline;
 use crate::diagnose::rig::Recorded;
 use crate::diagnose::search::FINDINGS;
+use crate::diagnose::write::Span;
 use crate::effect::words::words;
 use crate::effect::{Carrier, Effect, Growth, On, Site};
 
@@ -78,11 +78,11 @@ impl Rhythm {
         words(&self.effect)
     }
 
-    /// Whether another one may be the same, in a recording of so many turns and seconds.
-    fn is(&self, other: &Self, turns: f64, seconds: f64) -> bool {
+    /// Whether another one may be the same in a recording that goes so far.
+    fn is(&self, other: &Self, span: &Span) -> bool {
         let length = match (self.effect.carrier, other.effect.carrier) {
-            (Carrier::Tone(_), Carrier::Tone(_)) => seconds,
-            (Carrier::Order(_), Carrier::Order(_)) => turns,
+            (Carrier::Tone(_), Carrier::Tone(_)) => span.seconds,
+            (Carrier::Order(_), Carrier::Order(_)) => span.turns,
             _ => return false,
         };
         (self.rate.value - other.rate.value).abs() * length < APART
@@ -101,13 +101,13 @@ pub fn find(
 ) -> Result<Vec<Rhythm>, StartingError> {
     let mut all: Vec<Rhythm> = Vec::new();
     for (at, one) in recordings.iter().enumerate() {
-        let (turns, seconds) = length(&one.edges);
         for _ in 0..ROUNDS {
             let mut rig = [Recorded {
                 file: one.file.clone(),
                 edges: one.edges.clone(),
                 twin: bare(found, clock_hz, &all)?,
             }];
+            let span = Span::of(&rig[0]);
             // What can't be diagnosed may still have a twin.
             let Ok(answer) = pipeline::diagnose(&mut rig, &mut |done, _| {
                 let done = (at as f64 + done) / recordings.len() as f64;
@@ -118,7 +118,7 @@ pub fn find(
             let full = answer.diagnosis.findings.len() >= FINDINGS;
             let new = swings(&answer);
             let new: Vec<Rhythm> = { new.into_iter() }
-                .filter(|one| !all.iter().any(|other| one.is(other, turns, seconds)))
+                .filter(|one| !all.iter().any(|other| one.is(other, &span)))
                 .collect();
             let done = new.is_empty() || !full;
             all.extend(new);
@@ -133,15 +133,4 @@ pub fn find(
 fn swings(answer: &Answer) -> Vec<Rhythm> {
     let cells = answer.cells.iter().flatten();
     cells.filter_map(Rhythm::of).collect()
-}
-
-/// Turns and seconds of a recording.
-fn length(edges: &Edges) -> (f64, f64) {
-    let ends = edges.place.iter().min().zip(edges.place.iter().max());
-    let places = ends.map_or(0, |(least, most)| most - least);
-    let ends_s = edges.time_s.first().zip(edges.time_s.last());
-    (
-        places as f64 / f64::from(edges.grid_edges.max(1)),
-        ends_s.map_or(0.0, |(first, last)| last - first),
-    )
 }

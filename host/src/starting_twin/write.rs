@@ -1,4 +1,4 @@
-//! A starting twin as TOML, its numbers for JSON, and lines for people.
+//! A starting twin as TOML, and its numbers for JSON.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -33,7 +33,7 @@ const OF_INERTIA: &str = "in units of an inertia of 1 kg m^2";
 
 impl Found {
     /// Where the counts of the sensor come from.
-    fn shown_by(&self) -> &'static str {
+    pub(super) fn shown_by(&self) -> &'static str {
         match self.source {
             Source::Given => "as given",
             Source::Index => "edges between index pulses",
@@ -43,47 +43,18 @@ impl Found {
     }
 
     /// Key, name and count of what the sensor counts.
-    fn counted(&self) -> (&'static str, &'static str, u32) {
+    pub(super) fn counted(&self) -> (&'static str, &'static str, u32) {
         match self.encoder {
             Encoder::Quadrature { lines, .. } => ("lines", "lines", lines),
             Encoder::Hall { pole_pairs } => ("pole_pairs", "pole pairs", pole_pairs),
             Encoder::Wheel { teeth, .. } => ("teeth", "teeth", teeth),
         }
     }
-
-    /// It in words, with its guess.
-    #[must_use]
-    pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let (_, name, count) = self.counted();
-        let kind = match &self.encoder {
-            Encoder::Quadrature { index: true, .. } => "quadrature with index",
-            Encoder::Quadrature { .. } => "quadrature without index",
-            Encoder::Hall { .. } => "three Hall sensors",
-            Encoder::Wheel { .. } => "toothed wheel",
-        };
-        let mut gaps = String::new();
-        if let Encoder::Wheel {
-            teeth,
-            missing,
-            gaps: some,
-        } = &self.encoder
-        {
-            if *missing > 0 {
-                let _ = write!(gaps, ", {missing} missing at the end");
-            }
-            for gap in some {
-                let _ = write!(gaps, ", {} missing at {} of {teeth}", gap.missing, gap.at);
-            }
-        }
-        let sensor = format!("{kind}, {count} {name}{gaps} ({})", self.shown_by());
-        let guess = self.guess.iter().map(|guess| ("Guess", guess.clone()));
-        std::iter::once(("Sensor", sensor)).chain(guess).collect()
-    }
 }
 
 impl Starting {
     /// What orders of the disc may be beside it.
-    fn disc_guess(&self) -> Option<String> {
+    pub(super) fn disc_guess(&self) -> Option<String> {
         let disc = self.disc.as_ref()?;
         let mut guesses = Vec::new();
         if !disc.alike.is_empty() {
@@ -106,13 +77,13 @@ impl Starting {
     }
 
     /// What one speed does not tell of what swings.
-    fn rhythm_guess(&self) -> Option<&'static str> {
+    pub(super) fn rhythm_guess(&self) -> Option<&'static str> {
         let one_speed = !changes(self.speed_r_min) && !self.rhythms.is_empty();
         one_speed.then_some("at one speed an order and a frequency look the same, and torque and run-out: record a second speed, half as fast again, and give both recordings")
     }
 
     /// Delays as keys of the twin.
-    fn delay_keys(&self) -> Vec<(String, &ClassDelay)> {
+    pub(super) fn delay_keys(&self) -> Vec<(String, &ClassDelay)> {
         let (_, skew) = delays::declared(&self.delays);
         let name = |channel: u8| ["a", "b", "c"][usize::from(channel.min(2))];
         let told = self.delays.iter().filter(|delay| delay.late_s.value > 0.0);
@@ -136,7 +107,7 @@ fn plain(text: &str) -> String {
     text.replace(['\u{a0}', '\u{202f}'], " ")
 }
 
-fn interval(estimate: Estimate, unit: &str) -> String {
+pub(super) fn interval(estimate: Estimate, unit: &str) -> String {
     let [low, high] = estimate.ci95;
     plain(&format!("{} to {}", si(low, unit), si(high, unit)))
 }
@@ -430,7 +401,7 @@ fn timing(starting: &Starting, line: &mut impl FnMut(String)) {
 }
 
 /// Standard error of an edge, and without the slow waves that make most of it.
-fn sure(spread: &Spread) -> String {
+pub(super) fn sure(spread: &Spread) -> String {
     let whole = si(spread.whole_rad(), "rad");
     match spread.waves_rad.len() {
         0 => whole,
@@ -439,87 +410,4 @@ fn sure(spread: &Spread) -> String {
             si(spread.edge_rad, "rad")
         ),
     }
-}
-
-/// What was found, in lines for people: names and values.
-#[must_use]
-pub fn lines_of(starting: &Starting) -> Vec<(&'static str, String)> {
-    let mut lines = starting.found.lines();
-    lines.push((
-        "Recorded",
-        format!(
-            "{} edges, {:.1} turns, {:.3} s, {:.4} to {:.4} r/min",
-            starting.edges,
-            starting.turns,
-            starting.seconds,
-            starting.speed_r_min[0],
-            starting.speed_r_min[1]
-        ),
-    ));
-    lines.push((
-        "Stamps",
-        format!(
-            "{} RMS ({})",
-            si(starting.stamp_s.value, "s"),
-            interval(starting.stamp_s, "s")
-        ),
-    ));
-    let [low, high] = starting.torque.ci95;
-    lines.push((
-        "Torque noise",
-        format!(
-            "{:.3e} N^2 m^2 s at 1 kg m^2 ({low:.3e} to {high:.3e})",
-            starting.torque.value
-        ),
-    ));
-    let keys = starting.delay_keys();
-    for (key, delay) in &keys {
-        let value = si(delay.late_s.value, "s");
-        lines.push((
-            "Delay",
-            format!("{key} {value} ({})", interval(delay.late_s, "s")),
-        ));
-    }
-    if let Some(limit_s) = starting.delay_limit_s {
-        lines.push(("Delays", format!("none seen above {}", si(limit_s, "s"))));
-    }
-    for torque in &starting.torques {
-        lines.push((
-            "Torque",
-            format!(
-                "order {}: {} at 1 kg m^2 ({})",
-                torque.order,
-                si(torque.size.value, "N m"),
-                interval(torque.size, "N m")
-            ),
-        ));
-    }
-    for rhythm in &starting.rhythms {
-        lines.push((
-            "Swings",
-            format!(
-                "{}: {} ({})",
-                rhythm.words(),
-                si(rhythm.size.value, rhythm.keys().3),
-                interval(rhythm.size, rhythm.keys().3)
-            ),
-        ));
-    }
-    if let Some(disc) = &starting.disc {
-        lines.push((
-            "Disc",
-            format!(
-                "{} RMS ({}), each edge ± {}",
-                si(disc.rms_rad.value, "rad"),
-                interval(disc.rms_rad, "rad"),
-                sure(&disc.spread)
-            ),
-        ));
-    }
-    let guesses = [
-        starting.rhythm_guess().map(str::to_owned),
-        starting.disc_guess(),
-    ];
-    lines.extend(guesses.into_iter().flatten().map(|guess| ("Guess", guess)));
-    lines
 }

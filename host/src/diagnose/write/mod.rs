@@ -5,7 +5,7 @@ mod rhythm;
 mod signal;
 mod torque;
 
-use rhythm::Span;
+pub use rhythm::Span;
 
 use super::diagnosis::{Answer, Finding, LearnedDisc, Sized};
 use super::edges::CountKind;

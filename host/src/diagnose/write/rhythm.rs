@@ -9,7 +9,7 @@ use crate::diagnose::rig::Recorded;
 /// How far a recording goes.
 pub struct Span {
     /// Turns from the least place to the greatest.
-    turns: f64,
+    pub turns: f64,
     /// From the first edge to the last.
     pub seconds: f64,
 }
