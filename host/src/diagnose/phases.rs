@@ -2,12 +2,17 @@
 //! recording began. Beside the twin without it, its size in quadratures says where.
 
 use super::bench::Bench;
+use super::declared;
+use super::effect::Effect;
 use super::lsq::{self, add};
 use super::model::Board;
 use super::numbers::{self, Knob};
 use super::search;
 use crate::sim;
 use crate::twin::{Errors, Twin, TwinError};
+
+/// Rounds in which the drive's hold and the noise are found beside what swings.
+const HELD: usize = 3;
 
 /// Gives a recording's twin the phases that it shows, where the twin leaves them to each recording.
 ///
@@ -22,6 +27,11 @@ pub fn settle(bench: &mut Bench) -> Result<(), TwinError> {
     let Some(silent) = numbers::changed(&bench.twin, &none) else {
         return Ok(());
     };
+    let effects = { declared::effects(&bench.twin).into_iter() }
+        .zip(declared::effects(&silent))
+        .filter(|((_, sizes), (_, none))| sizes != none)
+        .map(|((effect, _), _)| effect);
+    let effects: Vec<Effect> = effects.collect();
     let disc = sim::true_errors(&silent)?;
     // The disc may be another one than the twin's by now.
     let free = Twin {
@@ -32,9 +42,17 @@ pub fn settle(bench: &mut Bench) -> Result<(), TwinError> {
     let beside = [(silent, &disc[..]), (free, &[])].map(|(silent, disc)| {
         let mut board = Board::new(vec![bench.anew(&silent, disc, &bench.noise())]);
         let nuisances = search::nuisances(&board);
+        // How stiffly an unknown drive holds the shaft turns phases, and what is not in the twin passes for it.
+        let model = nuisances.with(&effects, 0);
+        for _ in 0..HELD {
+            let fit = board.fit_in_noise(&model);
+            if !board.hold(&fit.model) {
+                break;
+            }
+        }
         board.go_by(&board.fit(&nuisances).model);
         let fit = board.fit(&nuisances);
-        (board.lost(&fit), board, fit)
+        (board.lost(&board.fit(&model)), board, fit)
     });
     let likelier = beside.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
     let twin = likelier.and_then(|(_, board, fit)| {
