@@ -77,6 +77,8 @@ pub fn find(board: &Board, fit: &Fit) -> Option<DiscFound> {
     let mut pattern = board.pattern.take()?;
     let mut evidence = pattern.size_up(&board.benches, &white);
     board.pattern = Some(pattern);
+    // How sure waves are is told from a fit beside a pattern of this size: of another one the difference would count as theirs.
+    let fit = &board.fit(&fit.model);
     let of_disc = |term: usize| fit.model.terms[term].effect.is_of_disc();
     let numbers = fit.of.iter().filter(|(term, _)| of_disc(*term)).count();
     evidence += search::evidence(&board, fit.loss_of(&of_disc), numbers).max(0.0);
