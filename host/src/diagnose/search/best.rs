@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::classes::joined;
-use super::open::{is_course, is_open, left_open, own_errors};
+use super::open::{is_course, is_open, left_open, own_errors, past_learned};
 use crate::diagnose::cells::{self, Bank};
 use crate::diagnose::correct::{self, Slopes};
 use crate::diagnose::effect::{Carrier, Effect, Site};
@@ -207,20 +207,23 @@ impl<'a> Beside<'a> {
     }
 
     /// The best of some effects by their evidence. What has no name, and what only shows in a disc that the twins do not give, comes after
-    /// what has one or shows elsewhere and is about as good, and a run-out after a torque that is as good. Where a good part of what counts
-    /// as noise is explained, each is seen beside the noise that it leaves.
+    /// what has one or shows elsewhere and is about as good, and a run-out after a torque that is as good, or a width after a delay beside
+    /// a disc that has both in it. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
     fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
         let board = self.board;
+        let delays_open = !past_learned(board).is_empty();
         let late = |effects: &[Effect]| {
             let image = effects.iter().any(|effect| board.is_image(effect));
             let nameless = board.mechanism(effects) == Mechanism::Unknown;
-            let runs_out = |effect: &Effect| match (effect.site, effect.carrier) {
+            let is_tied = |effect: &Effect| match (effect.site, effect.carrier) {
                 (Site::Disc(_), Carrier::Order(order)) => order.fract() != 0.0,
+                // Up to how it goes with the speed, which is open, a delay is the same.
+                (Site::Disc(_), Carrier::Steady) => delays_open,
                 _ => false,
             };
             if image || nameless || is_open(board, effects) {
                 ALIKE
-            } else if effects.iter().any(runs_out) {
+            } else if effects.iter().any(is_tied) {
                 TIED
             } else {
                 0.0
