@@ -235,23 +235,31 @@ impl Seen {
         let (mut sum, mut squares) = (0.0, 0.0);
         let mut at = 0;
         let mut last: Option<(f64, f64)> = None;
-        let first = (self.time_s[0] * rate_hz).ceil().max(0.0);
-        for sample in 0.. {
-            let now_s = (first + f64::from(sample)) / rate_hz;
+        let mut sample = (self.time_s[0] * rate_hz).ceil().max(0.0);
+        loop {
+            let now_s = sample / rate_hz;
             while at + 1 < edges && self.time_s[at + 1] <= now_s {
                 at += 1;
             }
             if at + 1 >= edges {
                 break;
             }
-            let share = (now_s - self.time_s[at]) / (self.time_s[at + 1] - self.time_s[at]);
-            let here = self.pushed[at] + share * (self.pushed[at + 1] - self.pushed[at]);
+            let (from_s, until_s) = (self.time_s[at], self.time_s[at + 1]);
+            let slope = (self.pushed[at + 1] - self.pushed[at]) / (until_s - from_s);
+            let here = self.pushed[at] + (now_s - from_s) * slope;
             if let Some((before, push)) = last {
                 let own = push * (here - before);
                 sum += own;
                 squares += own * own;
             }
-            last = Some((here, -self.off[at]));
+            // Those that follow before the next edge see the same, and push alike.
+            let more = ((until_s * rate_hz).ceil() - sample - 1.0).max(0.0);
+            let (push, each) = (-self.off[at], slope / rate_hz);
+            let own = push * each;
+            sum += more * own;
+            squares += more * own * own;
+            last = Some((here + more * each, push));
+            sample += 1.0 + more;
         }
         (sum, squares)
     }
