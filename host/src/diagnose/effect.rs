@@ -34,6 +34,27 @@ impl Effect {
                 each.map(|column| column.iter().map(|[angle, _]| *angle).collect())
                     .collect()
             }
+            // Every turn repeats it.
+            Site::Disc(_) if self.is_of_disc() => {
+                let slots = 0..scene.record.edges as usize;
+                let errors = slots.map(|slot| {
+                    let here = Here {
+                        time_s: 0.0,
+                        inside_s: 0.0,
+                        angle: scene.record.angle_of(slot),
+                        speed: 0.0,
+                        way: 0.0,
+                    };
+                    let by = self.ahead(scene.record.change_of(slot));
+                    self.value(here).map(|value| by * value)
+                });
+                let errors: Vec<[f64; 2]> = errors.collect();
+                let each = (0..self.sizes()).map(|size| {
+                    let own: Vec<f64> = errors.iter().map(|both| both[size]).collect();
+                    scene.record.shown(&own)
+                });
+                each.collect()
+            }
             Site::Disc(_) | Site::Level(_) | Site::Stamp(_) | Site::Declared(_) => {
                 let mut columns = vec![vec![0.0; scene.record.len()]; self.sizes()];
                 for at in 0..scene.record.len() {
