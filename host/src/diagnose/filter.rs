@@ -95,29 +95,6 @@ pub struct Leap<const N: usize> {
 }
 
 impl<const N: usize> Leap<N> {
-    /// The same of the first states alone, or beside further ones.
-    pub fn first<const M: usize>(&self) -> Leap<M> {
-        let cell = |whole: &Square<N>, row: usize, column: usize| {
-            let row = whole.0.get(row);
-            row.and_then(|row| row.get(column)).copied().unwrap_or(0.0)
-        };
-        let part =
-            |whole: &Square<N>| Square(from_fn(|row| from_fn(|column| cell(whole, row, column))));
-        Leap {
-            way: part(&self.way),
-            torque: part(&self.torque),
-            drift: part(&self.drift),
-            load: self.load.as_deref().map(|load| Box::new(part(load))),
-            jolt: self.jolt,
-            unseen: self.unseen,
-            speed: self.speed,
-            h: self.h,
-            doubt_s: self.doubt_s,
-            corner: self.corner,
-            kept: self.kept,
-        }
-    }
-
     /// The speed that a drive changes.
     const fn driven(&self) -> State {
         if self.kept { Held } else { Speed }
@@ -218,29 +195,38 @@ fn transposed<const N: usize, const L: usize>(
     state
 }
 
+/// Edges of rows that are put side by side at a time, as near memory holds them.
+const PART: usize = 256;
+
 /// Goes over rows of the same length some at a time, side by side.
-fn side_by_side(
-    rows: &mut [Vec<f64>],
-    one: impl Fn(&mut [[f64; 1]]),
-    some: impl Fn(&mut [[f64; SIDE_BY_SIDE]]),
-) {
+fn side_by_side<const N: usize>(steps: &[Gain<N>], rows: &mut [Vec<f64>], back: bool) {
     for rows in rows.chunks_mut(SIDE_BY_SIDE) {
         if let [row] = rows {
-            one(row.as_chunks_mut().0);
+            let (row, state) = (row.as_chunks_mut().0, [[0.0]; N]);
+            _ = match back {
+                true => transposed(steps, state, row),
+                false => whiten(steps, state, row),
+            };
             continue;
         }
-        let count = rows[0].len();
-        let mut all = vec![[0.0; SIDE_BY_SIDE]; count];
-        for (lane, row) in rows.iter().enumerate() {
-            all.iter_mut()
-                .zip(row)
-                .for_each(|(all, of)| all[lane] = *of);
-        }
-        some(&mut all);
-        for (lane, row) in rows.iter_mut().enumerate() {
-            row.iter_mut()
-                .zip(&all)
-                .for_each(|(of, all)| *of = all[lane]);
+        let (mut state, mut all) = ([[0.0; SIDE_BY_SIDE]; N], [[0.0; SIDE_BY_SIDE]; PART]);
+        let parts = steps.len().div_ceil(PART);
+        for part in 0..parts {
+            let from = PART * if back { parts - 1 - part } else { part };
+            let steps = &steps[from..steps.len().min(from + PART)];
+            let all = &mut all[..steps.len()];
+            for (lane, row) in rows.iter().enumerate() {
+                let each = all.iter_mut().zip(&row[from..]);
+                each.for_each(|(all, of)| all[lane] = *of);
+            }
+            state = match back {
+                true => transposed(steps, state, all),
+                false => whiten(steps, state, all),
+            };
+            for (lane, row) in rows.iter_mut().enumerate() {
+                let each = row[from..].iter_mut().zip(&*all);
+                each.for_each(|(of, all)| *of = all[lane]);
+            }
         }
     }
 }
@@ -255,8 +241,8 @@ pub struct Filter<const N: usize> {
 const SWAY: f64 = 0.1;
 
 impl<const N: usize> Filter<N> {
-    /// The gains for a noise.
-    pub fn new(leaps: &[Leap<N>], noise: &Noise) -> Self {
+    /// The gains for a noise, of leaps: their first states, or them and more.
+    pub fn new<const M: usize>(leaps: &[Leap<M>], noise: &Noise) -> Self {
         let top = leaps
             .iter()
             .map(|leap| leap.speed.abs())
@@ -293,7 +279,8 @@ impl<const N: usize> Filter<N> {
             ring::add(&mut p, noise.ring.at_rest());
         }
         let gains = leaps.iter().enumerate().map(|(at, leap)| {
-            let (mut way, drift_size) = leap.fading(noise);
+            let (way, drift_size) = leap.fading(noise);
+            let mut way = way.resized();
             // What damps the whole within a step has less in common with the swing; far less keeps their covariance one.
             let share = (leap.torque[(Speed, Speed)] / leap.h.max(f64::MIN_POSITIVE)).powi(4);
             let ring = rings.then(|| noise.ring.over(leap.h, &mut way, noise.torque, share));
@@ -418,11 +405,7 @@ impl<const N: usize> Whitens for Filter<N> {
     }
 
     fn whiten_rows(&self, rows: &mut [Vec<f64>]) {
-        side_by_side(
-            rows,
-            |one| _ = whiten(&self.gains, [[0.0]; N], one),
-            |some| _ = whiten(&self.gains, [[0.0; SIDE_BY_SIDE]; N], some),
-        );
+        side_by_side(&self.gains, rows, false);
     }
 
     fn colour(&self, white: &mut [f64]) {
@@ -446,11 +429,7 @@ impl<const N: usize> Whitens for Filter<N> {
     }
 
     fn transposed_rows(&self, rows: &mut [Vec<f64>]) {
-        side_by_side(
-            rows,
-            |one| _ = transposed(&self.gains, [[0.0]; N], one),
-            |some| _ = transposed(&self.gains, [[0.0; SIDE_BY_SIDE]; N], some),
-        );
+        side_by_side(&self.gains, rows, true);
     }
 
     fn scales(&self) -> Vec<f64> {

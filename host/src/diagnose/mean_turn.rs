@@ -110,7 +110,7 @@ impl MeanTurn {
             angle_rad: 1.0,
             ..Noise::default()
         };
-        let filter = Filter::new(&self.leaps, &noise);
+        let filter = Filter::<DRIFTING>::new(&self.leaps, &noise);
         self.filter = Some(filter.around(self.own_rad.len()));
     }
 
@@ -158,7 +158,7 @@ mod tests {
             angle_rad: 1.0,
             ..Noise::default()
         };
-        let filter = Filter::new(&turn(40), &noise);
+        let filter = Filter::<DRIFTING>::new(&turn(40), &noise);
         let mut one = row(40, 0.7);
         let mut many = one.repeat(40);
         filter.around(40).whiten(&mut one);
@@ -175,7 +175,7 @@ mod tests {
             angle_rad: 1.0,
             ..Noise::default()
         };
-        let around = Filter::new(&turn(40), &noise).around(40);
+        let around = Filter::<DRIFTING>::new(&turn(40), &noise).around(40);
         let (angles, values) = (row(40, 0.7), row(40, 1.9));
         let (mut white, mut back) = (angles.clone(), values.clone());
         around.whiten(&mut white);

@@ -33,9 +33,17 @@ impl<const N: usize> IndexMut<(State, State)> for Square<N> {
 }
 
 impl<const N: usize> Square<N> {
-    /// Adds so much of another one.
+    /// Its first rows and columns, or it with rows and columns of nothing.
     #[inline]
-    pub fn add(&mut self, by: f64, other: &Self) {
+    pub fn resized<const M: usize>(&self) -> Square<M> {
+        let mut all = Square::default();
+        all.add(1.0, self);
+        all
+    }
+
+    /// Adds so much of the first rows and columns of another one.
+    #[inline]
+    pub fn add<const M: usize>(&mut self, by: f64, other: &Square<M>) {
         for (into, of) in self.0.iter_mut().zip(&other.0) {
             add(into, by, of);
         }

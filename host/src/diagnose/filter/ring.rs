@@ -111,7 +111,7 @@ pub fn add<const N: usize>(p: &mut Square<N>, spread: Spread) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::filter::{Filter, Noise, State, Whitens};
+    use crate::diagnose::filter::{DRIFTING, Filter, Noise, State, Whitens};
     use crate::diagnose::plant::free;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -172,7 +172,7 @@ mod tests {
                 angle + q + 1e-5 * normal()
             })
             .collect();
-        let leaps = vec![free::<{ State::Swings.and_before() }>(h); angles.len()];
+        let leaps = vec![free::<DRIFTING>(h); angles.len()];
         let lag = |ring: Ring| {
             let noise = Noise {
                 torque: TORQUE,
@@ -181,7 +181,7 @@ mod tests {
                 ..Noise::default()
             };
             let mut white = angles.clone();
-            Filter::new(&leaps, &noise).whiten(&mut white);
+            Filter::<{ State::Swings.and_before() }>::new(&leaps, &noise).whiten(&mut white);
             let white = &white[100..];
             let square: f64 = white.iter().map(|one| one * one).sum();
             let next: f64 = white.iter().zip(&white[1..]).map(|(a, b)| a * b).sum();

@@ -308,22 +308,18 @@ impl Leaps {
     pub fn filter(&self, range: Range<usize>, noise: &Noise) -> Gains {
         let leaps = match self {
             Self::Stiff(leaps) => &leaps[range],
-            Self::Sprung(leaps) => return Arc::new(Filter::new(&leaps[range], noise)),
+            Self::Sprung(leaps) => {
+                return Arc::new(Filter::<{ Swings.and_before() }>::new(&leaps[range], noise));
+            }
         };
         if noise.ring.density > 0.0 {
-            return first::<{ Swings.and_before() }>(leaps, noise);
+            return Arc::new(Filter::<{ Swings.and_before() }>::new(leaps, noise));
         }
         // Fewer states take less time.
         match (leaps.iter().any(Leap::is_held), noise.drift > 0.0) {
-            (true, _) => Arc::new(Filter::new(leaps, noise)),
-            (false, true) => first::<DRIFTING>(leaps, noise),
-            (false, false) => first::<{ Speed.and_before() }>(leaps, noise),
+            (true, _) => Arc::new(Filter::<{ Held.and_before() }>::new(leaps, noise)),
+            (false, true) => Arc::new(Filter::<DRIFTING>::new(leaps, noise)),
+            (false, false) => Arc::new(Filter::<{ Speed.and_before() }>::new(leaps, noise)),
         }
     }
-}
-
-/// The filter of so many states.
-fn first<const M: usize>(leaps: &[Leap<{ Held.and_before() }>], noise: &Noise) -> Gains {
-    let leaps: Vec<Leap<M>> = leaps.iter().map(Leap::first).collect();
-    Arc::new(Filter::new(&leaps, noise))
 }

@@ -30,7 +30,7 @@ fn the_transposed_filter_is_the_filters_adjoint() {
         unseen: 0.0,
         ..Noise::default()
     };
-    let filter = Filter::new(&leaps, &noise);
+    let filter = Filter::<{ State::Held.and_before() }>::new(&leaps, &noise);
     let wave =
         |by: f64| -> Vec<f64> { (0..record.len()).map(|at| (by * at as f64).sin()).collect() };
     let (one, other) = (wave(0.37), wave(0.011));
