@@ -2,10 +2,12 @@
 //! that it was moved from. That spares a run of filter and pattern for each move.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::bench;
 use super::edges::median;
 use super::effect::{Carrier, Effect, Site};
+use super::filter::SIDE_BY_SIDE;
 use super::lsq::{Basis, OWN, add, dot};
 use super::model::{Board, Fit};
 
@@ -61,6 +63,15 @@ impl<'a> Left<'a> {
     /// By how much the sum of squares falls with an effect.
     pub fn gain(&self, effect: &Effect) -> f64 {
         self.basis.gain(&self.board.columns(effect), self.white)
+    }
+
+    /// The same of some effects, each by itself.
+    pub fn gains(&self, effects: &[Effect]) -> Vec<f64> {
+        let some = effects.par_chunks(SIDE_BY_SIDE);
+        let columns = some.flat_map(|some| self.board.columns_of(some));
+        columns
+            .map(|columns| self.basis.gain(&columns, self.white))
+            .collect()
     }
 
     /// Inverse of the squares of an effect's columns beside the model.

@@ -136,16 +136,18 @@ pub fn spectra(left: &Left<'_>, model: &Model) -> Vec<Candidate> {
     let everywhere: Vec<Effect> = all
         .filter(|effect| !board.is_alias(effect) && !taken(board, model, effect))
         .collect();
-    let exact = everywhere.par_iter();
-    let exact = exact.map(|effect| or_whole(left, *effect, left.gain(effect)));
+    let exact = { everywhere.par_iter() }.zip(left.gains(&everywhere));
+    let exact = exact.map(|(effect, gain)| or_whole(left, *effect, gain));
     let mut exact: Vec<(Effect, f64)> = exact.collect();
     exact.sort_by(|a, b| b.1.total_cmp(&a.1));
     exact.dedup_by_key(|(effect, _)| *effect);
     exact.truncate(REFINED);
     let lines = exact.par_iter();
     let lines = lines.map(|(effect, gain)| refined(left, *effect, *gain));
-    let sweeps = sweeps(left, &scores, &sites).into_par_iter();
-    let sweeps = sweeps.map(|effect| Candidate::of(effect, left.gain(&effect)));
+    let sweeps = sweeps(left, &scores, &sites);
+    let gains = left.gains(&sweeps);
+    let sweeps =
+        { sweeps.into_par_iter().zip(gains) }.map(|(sweep, gain)| Candidate::of(sweep, gain));
     lines.chain(sweeps).collect()
 }
 

@@ -6,6 +6,7 @@ use super::Bank;
 use super::groups::{all_and_each, by_speed};
 use crate::diagnose::bench::Bench;
 use crate::diagnose::effect::{Carrier, Effect, Growth, On, Site};
+use crate::diagnose::filter::SIDE_BY_SIDE;
 use crate::diagnose::lsq::dot;
 use crate::diagnose::model::Board;
 use crate::diagnose::nearby::Left;
@@ -41,22 +42,23 @@ pub fn steps(board: &Board) -> Vec<Vec<Step>> {
         Site::Torque
     };
     let each = board.benches.iter().map(|bench| {
-        let step = |from_s: f64| {
-            let effect = Effect {
-                only: several.then_some(bench.place),
-                ..Effect::new(site, Carrier::Window(from_s, f64::INFINITY))
-            };
-            Step {
-                from_s,
-                effect,
-                column: board.columns(&effect).swap_remove(0),
-            }
+        let effect = |from_s: &f64| Effect {
+            only: several.then_some(bench.place),
+            ..Effect::new(site, Carrier::Window(*from_s, f64::INFINITY))
         };
         let first_s = bench.record.time_s.first().copied().unwrap_or(0.0);
         let seconds = bench.record.seconds();
         let later = (1..PLACES).map(|at| first_s + seconds * at as f64 / PLACES as f64);
         let all: Vec<f64> = std::iter::once(f64::NEG_INFINITY).chain(later).collect();
-        all.into_par_iter().map(step).collect()
+        let effects: Vec<Effect> = all.iter().map(effect).collect();
+        let columns = board.columns_of(&effects).into_iter();
+        let each = all.into_iter().zip(effects).zip(columns);
+        each.map(|((from_s, effect), mut column)| Step {
+            from_s,
+            effect,
+            column: column.swap_remove(0),
+        })
+        .collect()
     });
     each.collect()
 }
@@ -183,16 +185,22 @@ pub fn kinds_of_bumps(board: &Board) -> Vec<Kind> {
             growth,
             ..Effect::new(Site::Disc(on), carrier)
         };
-        let column = board.columns(&effect);
         Kind {
             effect,
             on,
             width,
-            square: dot(&column[0], &column[0]),
+            square: 0.0,
             own,
         }
     };
-    kinds.into_par_iter().map(kind).collect()
+    let mut kinds: Vec<Kind> = kinds.into_iter().map(kind).collect();
+    kinds.par_chunks_mut(SIDE_BY_SIDE).for_each(|kinds| {
+        let effects: Vec<Effect> = kinds.iter().map(|kind| kind.effect).collect();
+        for (kind, column) in kinds.iter_mut().zip(board.columns_of(&effects)) {
+            kind.square = dot(&column[0], &column[0]);
+        }
+    });
+    kinds
 }
 
 /// Bumps of the disc: where the folded score stands out, for each width and each kind of edge.
@@ -263,8 +271,8 @@ pub fn bumps(bank: &Bank, left: &Left<'_>) -> Vec<Candidate> {
     let mut shown: Vec<(f64, Effect)> = shown.map(best).collect();
     shown.sort_by(|a, b| b.0.total_cmp(&a.0));
     shown.truncate(EXACT);
-    let exact = shown.into_par_iter();
-    let exact = exact.map(|(_, effect)| (left.gain(&effect), effect));
+    let shown: Vec<Effect> = shown.into_iter().map(|(_, effect)| effect).collect();
+    let exact = left.gains(&shown).into_iter().zip(shown);
     best_two(exact.collect())
         .map(|(gain, effect)| nearest(left, effect, gain, 0.5 * effect.knobs()[1]))
         .collect()

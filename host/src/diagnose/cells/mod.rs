@@ -35,9 +35,9 @@ impl Bank {
                 effects.push(*effect);
             }
         }
-        let column = |effect| board.columns(effect).swap_remove(0);
+        let columns = board.columns_of(&effects).into_iter();
         Self {
-            columns: effects.par_iter().map(column).collect(),
+            columns: columns.map(|mut own| own.swap_remove(0)).collect(),
             steps: local::steps(board),
             bumps: local::kinds_of_bumps(board),
             groups,

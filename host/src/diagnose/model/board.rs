@@ -345,7 +345,7 @@ impl Board {
     }
 
     /// The same of some effects.
-    pub(super) fn columns_of(&self, effects: &[Effect]) -> Vec<Vec<Vec<f64>>> {
+    pub fn columns_of(&self, effects: &[Effect]) -> Vec<Vec<Vec<f64>>> {
         let raw = effects.par_iter().map(|effect| {
             let benches = self.benches.iter();
             benches.map(|bench| bench.columns(effect)).collect()

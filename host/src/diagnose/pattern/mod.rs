@@ -88,13 +88,9 @@ impl Pattern {
         let nodes = nodes(edges, NODES).into_par_iter().map(|order| {
             let order = order as f64;
             let effect = Effect::new(Site::Disc(On::ALL), Carrier::Order(order));
-            let white = benches.iter().flat_map(|bench| {
-                let columns = bench.columns(&effect);
-                columns
-                    .iter()
-                    .map(|column| bench.white(column))
-                    .collect::<Vec<_>>()
-            });
+            let white = benches
+                .iter()
+                .flat_map(|bench| bench.white_rows(bench.columns(&effect).to_vec()));
             let worth = white.map(|white| dot(&white, &white)).sum::<f64>() / edges as f64;
             (order.ln(), worth.max(1e-300).ln())
         });
