@@ -59,8 +59,7 @@ pub fn identity<const N: usize>() -> Square<N> {
 
 /// A B.
 pub fn product<const N: usize>(a: &Square<N>, b: &Square<N>) -> Square<N> {
-    let cell = |row: usize, column: usize| (0..N).map(|k| a.0[row][k] * b.0[k][column]).sum();
-    Square(from_fn(|row| from_fn(|column| cell(row, column))))
+    Square(times(a, &b.0))
 }
 
 /// A matrix times states, side by side.
@@ -99,13 +98,11 @@ pub fn back<const N: usize, const L: usize>(
 
 /// F P F'.
 pub fn through<const N: usize>(way: &Square<N>, p: &Square<N>) -> Square<N> {
-    let half = product(way, p);
-    let mut end = Square::default();
+    let across = Square(from_fn(|row| from_fn(|column| way.0[column][row])));
+    let mut end = product(&product(way, p), &across);
     for row in 0..N {
-        for column in row..N {
-            let sum: f64 = (0..N).map(|k| half.0[row][k] * way.0[column][k]).sum();
-            end.0[row][column] = sum;
-            end.0[column][row] = sum;
+        for column in row + 1..N {
+            end.0[column][row] = end.0[row][column];
         }
     }
     end

@@ -347,7 +347,8 @@ fn rate(seen: &[Seen]) -> Option<f64> {
     };
     let best = nearby(seen, best);
     let related = (1..=RELATED).flat_map(|up| (1..=RELATED).map(move |down| (up, down)));
-    let related = related.map(|(up, down)| best * f64::from(up) / f64::from(down));
+    let lowest = related.filter(|(up, down)| (2..=*up).all(|by| up % by + down % by > 0));
+    let related = lowest.map(|(up, down)| best * f64::from(up) / f64::from(down));
     let related = related.filter(|rate| range_hz.contains(rate));
     let rate = explains_most(seen, related.collect(), COMPARED)?;
     Some(nearby(seen, rate))
