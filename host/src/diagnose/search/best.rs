@@ -134,8 +134,18 @@ pub fn together(board: &Board, bank: &Bank, fit: &Fit, cells: usize, enough: f64
     sum
 }
 
-/// Effects with their evidence.
-type Worthy = (f64, Vec<Effect>);
+/// Effects with their evidence, and the place of the candidate that they come from among all.
+type Worthy = (f64, Vec<Effect>, usize);
+
+/// The next fit.
+pub struct Next {
+    /// Its evidence.
+    pub worth: f64,
+    /// It.
+    pub fit: Fit,
+    /// Place of what it has more among the candidates.
+    pub from: usize,
+}
 
 /// A fit that something is missing in.
 pub struct Beside<'a> {
@@ -167,17 +177,19 @@ impl<'a> Beside<'a> {
         gain > self.precision && self.basis.gain(&columns(), &self.spurs) < SPUR * gain
     }
 
-    /// The fit with what of some candidates, strongest first, explains most, and its evidence. `open` is the group of what turns out to
-    /// be no finding.
-    pub fn next(&self, found: &[Candidate], open: usize) -> Option<(f64, Fit)> {
-        let (worth, effects) = self.best_of(self.tried(found))?;
-        self.entered(&self.varied(worth, effects), open)
+    /// The fit with what of some candidates, strongest first, explains most. `open` is the group of what turns out to be no finding.
+    pub fn next(&self, found: &[Candidate], open: usize) -> Option<Next> {
+        let ranked = self.ranked(self.tried(found));
+        ranked.into_iter().find_map(|(worth, effects, from)| {
+            let (worth, fit) = self.entered(&self.varied(worth, effects), open)?;
+            Some(Next { worth, fit, from })
+        })
     }
 
     /// The first candidates that a machine can have, each fitted with everything else, of those that look nearly as good as the best.
     fn tried(&self, found: &[Candidate]) -> Vec<Worthy> {
         let board = self.board;
-        let mut told = found.iter().filter(|one| {
+        let mut told = found.iter().enumerate().filter(|(_, one)| {
             let columns = || {
                 let each = one.effects.iter();
                 each.flat_map(|effect| board.columns(effect)).collect()
@@ -187,15 +199,15 @@ impl<'a> Beside<'a> {
         });
         let mut tried = Vec::new();
         for _ in 0..TRIED {
-            let few: Vec<&Candidate> = told.by_ref().take(TRIED).collect();
-            let most = few.first().map_or(0.0, |best| worth(board, best));
-            let few = few.into_par_iter().filter(|one| {
+            let few: Vec<(usize, &Candidate)> = told.by_ref().take(TRIED).collect();
+            let most = few.first().map_or(0.0, |(_, best)| worth(board, best));
+            let few = few.into_par_iter().filter(|(_, one)| {
                 let here = worth(board, one);
                 here >= PROMISING * SURE && here >= NEARLY * most
             });
-            let fitted = few.map(|one| {
+            let fitted = few.map(|(from, one)| {
                 let (effects, gain) = board.beside(self.fit, &self.basis, &one.effects);
-                (gain, (evidence(board, gain, one.numbers()), effects))
+                (gain, (evidence(board, gain, one.numbers()), effects, from))
             });
             let gains: Vec<f64>;
             (gains, tried) = fitted.unzip();
@@ -206,10 +218,10 @@ impl<'a> Beside<'a> {
         tried
     }
 
-    /// The best of some effects by their evidence. What has no name, and what only shows in a disc that the twins do not give, comes after
+    /// Some effects by their evidence, best first. What has no name, and what only shows in a disc that the twins do not give, comes after
     /// what has one or shows elsewhere and is about as good, and a run-out after a torque that is as good, or a width after a delay beside
     /// a disc that has both in it. Where a good part of what counts as noise is explained, each is seen beside the noise that it leaves.
-    fn best_of(&self, mut tried: Vec<Worthy>) -> Option<Worthy> {
+    fn ranked(&self, mut tried: Vec<Worthy>) -> Vec<Worthy> {
         let board = self.board;
         let delays_open = !past_learned(board).is_empty();
         let late = |effects: &[Effect]| {
@@ -231,17 +243,19 @@ impl<'a> Beside<'a> {
         };
         let worth = |one: &Worthy| one.0 - late(&one.1);
         tried.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-        let most = tried.first()?.0;
-        let near = |one: &&Worthy| one.0 > NEARLY * most;
-        if tried.iter().filter(near).count() > 1 && most > LOUD * self.fit.rss {
-            let each = tried.par_iter().filter(near).map(|one| {
+        let most = tried.first().map_or(0.0, |best| best.0);
+        let near = tried.into_iter().partition(|one| one.0 > NEARLY * most);
+        let (mut near, rest): (Vec<Worthy>, Vec<Worthy>) = near;
+        if near.len() > 1 && most > LOUD * self.fit.rss {
+            let lost = near.into_par_iter().map(|one| {
                 let model = self.fit.model.with(&one.1, usize::MAX - 1);
                 (board.at_its_noise(&model).2 + late(&one.1), one)
             });
-            let best = each.min_by(|a, b| a.0.total_cmp(&b.0));
-            return best.map(|(_, one)| one.clone());
+            let mut lost: Vec<(f64, Worthy)> = lost.collect();
+            lost.sort_by(|a, b| a.0.total_cmp(&b.0));
+            near = lost.into_iter().map(|(_, one)| one).collect();
         }
-        tried.into_iter().next()
+        near.into_iter().chain(rest).collect()
     }
 
     /// Effects as they are better: what grows, or is no sine, is no row of lines beside each other.

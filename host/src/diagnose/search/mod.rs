@@ -124,9 +124,12 @@ impl Found {
     fn add(&mut self, board: &mut Board) {
         // Worked out where something is left that they may explain.
         let mut slopes: Option<Vec<Slopes>> = None;
+        // What does not stay beside the fit as it is: candidates, and another declared number.
+        let (mut refused, mut fixed) = (Vec::new(), false);
         let (mut findings, mut changes) = (self.fit.model.groups().len(), 0);
         while findings < FINDINGS && changes < CHANGES {
-            let found = candidates(board, &self.bank, &self.fit);
+            let mut found = candidates(board, &self.bank, &self.fit);
+            found.retain(|one| !refused.contains(&one.effects));
             let most = found.first().map_or(0.0, |best| worth(board, best));
             // A disc is looked for first of all, and where nothing else is left.
             if (most < SURE || self.fit.model.groups().is_empty())
@@ -141,21 +144,26 @@ impl Found {
             let beside = Beside::of(board, &self.fit);
             let next = beside.next(&found, usize::MAX - 2 - changes);
             // What the twin declares comes first, if it explains as much.
-            let least = next.as_ref().map_or(SURE, |(best, _)| best - ALIKE);
+            let least = next.as_ref().map_or(SURE, |next| next.worth - ALIKE);
             let left = next.is_some() || !agreement::is_white(board, &self.fit);
             let slopes_now = left.then(|| slopes.get_or_insert_with(|| correct::all(board)));
-            let corrected = slopes_now.and_then(|slopes| beside.corrected(slopes, least));
+            let corrected = slopes_now
+                .filter(|_| !fixed)
+                .and_then(|slopes| beside.corrected(slopes, least));
             let mut moved = false;
+            let before = (board.clone(), self.fit.clone(), findings);
+            let from = next.as_ref().map(|next| next.from);
+            let from = from.filter(|_| corrected.is_none());
             if let Some((better, fit)) = corrected {
                 moved = laws(board) != laws(&better);
                 findings += 1;
                 *board = better;
                 self.fit = fit;
                 self.fit_in_noise(board);
-            } else if let Some((_, next)) = next {
+            } else if let Some(next) = next {
                 let open = |fit: &Fit| fit.model.nuisances().terms.len();
-                let is_open = open(&next) > open(&self.fit);
-                self.fit = next;
+                let is_open = open(&next.fit) > open(&self.fit);
+                self.fit = next.fit;
                 self.fit_in_noise(board);
                 if is_open {
                     changes += 1;
@@ -174,6 +182,20 @@ impl Found {
             }
             // What another one has made superfluous.
             self.prune(board);
+            // A finding that goes again leaves the noise as it was beside it.
+            if board.lost(&self.fit) < before.0.lost(&before.1) {
+                refused.clear();
+                fixed = false;
+                continue;
+            }
+            (*board, self.fit, findings) = before;
+            match from {
+                Some(from) => refused.push(found.swap_remove(from).effects),
+                None => fixed = true,
+            }
+            if refused.len() > TRIED {
+                break;
+            }
         }
         // What does not show goes by the noise as it was found.
         if let Some(slopes) = slopes {
