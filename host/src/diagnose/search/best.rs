@@ -27,6 +27,8 @@ const PROMISING: f64 = 0.7;
 pub const ALIKE: f64 = 10.0;
 /// Difference of evidence that is none: at one speed a gear and a bearing's run-out are the same numbers.
 const TIED: f64 = 1.0;
+/// Turns by which the phase of a torque at a whole order may seem to slip.
+const SLIP: f64 = 3.0;
 /// Part of what counts as noise that has to be explained for the noise to be another one without it.
 pub const LOUD: f64 = 0.05;
 
@@ -51,13 +53,16 @@ pub fn candidates(board: &Board, bank: &Bank, fit: &Fit) -> Vec<Candidate> {
     all
 }
 
-/// Whole orders at which a torque shows most beside a fit.
+/// Whole orders at which a torque shows most beside a fit, or so close that its phase slips by a few turns: where the speed changes, what
+/// a torque at a whole order has more than a free disc looks like that.
 #[must_use]
 pub fn torque_orders(board: &Board, fit: &Fit) -> Vec<usize> {
     let basis = fit.basis();
     let mut fit = fit.clone();
     basis.clear(&mut fit.left);
     let found = scan::spectra(&Left::of(board, &fit, &basis), &fit.model);
+    let turns = { board.benches.iter() }.map(|bench| bench.record.turns());
+    let slip = SLIP / turns.fold(f64::MIN_POSITIVE, f64::max);
     let orders = found.iter().filter_map(|one| match one.effects[..] {
         [
             Effect {
@@ -65,10 +70,12 @@ pub fn torque_orders(board: &Board, fit: &Fit) -> Vec<usize> {
                 carrier: Carrier::Order(order),
                 ..
             },
-        ] if order.fract() == 0.0 => Some(order as usize),
+        ] if (order - order.round()).abs() <= slip => Some(order.round() as usize),
         _ => None,
     });
-    orders.collect()
+    let mut orders: Vec<usize> = orders.filter(|order| *order > 0).collect();
+    orders.dedup();
+    orders
 }
 
 /// Whether the disc is another one than the twins give: its edges are further off than they leave open, and all at once have more evidence
