@@ -226,6 +226,9 @@ pub struct Place {
     pub frequencies_hz: Vec<f64>,
     /// Degrees of the disc.
     pub angles_deg: Vec<f64>,
+    /// Edges of the disc that a place of it moves, where these are few.
+    #[serde(default)]
+    pub edges: Vec<EdgeOff>,
     /// Instants, s from the recording's clock zero.
     pub times_s: Vec<f64>,
     /// Names of edge classes: "A rise".
@@ -236,6 +239,17 @@ pub struct Place {
     pub directions: Vec<String>,
     /// Power of the speed that its angle goes with, where it was seen at more than one.
     pub speed_exponent: Option<f64>,
+}
+
+/// An edge of the disc that is off its place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EdgeOff {
+    /// Its number, as in `errors.csv`.
+    pub edge: usize,
+    /// By how much, rad.
+    pub error_rad: f64,
+    /// 95 % interval of that, rad.
+    pub ci95: [f64; 2],
 }
 
 impl Place {

@@ -200,6 +200,10 @@ fn effects(board: &Board, fit: &Fit, alike: &[Alike], worths: &[(usize, f64)]) -
         });
         let mut place = name::place(board, &effects);
         place.orders_alike = name::place(board, images).orders;
+        let edges = fit.model.finding(group);
+        place.edges = edges
+            .flat_map(|(at, _)| sized.edges_off(at, board))
+            .collect();
         if let Some(exponent) = card.speed_exponent.filter(|_| others.is_empty()) {
             place.speed_exponent = Some(f64::from(exponent));
         }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::diagnosis::{AtSpeed, Parameter, Place};
-use super::effect::{Carrier, Effect, Growth, On, Site, is_exact};
+use super::diagnosis::{AtSpeed, EdgeOff, Parameter, Place};
+use super::effect::{Carrier, Effect, Growth, Here, On, Site, is_exact};
 use super::model::{Board, Fit, Term};
 use super::numbers;
 use crate::effect::words::letter;
@@ -168,6 +168,76 @@ impl Fit {
             size: there,
             ci95,
         })
+    }
+
+    /// Edges of the disc that a term moves about a place of it, with 95 % intervals; none where these are many. Between a few edges the place
+    /// may be wider and its height larger, and move each edge as much: that, and not the height, is what the recordings say.
+    #[must_use]
+    pub fn edges_off(&self, at: usize, board: &Board) -> Vec<EdgeOff> {
+        /// Edges at the most, and the part of the largest error that is none.
+        const MOST: usize = 6;
+        const NONE: f64 = 0.02;
+        let term = &self.model.terms[at];
+        let (Site::Disc(_), Carrier::Bump(..), Growth::Constant) =
+            (term.effect.site, term.effect.carrier, term.effect.growth)
+        else {
+            return Vec::new();
+        };
+        let Some(record) = board.benches.first().map(|bench| &bench.record) else {
+            return Vec::new();
+        };
+        let error = |effect: &Effect, size: f64, slot: usize| {
+            let here = Here {
+                time_s: 0.0,
+                inside_s: 0.0,
+                angle: record.angle_of(slot),
+                speed: 1.0,
+                way: 1.0,
+            };
+            effect.sized(&[size], here) * effect.ahead(record.change_of(slot))
+        };
+        let (effect, size, knobs) = (term.effect, term.sizes[0], term.effect.knobs());
+        let seen = board.seen();
+        let each = (0..seen.len()).filter(|slot| seen[*slot]);
+        let each: Vec<(usize, f64)> = each
+            .map(|slot| (slot, error(&effect, size, slot)))
+            .collect();
+        let most = each
+            .iter()
+            .fold(0.0, |most: f64, (_, off)| most.max(off.abs()));
+        let each = each.into_iter().filter(|(_, off)| off.abs() > NONE * most);
+        let each: Vec<(usize, f64)> = each.collect();
+        if each.len() > MOST {
+            return Vec::new();
+        }
+        let numbers = 0..=knobs.len();
+        let columns = numbers.filter_map(|number| Some((number, self.column(at, number)?)));
+        let columns: Vec<(usize, usize)> = columns.collect();
+        let off = |(slot, off): (usize, f64)| {
+            let slope = |(number, column): &(usize, usize)| {
+                // Small beside how far off it may be, up to where the error bends.
+                let step = 1e-3 * self.covariance[(*column, *column)].max(0.0).sqrt();
+                let (mut size, mut knobs) = (size, knobs.clone());
+                match number.checked_sub(1) {
+                    None => size += step,
+                    Some(knob) => knobs[knob] += step,
+                }
+                let more = error(&effect.with_knobs(&knobs), size, slot) - off;
+                if step > 0.0 { more / step } else { 0.0 }
+            };
+            let slopes: Vec<(usize, f64)> = columns.iter().map(|one| (one.1, slope(one))).collect();
+            let pairs = slopes
+                .iter()
+                .flat_map(|a| slopes.iter().map(move |b| (a, b)));
+            let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
+            let by = NINETY_FIVE * variance.sum::<f64>().max(0.0).sqrt();
+            EdgeOff {
+                edge: record.edge_of(slot) as usize,
+                error_rad: off,
+                ci95: [off - by, off + by],
+            }
+        };
+        each.into_iter().map(off).collect()
     }
 
     fn numbers_of(&self, at: usize, term: &Term) -> Vec<Number> {

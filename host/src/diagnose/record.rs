@@ -167,7 +167,7 @@ impl Record {
     }
 
     /// Edge of the sensor's disc that an edge of this one is.
-    fn edge_of(&self, slot: usize) -> i64 {
+    pub fn edge_of(&self, slot: usize) -> i64 {
         self.looked_at.get(slot).map_or(slot as i64, |edge| *edge)
     }
 

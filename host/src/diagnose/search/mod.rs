@@ -189,6 +189,9 @@ impl Found {
                 continue;
             }
             (*board, self.fit, findings) = before;
+            if moved {
+                self.bank = Bank::new(board);
+            }
             match from {
                 Some(from) => refused.push(found.swap_remove(from).effects),
                 None => fixed = true,

@@ -444,3 +444,25 @@ fn a_disc_that_is_the_twin_s_counted_from_elsewhere_is_an_index_that_moved() {
     assert_eq!(only.mechanism, Mechanism::IndexSlip, "{:?}", answer.summary);
     assert_eq!(only.parameters["edges"].value, 8.0);
 }
+
+#[test]
+fn of_a_bent_tooth_it_is_said_by_how_much_each_of_its_edges_is_off() {
+    // Two edges leave height and width of the place open, but not where they are: at 138 and 141 degrees.
+    let rig = "duration = { turns = 40 }\n[encoder.wheel]\nteeth = 60\nmissing = 2\n[errors]\nseed = 4\n\
+        position = { normal = { rms_rad = 1e-3, per = \"edge\" } }\n[shaft]\ninertia_kg_m2 = 0.01\n\
+        [drive.ramp]\nfrom_r_min = 600\nto_r_min = 1200\nover_s = 3\n[noise.white]\npsd_n2_m2_s = 1e-5\n\
+        [timer]\nclock_hz = 1_000_000\njitter_s = 1e-6\n";
+    let bent = "[[local_defect]]\nangle_rad = 2.434734\nwidth_rad = 0.02\nerror_rad = 6e-3\n";
+    let answer = against(&format!("{rig}{bent}"), rig);
+    let finding = &answer.diagnosis.findings[0];
+    assert_eq!(finding.mechanism, Mechanism::LocalDefect);
+    let [first, second] = finding.place.edges[..] else {
+        panic!("{:?}", finding.place);
+    };
+    assert_eq!([first.edge, second.edge], [46, 47]);
+    let truth = 6e-3 * (-0.5 * (1.5_f64.to_radians() / 0.02).powi(2)).exp();
+    for one in [first, second] {
+        let [low, high] = one.ci95;
+        assert!(low < truth && truth < high && high - low < 2e-4, "{one:?}");
+    }
+}

@@ -52,7 +52,12 @@ pub(super) fn told(answer: &Answer, index: usize, finding: &Finding) -> Told {
     add("What", vec![without_name(finding, effects)]);
     add(
         "Where",
-        vec![place(finding, effects), orders(finding), instants(finding)],
+        vec![
+            place(finding, effects),
+            edges(finding),
+            orders(finding),
+            instants(finding),
+        ],
     );
     add("How much", how_much(answer, index, finding));
     add("How sure", vec![sure(finding)]);
@@ -92,6 +97,19 @@ fn place(finding: &Finding, effects: &[Sized]) -> String {
         effects if corrects(effects) => finding.text.clone(),
         effects => sentence(&cell(effects)),
     }
+}
+
+/// Which edges of the disc are off, and by how much.
+fn edges(finding: &Finding) -> String {
+    let each = finding.place.edges.iter().map(|off| {
+        let error = Parameter {
+            unit: "rad".to_owned(),
+            ci95: Some(off.ci95),
+            ..Parameter::exact(off.error_rad)
+        };
+        format!("edge {} by {}", off.edge, with_interval(&error))
+    });
+    sentence(&each.collect::<Vec<_>>().join(", "))
 }
 
 /// Orders that it may have as well.
