@@ -17,7 +17,7 @@ use super::noise::Tails;
 use super::rig::Recorded;
 use super::said::{Said, merged};
 use super::scan::SURE;
-use super::{correct, disc, events, name, search, stamps, task};
+use super::{correct, disc, events, headline, name, search, stamps, task};
 use crate::effect::words::words;
 use crate::mechanism::Mechanism;
 use crate::report::si;
@@ -76,10 +76,10 @@ pub fn answer(
         }
     }
     let all = merged(all);
-    let verdict = verdict(&all);
+    let verdict = headline::verdict(&all);
     let total: f64 = all.iter().filter_map(|one| one.loss).sum();
     let share = |one: &Said| one.loss.map(|loss| loss / total.max(f64::MIN_POSITIVE));
-    let mut summary = summary(verdict, &all);
+    let mut summary = headline::summary(verdict, &all);
     if let (Verdict::Complete, Some(open)) = (verdict, board.not_given()) {
         let rest = "the twin explains the recordings; what is left is noise.";
         summary = format!("Beside {open}, which it does not give, {rest}");
@@ -353,116 +353,4 @@ fn unknown(text: String, worth: f64) -> Finding {
         },
         ..plain
     }
-}
-
-fn verdict(all: &[Said]) -> Verdict {
-    let named = all.iter().filter(|one| one.named).count();
-    if all.is_empty() {
-        Verdict::Complete
-    } else if named == 0 {
-        Verdict::Unknown
-    } else if all.iter().any(|one| open(&one.finding)) {
-        Verdict::Ambiguous
-    } else if named < all.len() {
-        Verdict::Partly
-    } else {
-        Verdict::Explained
-    }
-}
-
-/// Whether a recording would tell more.
-fn open(finding: &Finding) -> bool {
-    let told_by_rig = &finding.mechanism.card().told_by_rig;
-    finding
-        .look_alikes
-        .iter()
-        .any(|one| !told_by_rig.contains(one))
-}
-
-/// The orders or frequencies that a finding has, in words.
-fn rhythms(finding: &Finding) -> Vec<String> {
-    let place = &finding.place;
-    let orders = place.orders.iter();
-    let alike = place.orders_alike.iter();
-    let alike: String = alike
-        .map(|order| format!(" or {}", digits(*order)))
-        .collect();
-    let orders = orders.map(|order| format!("order {}{alike}", digits(*order)));
-    let tones = place.frequencies_hz.iter();
-    orders
-        .chain(tones.map(|hz| format!("{} Hz", digits(*hz))))
-        .collect()
-}
-
-/// A number with as many digits as a headline needs.
-fn digits(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// The verdict in words.
-fn summary(verdict: Verdict, all: &[Said]) -> String {
-    let list = |start: &str, corrected: bool| {
-        let mut names: Vec<(&str, Vec<String>)> = Vec::new();
-        let own = all.iter().filter(|one| one.corrects() == corrected);
-        for one in own.filter(|one| one.named) {
-            let finding = &one.finding;
-            let name = match (corrected, finding.mechanism) {
-                (true, Mechanism::Unknown) => finding.text.as_str(),
-                _ => finding.mechanism.title(),
-            };
-            match names.iter_mut().find(|(other, _)| *other == name) {
-                Some((_, all)) => all.extend(rhythms(finding)),
-                None => names.push((name, rhythms(finding))),
-            }
-        }
-        let each = names.iter().map(|(name, rhythms)| match &rhythms[..] {
-            [] => (*name).to_owned(),
-            [one] => format!("{name} at {one}"),
-            [first @ .., last] => format!("{name} at {} and {last}", first.join(", ")),
-        });
-        let each: Vec<String> = each.collect();
-        (!each.is_empty()).then(|| format!("{start}: {}.", each.join("; ")))
-    };
-    let said = [
-        list("The twin has other numbers than the rig", true),
-        list("The twin lacks", false),
-    ];
-    let said = said.into_iter().flatten().collect::<Vec<_>>().join(" ");
-    match verdict {
-        Verdict::Complete => "The twin explains the recordings; what is left is noise.".to_owned(),
-        Verdict::Explained => said,
-        Verdict::Partly => match nameless(all) {
-            Some(cell) => {
-                format!("{said} It lacks as well what has no name in the catalogue: {cell}.")
-            }
-            None => format!("{said} More than noise is left."),
-        },
-        Verdict::Ambiguous => {
-            let mut findings = all.iter().map(|one| &one.finding);
-            let first = findings.find(|finding| open(finding)).into_iter();
-            let others = first.flat_map(|first| &first.look_alikes);
-            let others: Vec<&str> = others.map(|one| one.title()).collect();
-            let others = others.join("; ");
-            format!("{said} These recordings allow as well: {others}.")
-        }
-        Verdict::Unknown => match nameless(all) {
-            Some(cell) => format!("The twin lacks what has no name in the catalogue: {cell}."),
-            None => "Something is there that is none of the known mechanisms.".to_owned(),
-        },
-    }
-}
-
-/// What has no name and yet a model, in words: the first effect, and how many more there are.
-fn nameless(all: &[Said]) -> Option<String> {
-    let mut cells = all
-        .iter()
-        .filter(|one| !one.named)
-        .flat_map(|one| &one.cells);
-    let first = words(&cells.next()?.effect);
-    Some(match cells.count() {
-        0 => first,
-        1 => format!("{first}, and 1 effect more"),
-        more => format!("{first}, and {more} effects more"),
-    })
 }

@@ -22,6 +22,7 @@ pub(crate) mod effect;
 pub(crate) mod events;
 pub(crate) mod filter;
 pub(crate) mod findings;
+mod headline;
 mod held_up;
 pub(crate) mod identify;
 pub(crate) mod judge;

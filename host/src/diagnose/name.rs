@@ -92,8 +92,9 @@ impl Fit {
         let own = self.model.finding(group);
         let each = own.enumerate().map(|(nth, (at, term))| {
             let mut numbers = self.numbers_of(at, term);
-            // Harmonics go by their orders.
+            // Harmonics go by their orders, as far as these are read.
             if let (1.., Carrier::Order(order)) = (nth, term.effect.carrier) {
+                let order = (1e4 * order).round() / 1e4;
                 numbers.retain(|number| number.name != "order");
                 let named = numbers.iter_mut();
                 named.for_each(|number| number.name = format!("order_{order}.{}", number.name));
