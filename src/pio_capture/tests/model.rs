@@ -1,8 +1,14 @@
-//! State machines, queues, DMA and pins as the data sheets describe them. Machines execute the words that were written to their memory, a
-//! cycle at a time; time goes on at every access.
+//! Machines, queues, DMA and pins on their bus as the data sheets describe them; time goes on at every access.
 
-use std::collections::{BTreeMap, VecDeque};
+mod machine;
+mod map;
+
+use std::collections::BTreeMap;
 use std::vec::Vec;
+
+pub use map::{Map, RP2040_MAP, RP2350_MAP};
+
+use machine::Machine;
 
 use crate::capture::tests::shaft::{Edge, Random};
 use crate::pio_capture::{Register, Registers};
@@ -13,36 +19,6 @@ const MEMORY: u32 = 0x2000_1000;
 
 /// Cycles of the synchroniser at each pin.
 pub const SYNCHRONISER: u64 = 2;
-
-/// Addresses and words of one chip, from its data sheet.
-pub struct Map {
-    pub resets: u32,
-    pub blocks: u32,
-    pub abort: u32,
-    /// The pad of pin 0; bits that it must have, and must not.
-    pub pads: u32,
-    pub pad: (u32, u32),
-    /// Control words of the two channels, for 256 bytes of memory.
-    pub control: [u32; 2],
-}
-
-pub const RP2040_MAP: Map = Map {
-    resets: 0x4000_C000,
-    blocks: 0x0504,
-    abort: 0x5000_0444,
-    pads: 0x4001_C004,
-    pad: (0xCA, 0x04),
-    control: [0x0022_0E2B, 0x0022_062B],
-};
-
-pub const RP2350_MAP: Map = Map {
-    resets: 0x4002_0000,
-    blocks: 0x0A04,
-    abort: 0x5000_0464,
-    pads: 0x4003_8004,
-    pad: (0xCA, 0x104),
-    control: [0x0088_384B, 0x0088_184B],
-};
 
 const PIO: u32 = 0x5020_0000;
 const DMA: u32 = 0x5000_0000;
@@ -65,128 +41,6 @@ pub const BUS: Bus = Bus {
     lag: 5,
     interrupt: 0,
 };
-
-/// A state machine, for the instructions that move, shift, queue and jump.
-#[derive(Default)]
-pub struct Machine {
-    pub on: bool,
-    at: u32,
-    delay: u32,
-    pub x: u32,
-    y: u32,
-    pub isr: u32,
-    osr: u32,
-    control: u32,
-    shift: u32,
-    mapping: u32,
-    pub into: VecDeque<u32>,
-    pub out: VecDeque<u32>,
-}
-
-impl Machine {
-    fn room(&self) -> usize {
-        if self.shift >> 31 != 0 { 8 } else { 4 }
-    }
-
-    fn source(&self, code: u32, pins: u32) -> u32 {
-        match code {
-            0 => pins.rotate_right(self.mapping >> 15 & 31),
-            1 => self.x,
-            2 => self.y,
-            3 => 0,
-            5 => {
-                assert_eq!(self.control >> 4 & 7, 0, "status is that of the queue in");
-                let few = (self.into.len() as u32) < (self.control & 15);
-                if few { u32::MAX } else { 0 }
-            }
-            6 => self.isr,
-            7 => self.osr,
-            _ => panic!("no source {code}"),
-        }
-    }
-
-    fn destination(&mut self, code: u32) -> &mut u32 {
-        match code {
-            1 => &mut self.x,
-            2 => &mut self.y,
-            6 => &mut self.isr,
-            7 => &mut self.osr,
-            _ => panic!("no destination {code}"),
-        }
-    }
-
-    /// Executes an instruction. Returns whether the queue had no room.
-    fn execute(&mut self, word: u32, pins: u32, memory_at: Option<u32>) -> bool {
-        let (field, low) = (word >> 5 & 7, word & 31);
-        let ones = |bits: u32| u32::MAX >> (32 - bits);
-        let mut jump = None;
-        let mut stalled = false;
-        match word >> 13 {
-            0 => {
-                let taken = match field {
-                    0 => true,
-                    2 => {
-                        self.x = self.x.wrapping_sub(1);
-                        self.x != u32::MAX
-                    }
-                    3 => self.y == 0,
-                    5 => self.x != self.y,
-                    _ => panic!("no condition {field}"),
-                };
-                jump = taken.then_some(low);
-            }
-            2 => {
-                assert_eq!(self.shift >> 18 & 1, 0, "in, to the left");
-                self.isr = self.isr << low | (self.source(field, pins) & ones(low));
-            }
-            3 => {
-                assert_eq!(self.shift >> 19 & 1, 1, "out, to the right");
-                *self.destination(field) = self.osr & ones(low);
-                self.osr >>= low;
-            }
-            4 if field & 4 == 0 => {
-                assert_eq!(field, 0, "push does not block");
-                if self.out.len() < self.room() {
-                    self.out.push_back(self.isr);
-                } else {
-                    stalled = true;
-                }
-                self.isr = 0;
-            }
-            4 => {
-                assert_eq!(field, 4, "pull does not block");
-                self.osr = self.into.pop_front().unwrap_or(self.x);
-            }
-            5 => {
-                let value = self.source(low & 7, pins);
-                *self.destination(field) = match low >> 3 {
-                    0 => value,
-                    1 => !value,
-                    _ => panic!("no reversal"),
-                };
-            }
-            _ => panic!("no instruction {word:04X}"),
-        }
-        self.delay = word >> 8 & 31;
-        if let Some(at) = memory_at {
-            let end = at == self.control >> 12 & 31;
-            self.at = if end { self.control >> 7 & 31 } else { at + 1 };
-        }
-        self.at = jump.unwrap_or(self.at);
-        stalled
-    }
-
-    fn cycle(&mut self, words: &[u32; 32], pins: u32) -> bool {
-        if !self.on {
-            return false;
-        }
-        if self.delay > 0 {
-            self.delay -= 1;
-            return false;
-        }
-        self.execute(words[self.at as usize], pins, Some(self.at))
-    }
-}
 
 /// A channel of DMA.
 #[derive(Default)]
