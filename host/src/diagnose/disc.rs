@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::diagnosis::{Finding, Parameter};
-use super::effect::{Carrier, Here, Site};
+use super::effect::{Carrier, Site};
 use super::lsq;
 use super::model::{Board, Fit, Model, Term};
 use super::name::NINETY_FIVE;
@@ -67,15 +67,7 @@ fn open_terms(board: &Board, model: &Model, classes: bool) -> Vec<f64> {
     let mut errors = vec![0.0; record.edges as usize];
     for term in open {
         for (slot, error) in errors.iter_mut().enumerate() {
-            let here = Here {
-                time_s: 0.0,
-                inside_s: 0.0,
-                angle: record.angle_of(slot),
-                speed: 1.0,
-                way: 1.0,
-            };
-            let change = record.change_of(slot);
-            *error += term.effect.sized(&term.sizes, here) * term.effect.ahead(change);
+            *error += record.error_of(slot, &term.effect, &term.sizes);
         }
     }
     errors

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::diagnosis::{AtSpeed, EdgeOff, Parameter, Place};
-use super::effect::{Carrier, Effect, Growth, Here, On, Site, is_exact};
+use super::effect::{Carrier, Effect, Growth, On, Site, is_exact};
 use super::model::{Board, Fit, Term};
 use super::numbers;
 use crate::effect::words::letter;
@@ -152,9 +152,7 @@ impl Fit {
         let each = sizes.chain([(last, size * rad_s.ln())]);
         let each = each.filter_map(|(number, slope)| Some((self.column(at, number)?, slope * by)));
         let each: Vec<(usize, f64)> = each.collect();
-        let pairs = each.iter().flat_map(|a| each.iter().map(move |b| (a, b)));
-        let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
-        let wide = NINETY_FIVE * variance.sum::<f64>().max(0.0).sqrt();
+        let wide = NINETY_FIVE * self.error_along(&each);
         let there = size * by;
         // Its logarithm goes evenly with the power, where the sign is sure.
         let ci95 = if wide < there.abs() {
@@ -169,6 +167,15 @@ impl Fit {
             size: there,
             ci95,
         })
+    }
+
+    /// Standard error of what goes with columns by slopes.
+    fn error_along(&self, slopes: &[(usize, f64)]) -> f64 {
+        let pairs = slopes
+            .iter()
+            .flat_map(|a| slopes.iter().map(move |b| (a, b)));
+        let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
+        variance.sum::<f64>().max(0.0).sqrt()
     }
 
     /// Edges of the disc that a term moves about a place of it, with 95 % intervals; none where these are many. Between a few edges the place
@@ -187,16 +194,7 @@ impl Fit {
         let Some(record) = board.benches.first().map(|bench| &bench.record) else {
             return Vec::new();
         };
-        let error = |effect: &Effect, size: f64, slot: usize| {
-            let here = Here {
-                time_s: 0.0,
-                inside_s: 0.0,
-                angle: record.angle_of(slot),
-                speed: 1.0,
-                way: 1.0,
-            };
-            effect.sized(&[size], here) * effect.ahead(record.change_of(slot))
-        };
+        let error = |effect: &Effect, size, slot| record.error_of(slot, effect, &[size]);
         let (effect, size, knobs) = (term.effect, term.sizes[0], term.effect.knobs());
         let seen = board.seen();
         let each = (0..seen.len()).filter(|slot| seen[*slot]);
@@ -227,11 +225,7 @@ impl Fit {
                 if step > 0.0 { more / step } else { 0.0 }
             };
             let slopes: Vec<(usize, f64)> = columns.iter().map(|one| (one.1, slope(one))).collect();
-            let pairs = slopes
-                .iter()
-                .flat_map(|a| slopes.iter().map(move |b| (a, b)));
-            let variance = pairs.map(|(a, b)| a.1 * b.1 * self.covariance[(a.0, b.0)]);
-            let by = NINETY_FIVE * variance.sum::<f64>().max(0.0).sqrt();
+            let by = NINETY_FIVE * self.error_along(&slopes);
             EdgeOff {
                 edge: record.edge_of(slot) as usize,
                 error_rad: off,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::edges::Edges;
 use super::held_up::{Held, Task};
 pub use crate::effect::Change;
+use crate::effect::{Effect, Here};
 use crate::mechanism::Mechanism;
 use crate::twin::Twin;
 
@@ -169,6 +170,18 @@ impl Record {
     /// Edge of the sensor's disc that an edge of this one is.
     pub fn edge_of(&self, slot: usize) -> i64 {
         self.looked_at.get(slot).map_or(slot as i64, |edge| *edge)
+    }
+
+    /// By how much an effect that is part of the disc has an edge of it off its place, rad.
+    pub fn error_of(&self, slot: usize, effect: &Effect, sizes: &[f64]) -> f64 {
+        let here = Here {
+            time_s: 0.0,
+            inside_s: 0.0,
+            angle: self.angle_of(slot),
+            speed: 1.0,
+            way: 1.0,
+        };
+        effect.sized(sizes, here) * effect.ahead(self.change_of(slot))
     }
 
     /// What changes at an edge of the disc, as passed forward.
