@@ -51,6 +51,11 @@ impl Board {
         forgets | self.hold_by_waves(model)
     }
 
+    /// Whether nothing says yet how stiffly an unknown drive holds the shaft.
+    pub fn is_loose(&self) -> bool {
+        self.undriven && !self.is_looped() && self.hold_now().stiffness == 0.0
+    }
+
     /// Sets how stiffly an unknown drive holds the shaft to what is likeliest beside a model with torques, however little that says: their
     /// sizes and phases go by it. Whether that is anything else than before.
     pub fn hold_at_last(&mut self, model: &Model) -> bool {

@@ -32,6 +32,8 @@ const TRIALS: usize = 3;
 pub const FINDINGS: usize = 7;
 /// Rounds in which the course and what shifts edges are found, as each bears on the other.
 const COURSES: usize = 3;
+/// Part of another finding's evidence that a torque has to have beside a drive of which nothing says how stiffly it holds the shaft.
+const HELD: f64 = 0.25;
 /// Findings that are put elsewhere at the most, after one has been added.
 const EXCHANGES: usize = 4;
 
@@ -310,6 +312,7 @@ fn laws(board: &Board) -> Vec<Law> {
 /// another site's, or an order's where it is a frequency.
 fn exchange(board: &mut Board, fit: &mut Fit) {
     for _ in 0..EXCHANGES {
+        let loose = board.is_loose();
         let groups = fit.model.groups();
         let each = groups.into_par_iter().flat_map(|group| {
             let rest = fit.without(group);
@@ -321,8 +324,13 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
                 let (effects, gain) = board.beside(&rest, &basis, &effects);
                 let model = with(board, &rest.model, &effects, group);
                 let here = evidence(board, gain, cells::numbers(&effects));
-                // What is no large part of the noise leaves it as it is.
-                let least = if loud { NEARLY } else { 1.0 };
+                let pushes = effects.iter().any(|effect| effect.site.pushes());
+                let least = match loud {
+                    _ if pushes && loose => HELD,
+                    true => NEARLY,
+                    // What is no large part of the noise leaves it as it is.
+                    false => 1.0,
+                };
                 (here / worth, least, model)
             });
             fitted.collect::<Vec<_>>()
@@ -332,8 +340,13 @@ fn exchange(board: &mut Board, fit: &mut Fit) {
         near.sort_by(|a, b| b.0.total_cmp(&a.0));
         near.truncate(TRIED);
         let now = board.lost(fit);
-        let rivals = near.into_par_iter();
-        let rivals = rivals.map(|(_, model)| board.at_its_noise(&model));
+        let rivals = near.into_par_iter().map(|(_, model)| {
+            let mut other = board.clone();
+            if loose {
+                other.hold(&model);
+            }
+            other.at_its_noise(&model)
+        });
         let best = rivals.collect::<Vec<_>>().into_iter();
         let best = best.min_by(|a, b| a.2.total_cmp(&b.2));
         match best.filter(|best| best.2 < now - SURE) {
