@@ -15,7 +15,7 @@ use crate::diagnose::filter::{Noise, SIDE_BY_SIDE};
 use crate::diagnose::lsq;
 use crate::diagnose::noise::{Free, Tails, UNSEEN};
 use crate::diagnose::numbers::Knob;
-use crate::diagnose::pattern::{Pattern, SMALL, SMALLER};
+use crate::diagnose::pattern::{CLEAR, Pattern, SMALLER};
 use crate::diagnose::record::Record;
 use crate::diagnose::spread::Spread;
 use crate::twin::{Drive, Errors};
@@ -346,6 +346,11 @@ impl Board {
 
     /// The same of some effects.
     pub fn columns_of(&self, effects: &[Effect]) -> Vec<Vec<Vec<f64>>> {
+        self.columns_until(effects, CLEAR)
+    }
+
+    /// The same until a part of what the pattern leaves of them is left: what an effect explains may be a billion times the noise.
+    pub(super) fn columns_until(&self, effects: &[Effect], small: f64) -> Vec<Vec<Vec<f64>>> {
         let raw = effects.par_iter().map(|effect| {
             let benches = self.benches.iter();
             benches.map(|bench| bench.columns(effect)).collect()
@@ -357,7 +362,7 @@ impl Board {
                 (*effect, each.collect())
             })
         });
-        let mut shown = self.shown(&rows.collect::<Vec<_>>()).into_iter();
+        let mut shown = self.shown(&rows.collect::<Vec<_>>(), small).into_iter();
         let each = effects.iter();
         each.map(|effect| shown.by_ref().take(effect.sizes()).collect())
             .collect()
@@ -372,7 +377,7 @@ impl Board {
     }
 
     /// What effects do to the edges of each recording, rad, each white, in a row.
-    pub(super) fn shown(&self, rows: &[Raw<'_>]) -> Vec<Vec<f64>> {
+    pub(super) fn shown(&self, rows: &[Raw<'_>], small: f64) -> Vec<Vec<f64>> {
         let white = |rows: &[&Raw<'_>]| {
             let mut white = vec![Vec::new(); rows.len()];
             for (at, bench) in self.benches.iter().enumerate() {
@@ -389,7 +394,7 @@ impl Board {
             let of_disc = |row: &&Raw<'_>| pattern.size2 > 0.0 && row.0.is_of_disc();
             let (discs, rest): (Vec<_>, Vec<_>) = rows.iter().partition(of_disc);
             let mut white = pattern
-                .taken_off_rows(&self.benches, white(&rest), SMALL)
+                .taken_off_rows(&self.benches, white(&rest), small)
                 .into_iter();
             let errors = discs.iter().map(|(_, angles)| {
                 let mut errors = vec![0.0; pattern.edges];
@@ -401,7 +406,9 @@ impl Board {
                 errors
             });
             let errors: Vec<Vec<f64>> = errors.collect();
-            let mut discs = pattern.taken_off_disc(&self.benches, &errors).into_iter();
+            let mut discs = pattern
+                .taken_off_disc(&self.benches, &errors, small)
+                .into_iter();
             let each = rows.iter().filter_map(|row| match of_disc(&row) {
                 true => discs.next(),
                 false => white.next(),

@@ -11,6 +11,7 @@ use super::board::Raw;
 use super::{Board, Model, Term};
 use crate::diagnose::effect::{Carrier, Effect, Growth, Site, is_exact};
 use crate::diagnose::lsq::{self, Basis};
+use crate::diagnose::pattern::{CLEAR, SMALLER};
 use crate::diagnose::record::Record;
 
 /// Step by which a knob's slope is taken, of what hardly changes its effect: far above the error of sums over an interval.
@@ -293,9 +294,9 @@ impl Board {
         // What the twins declare has other columns beside other twins.
         let is_declared = |effect: &Effect| matches!(effect.site, Site::Declared(_));
         let (declared, others): (Vec<_>, Vec<_>) = effects.partition(is_declared);
-        let work_out = |effects: &[Effect]| self.columns_of(effects);
+        let work_out = |effects: &[Effect]| self.columns_until(effects, SMALLER);
         let mut others = self.white.of(self.mark(), &others, work_out).into_iter();
-        let mut declared = self.columns_of(&declared).into_iter().map(Arc::new);
+        let mut declared = work_out(&declared).into_iter().map(Arc::new);
         let (mut columns, mut of) = (Vec::new(), Vec::new());
         for (at, term) in model.terms.iter().enumerate() {
             let own = match is_declared(&term.effect) {
@@ -326,7 +327,7 @@ impl Board {
         }
         let terms = &fit.model.terms;
         let slopes = { knobs.par_iter() }.map(|&(at, knob)| self.slope(&terms[at], knob));
-        let mut slopes = self.shown(&slopes.collect::<Vec<_>>());
+        let mut slopes = self.shown(&slopes.collect::<Vec<_>>(), CLEAR);
         slopes.par_iter_mut().for_each(|slope| basis.clear(slope));
         for ((at, knob), slope) in knobs.into_iter().zip(slopes) {
             fit.columns.push(slope);

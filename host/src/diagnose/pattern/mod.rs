@@ -17,7 +17,7 @@ use super::mean_turn::MeanTurn;
 use super::scan::spectrum;
 use super::spread::Spread;
 use solve::Normal;
-pub use solve::{SMALL, SMALLER};
+pub use solve::{CLEAR, SMALL, SMALLER};
 
 /// Orders at which what a turn's pattern is worth is worked out exactly.
 const NODES: usize = 24;
@@ -246,7 +246,8 @@ impl Pattern {
             wave.into_iter().map(|value| value / size).collect()
         };
         let waves: Vec<Vec<f64>> = orders.iter().map(wave).collect();
-        let solved = self.errors_of_rows(benches, waves.clone(), SMALL);
+        let folds = waves.iter().map(|wave| (wave.clone(), 0.0));
+        let solved = self.errors_of_rows(benches, folds.collect(), SMALL);
         let each = orders.iter().zip(waves.iter().zip(&solved));
         let nodes = each.map(|(order, (wave, solved))| {
             let variance = dot(wave, solved).max(f64::MIN_POSITIVE);

@@ -21,6 +21,8 @@ const STEPS: usize = 40;
 const MATRIX: usize = 256;
 /// Part of the first residual that is small enough.
 pub const SMALL: f64 = 1e-5;
+/// Part of what a pattern leaves of a row that is: of products of such rows it is the square of that.
+pub const CLEAR: f64 = 1e-3;
 /// What is as small as numbers allow: of what a fit leaves small parts count.
 pub const SMALLER: f64 = 1e-9;
 
@@ -119,15 +121,16 @@ impl Pattern {
 
     /// The same of a folded score, until a part of it is left.
     pub fn errors_of(&self, benches: &[Bench], fold: &[f64], small: f64) -> Vec<f64> {
-        self.errors_of_rows(benches, vec![fold.to_vec()], small)
-            .swap_remove(0)
+        let all = vec![(fold.to_vec(), 0.0)];
+        self.errors_of_rows(benches, all, small).swap_remove(0)
     }
 
-    /// The same of some folded scores.
+    /// The same of some folded scores, each with the square of its row, until a part of what is left of that or, of no row, of the score is
+    /// left.
     pub(super) fn errors_of_rows(
         &self,
         benches: &[Bench],
-        folds: Vec<Vec<f64>>,
+        folds: Vec<(Vec<f64>, f64)>,
         small: f64,
     ) -> Vec<Vec<f64>> {
         if self.size2 <= 0.0 {
@@ -135,10 +138,12 @@ impl Pattern {
         }
         let each = folds.into_iter();
         if let Some(factor) = self.factor(benches) {
-            let each = each.map(|fold| factor.solve(&DVector::from_vec(fold)));
+            let each = each.map(|(fold, _)| factor.solve(&DVector::from_vec(fold)));
             return each.map(|solved| solved.as_slice().to_vec()).collect();
         }
-        let mut all: Vec<Descent> = each.map(|fold| Descent::new(self, fold)).collect();
+        let mut all: Vec<Descent> = each
+            .map(|(fold, whole)| Descent::new(self, fold, whole))
+            .collect();
         for _ in 0..STEPS {
             let open = all.iter_mut().filter(|row| row.is_open(small));
             let mut open: Vec<&mut Descent> = open.collect();
@@ -178,7 +183,7 @@ impl Pattern {
     /// A white row without what a pattern explains of it, and the pattern's errors over the prior's root behind it: products of such rows are
     /// those beside a pattern that is fitted with them.
     pub fn taken_off(&self, benches: &[Bench], white: Vec<f64>) -> Vec<f64> {
-        self.taken_off_rows(benches, vec![white], SMALL)
+        self.taken_off_rows(benches, vec![white], SMALLER)
             .swap_remove(0)
     }
 
@@ -190,6 +195,8 @@ impl Pattern {
         small: f64,
     ) -> Vec<Vec<f64>> {
         let folds = self.fold_rows(benches, &white);
+        let wholes = white.iter().map(|white| dot(white, white));
+        let folds = folds.into_iter().zip(wholes).collect();
         let errors = self.errors_of_rows(benches, folds, small);
         let shown = self.unfold_rows(benches, &errors);
         for ((white, shown), errors) in white.iter_mut().zip(shown).zip(errors) {
@@ -201,9 +208,19 @@ impl Pattern {
 
     /// The same of rows that are themselves of the disc, given as errors of its edges: what the pattern leaves of them is small, and is
     /// worked out as such.
-    pub fn taken_off_disc(&self, benches: &[Bench], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let folds: Vec<Vec<f64>> = errors.iter().map(|own| self.over_prior(own)).collect();
-        let kept = self.errors_of_rows(benches, folds, SMALL);
+    pub fn taken_off_disc(
+        &self,
+        benches: &[Bench],
+        errors: &[Vec<f64>],
+        small: f64,
+    ) -> Vec<Vec<f64>> {
+        let folds = errors.iter().map(|own| {
+            let fold = self.over_prior(own);
+            let whole = dot(own, &fold);
+            (fold, whole)
+        });
+        let folds = folds.collect();
+        let kept = self.errors_of_rows(benches, folds, small);
         let mut white = self.unfold_rows(benches, &kept);
         for ((white, errors), kept) in white.iter_mut().zip(errors).zip(&kept) {
             let rest = kept.iter().zip(errors);
@@ -270,10 +287,12 @@ struct Descent {
     /// Square of the rest over the preconditioner, and at the start.
     square: f64,
     start: f64,
+    /// Square of the row whose score it was, less what the errors explain of it; 0 of no row.
+    left: f64,
 }
 
 impl Descent {
-    fn new(pattern: &Pattern, rest: Vec<f64>) -> Self {
+    fn new(pattern: &Pattern, rest: Vec<f64>, whole: f64) -> Self {
         let step = pattern.divided(&rest);
         let start = dot(&rest, &step);
         Self {
@@ -282,17 +301,25 @@ impl Descent {
             step,
             square: start,
             start,
+            left: whole,
         }
     }
 
-    /// Whether more than a part of the start is left.
+    /// Whether more than a part is left.
     fn is_open(&self, small: f64) -> bool {
-        self.square > small * small * self.start
+        let whole = if self.left > 0.0 {
+            self.left
+        } else {
+            self.start
+        };
+        let least = SMALLER * SMALLER * self.start;
+        self.square > f64::max(small * small * whole, least)
     }
 
     /// Goes on by the step, whose product with the normal matrix this is.
     fn go(&mut self, pattern: &Pattern, product: &[f64]) {
         let along = self.square / dot(&self.step, product);
+        self.left = f64::max(self.left - along * self.square, 0.0);
         add(&mut self.errors, along, &self.step);
         add(&mut self.rest, -along, product);
         let divided = pattern.divided(&self.rest);
