@@ -389,6 +389,32 @@ fn only_finding(at: &Path, of: &str, verdict: &str) -> serde_json::Value {
 }
 
 #[test]
+fn a_loud_torque_in_one_ramp_is_no_part_of_the_disc_however_stiffly_the_drive_holds_the_shaft() {
+    // The disc took 12 times what its interval said, and the next ramp was said to have a sweep.
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    for seed in [703, 9703] {
+        let rig = format!(
+            "seed = {seed}\nduration = {{ seconds = 10 }}\n[encoder.quadrature]\nlines = 58\nindex = true\n[errors]\n\
+            seed = 703\nposition = {{ normal = {{ rms_rad = 3e-4 }} }}\n[shaft]\ninertia_kg_m2 = 1e-4\n\
+            viscous_n_m_s = 5e-4\n[drive.profile]\npoints = [{{ t_s = 0, r_min = 300 }}, {{ t_s = 10, r_min = 120 }}]\n\
+            [noise.white]\npsd_n2_m2_s = 1e-10\n[timer]\nclock_hz = 84_000_000\njitter_s = 2e-8\n\
+            [[ripple]]\norder = 2\nphase_rad = 0.648\ntorque_n_m = 4.4459e-3\n"
+        );
+        fs::write(at.join(format!("{seed}.toml")), rig).unwrap();
+        done(at, &format!("simulate {seed}.toml -o {seed}.csv"));
+    }
+    done(at, "twin 703.csv -o made.toml --json made.json");
+    let made = json(&fs::read_to_string(at.join("made.json")).unwrap());
+    let found = number(&made, "ripple[0].torque_n_m");
+    let end = |at: usize| found["ci95"][at].as_f64().unwrap();
+    assert!(end(0) < 44.459 && 44.459 < end(1), "{found}");
+    assert!(end(1) - end(0) < 1.0, "{found}");
+    let said = done(at, "diagnose 9703.csv --twin made.toml");
+    assert!(said.contains("complete: nothing was found"), "{said}");
+}
+
+#[test]
 fn delays_that_are_in_the_disc_of_one_speed_are_no_change_at_another() {
     // They were a torque at the lines' order, a width and a skew, each over 99.9 %.
     let folder = TempDir::new().unwrap();

@@ -244,11 +244,12 @@ fn whole_turns(bench: &Bench) -> Option<Record> {
     turned.then_some(record)
 }
 
-/// Edges of all recordings that a search begins with, and edges of the disc that it begins with at the least; edges that it ends with, and
-/// that bear on the sizes of what it found: about so many at the most, if the recordings have more.
+/// Edges of all recordings that a search begins with, and edges of the disc that it begins with at the least.
 const MANY: usize = 18_000;
 const FEW: i64 = scan::FEW - 1;
-pub(super) const SEARCHED: usize = 72_000;
+/// Edges that a search ends with: about so many at the most, if the recordings have more.
+pub const SEARCHED: usize = 72_000;
+/// Edges that bear on the sizes of what it found.
 const SIZED: usize = 360_000;
 
 /// Edges of the disc that are looked at, one stage after the other; none for all of them. What the twin says of a recording may go by every
@@ -279,7 +280,7 @@ fn some(benches: &[Bench], few: Option<i64>) -> Result<Vec<Bench>, DiagnoseError
 }
 
 /// Edges of a disc that make about so many of a recording's, where leaving out the others is worth it.
-fn some_of(all: i64, edges: usize, most: usize) -> Option<i64> {
+pub fn some_of(all: i64, edges: usize, most: usize) -> Option<i64> {
     let some = (all as f64 * (most as f64 / 1.5) / edges as f64) as i64;
     let some = some.max(FEW);
     (3 * some < 2 * all).then_some(some)

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::delays::{self, ClassDelay};
 use super::disc::{self, DiscFound};
 use super::noise::{self, NoiseFound};
@@ -18,7 +20,7 @@ use crate::diagnose::model::{Board, Fit, Model};
 use crate::diagnose::noise::UNSEEN;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::phases;
-use crate::diagnose::pipeline::EDGES_LEAST;
+use crate::diagnose::pipeline::{self, EDGES_LEAST};
 use crate::diagnose::record::Record;
 use crate::diagnose::rig::DiagnoseError;
 use crate::diagnose::search::{self, SURE};
@@ -28,6 +30,8 @@ use crate::twin::{Twin, TwinError};
 const TURNS_LEAST: f64 = 3.0;
 /// Rounds in which the delays move the course that they are fitted on.
 const ROUNDS: usize = 3;
+/// Torques at whole orders that are tried in their own noise.
+const TRIED: usize = 3;
 /// Torques at whole orders at the most.
 const TORQUES: usize = 6;
 /// Part of a recording's turns, the slowest and the fastest, that are left out of the speed's range.
@@ -146,10 +150,13 @@ pub fn estimate(
         phases::settle(bench)?;
         rig.twin.clone_from(&bench.twin);
     }
-    let mut board = Board::of(beside_all);
+    let mut board = Board::of(match fewer(&rigs) {
+        Some(some) => benches(&some),
+        None => beside_all,
+    });
     // Of recordings of which nothing is known nothing is missing.
     board.levels = true;
-    let mut board = board.at_rest();
+    let mut board = along(board.at_rest(), &rigs, &Model::default());
     settle(&mut board, &rigs);
     renoise(&mut board, &rigs, &Model::default());
     progress(0.3, "Looking for delays");
@@ -161,16 +168,18 @@ pub fn estimate(
     progress(0.5, "Telling torque from the disc");
     let mut fit = board.fit(&search::nuisances(&board));
     if changes(speed_r_min) {
-        fit = torques_of(&board, fit);
+        if let Some(some) = fewer(&rigs) {
+            board = along(board, &some, &fit.model);
+        }
+        fit = torques_of(&mut board, &fit.model);
+        board = along(board, &rigs, &fit.model);
     }
-    // How stiffly the drive holds the shaft bears on what a torque does.
-    let held = board.hold(&fit.model);
     progress(0.7, "Fitting the noise");
     fit = board.fit(&fit.model);
     let NoiseFound {
         stamp_s, torque, ..
     } = renoise(&mut board, &rigs, &fit.model);
-    let fit = board.fit(&fit.model);
+    let fit = board.unsure_of_hold(&board.fit(&fit.model));
     progress(0.9, "Fitting the disc");
     let disc = disc::find(&board, &fit);
     let tick2 = (1.0 / clock_hz as f64).powi(2) / 12.0;
@@ -187,7 +196,7 @@ pub fn estimate(
         torque,
         delays,
         delay_limit_s,
-        torques: sized(&fit, held),
+        torques: sized(&fit, board.is_loose()),
         rhythms,
         disc,
     })
@@ -229,6 +238,31 @@ fn beside(board: &mut Board, rigs: &[Rig]) {
         *board = held;
     }
     board.set_noise(board.noise);
+}
+
+/// Some edges of recordings that have more than a search needs.
+fn fewer(rigs: &[Rig]) -> Option<Vec<Rig>> {
+    let edges = rigs.iter().map(|rig| rig.record.len()).sum();
+    let all = rigs.iter().map(|rig| rig.record.edges).min()?;
+    let few = pipeline::some_of(all, edges, pipeline::SEARCHED)?;
+    let some = rigs.iter().map(|rig| Rig {
+        record: rig.record.of_some(few),
+        twin: rig.twin.clone(),
+    });
+    Some(some.collect())
+}
+
+/// A board along other edges of its recordings, with what it found.
+fn along(board: Board, rigs: &[Rig], model: &Model) -> Board {
+    let mut both = board.benches.iter().zip(rigs);
+    if both.all(|(bench, rig)| bench.record.len() == rig.record.len()) {
+        return board;
+    }
+    let each = rigs.iter().map(|rig| rig.record.clone());
+    let other = board.along(each.collect(), model);
+    let mut other = other.unwrap_or_else(|| Board::of(benches(rigs)));
+    other.fit_noise(model);
+    other
 }
 
 /// Finds the delays and puts them into the twins and onto the board. Without any, how large one could be unseen, s.
@@ -361,13 +395,16 @@ fn renoise(board: &mut Board, rigs: &[Rig], model: &Model) -> NoiseFound {
     found
 }
 
-/// Fits the torques that are worth their numbers beside a disc of any pattern, at the orders at which
-/// a torque shows or the disc seems to have most: speed that changes tells them from it.
-fn torques_of(board: &Board, mut fit: Fit) -> Fit {
+/// Adds the torques that are worth their numbers beside a disc of any pattern, each in the noise and with the stiffness that it leaves, at
+/// the orders at which one shows or the disc seems to have most: speed that changes tells them from it.
+fn torques_of(board: &mut Board, model: &Model) -> Fit {
+    let mut fit = held(board, model);
     for group in 0..TORQUES {
         let mut orders = search::torque_orders(board, &fit);
         orders.extend(disc::strongest(board, &fit));
         orders.retain(|order| *order < disc::lines(board));
+        orders.sort_unstable();
+        orders.dedup();
         let tried = orders.into_iter().filter_map(|order| {
             let effect = Effect::new(Site::Torque, Carrier::Order(order as f64));
             let mut terms = fit.model.terms.iter();
@@ -376,19 +413,41 @@ fn torques_of(board: &Board, mut fit: Fit) -> Fit {
             }
             let next = board.fit(&fit.model.with(&[effect], group));
             let worth = search::evidence(board, fit.rss - next.rss, effect.sizes());
-            (worth > SURE).then_some((worth, next))
+            (worth > 0.0).then_some((worth, next.model))
         });
-        let Some((_, next)) = tried.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-            break;
-        };
-        fit = next;
+        let mut tried: Vec<(f64, Model)> = tried.collect();
+        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+        tried.truncate(TRIED);
+        let tried = tried.into_par_iter().map(|(_, model)| {
+            let mut other = board.clone();
+            let fit = held(&mut other, &model);
+            (other.lost(&fit), other, fit)
+        });
+        let tried: Vec<(f64, Board, Fit)> = tried.collect();
+        let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        match best.filter(|best| best.0 < board.lost(&fit) - SURE) {
+            Some(best) => (_, *board, fit) = best,
+            None => break,
+        }
     }
+    search::prune(board, &mut fit);
+    if board.hold_at_last(&fit.model) {
+        fit = board.fit_in_noise(&fit.model);
+    }
+    fit
+}
+
+/// A model beside noise, corners and stiffness as they are likeliest, as each bears on the others.
+fn held(board: &mut Board, model: &Model) -> Fit {
+    let (other, mut fit, _) = board.at_its_noise(model);
+    *board = other;
+    search::bend(board, &mut fit);
     fit
 }
 
 /// The torques of a fit. Where it does not show how stiffly a drive holds the shaft, that may damp them: hardly one damps waves of one a
 /// turn by more than the square root of a half.
-fn sized(fit: &Fit, held: bool) -> Vec<OrderTorque> {
+fn sized(fit: &Fit, loose: bool) -> Vec<OrderTorque> {
     let place = |term: usize| {
         let mut of = fit.of.iter();
         of.position(|(own, number)| *own == term && *number == 0)
@@ -412,7 +471,7 @@ fn sized(fit: &Fit, held: bool) -> Vec<OrderTorque> {
         let [c, s] = [cos / size, sin / size];
         let along = c * c * variance(0, 0) + 2.0 * c * s * variance(0, 1) + s * s * variance(1, 1);
         let mut estimate = Estimate::normal(size, along.max(0.0).sqrt());
-        if !held {
+        if loose {
             estimate.ci95[1] *= order.recip().hypot(1.0);
         }
         Some(OrderTorque {

@@ -176,7 +176,7 @@ impl Found {
             } else {
                 break;
             }
-            moved |= self.bend(board);
+            moved |= bend(board, &mut self.fit);
             moved |= self.take_other_flank(board);
             if moved {
                 self.bank = Bank::new(board);
@@ -222,35 +222,6 @@ impl Found {
     fn fit_in_noise(&mut self, board: &mut Board) {
         board.decide_ties(&self.fit.model);
         self.fit = board.fit_in_noise(&self.fit.model);
-    }
-
-    /// Works out the course anew beside what was found, and, as long as that makes the recordings likelier, where an unknown drive has
-    /// corners and how stiffly it holds the shaft. Whether that is anything else than before.
-    fn bend(&mut self, board: &mut Board) -> bool {
-        let mut moved = false;
-        for _ in 0..COURSES {
-            let shifted = board.go_by(&self.fit.model);
-            if shifted {
-                self.fit = along(board, &self.fit.model);
-            }
-            moved |= shifted;
-            let mut other = board.clone();
-            let bent = other.find_corners(&self.fit.model);
-            if bent {
-                other.hold_by_noise(&self.fit.model);
-            }
-            if other.hold(&self.fit.model) | bent {
-                let fit = along(&mut other, &self.fit.model);
-                if other.lost(&fit) >= board.lost(&self.fit) {
-                    break;
-                }
-                (*board, self.fit) = (other, fit);
-                moved = true;
-            } else if !shifted {
-                break;
-            }
-        }
-        moved
     }
 
     /// Takes delays of one flank for less delay of the other where that explains more: the edges look the same but for what goes by when
@@ -300,6 +271,35 @@ pub fn needless(given: &Board, board: &mut Board, found: &mut Found) -> bool {
 fn along(board: &mut Board, model: &Model) -> Fit {
     let fit = board.fit(model);
     board.fit_in_noise(&fit.model)
+}
+
+/// Works out the course anew beside what was found, and, as long as that makes the recordings likelier, where an unknown drive has
+/// corners and how stiffly it holds the shaft. Whether that is anything else than before.
+pub fn bend(board: &mut Board, fit: &mut Fit) -> bool {
+    let mut moved = false;
+    for _ in 0..COURSES {
+        let shifted = board.go_by(&fit.model);
+        if shifted {
+            *fit = along(board, &fit.model);
+        }
+        moved |= shifted;
+        let mut other = board.clone();
+        let bent = other.find_corners(&fit.model);
+        if bent {
+            other.hold_by_noise(&fit.model);
+        }
+        if other.hold(&fit.model) | bent {
+            let next = along(&mut other, &fit.model);
+            if other.lost(&next) >= board.lost(fit) {
+                break;
+            }
+            (*board, *fit) = (other, next);
+            moved = true;
+        } else if !shifted {
+            break;
+        }
+    }
+    moved
 }
 
 /// How the shaft of each recording answers.
