@@ -2,38 +2,32 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
-
 use super::delays::{self, ClassDelay};
 use super::disc::{self, DiscFound};
 use super::noise::{self, NoiseFound};
 use super::rhythm::Rhythm;
 use super::sensor::Found;
+use super::torques::{self, OrderTorque};
 use super::write::bare_text;
 use super::{Estimate, StartingError};
 use crate::diagnose::align;
 use crate::diagnose::bench::Bench;
 use crate::diagnose::edges::Edges;
-use crate::diagnose::effect::{Carrier, Effect, Site};
 use crate::diagnose::filter::Noise;
-use crate::diagnose::model::{Board, Fit, Model};
+use crate::diagnose::model::{Board, Model};
 use crate::diagnose::noise::UNSEEN;
 use crate::diagnose::pattern::Pattern;
 use crate::diagnose::phases;
 use crate::diagnose::pipeline::{self, EDGES_LEAST};
 use crate::diagnose::record::Record;
 use crate::diagnose::rig::DiagnoseError;
-use crate::diagnose::search::{self, SURE};
+use crate::diagnose::search;
 use crate::twin::{Twin, TwinError};
 
 /// Turns that a recording needs to show what repeats.
 const TURNS_LEAST: f64 = 3.0;
 /// Rounds in which the delays move the course that they are fitted on.
 const ROUNDS: usize = 3;
-/// Torques at whole orders that are tried in their own noise.
-const TRIED: usize = 3;
-/// Torques at whole orders at the most.
-const TORQUES: usize = 6;
 /// Part of a recording's turns, the slowest and the fastest, that are left out of the speed's range.
 const OUTERMOST: f64 = 0.01;
 /// Fastest speed over slowest from which on torque is told from the disc at all.
@@ -48,17 +42,6 @@ pub struct Placed {
     pub file: String,
     /// Its edges.
     pub edges: Edges,
-}
-
-/// A torque at a whole order of the shaft.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrderTorque {
-    /// Cycles a turn.
-    pub order: f64,
-    /// Amplitude over the inertia, rad/s^2.
-    pub size: Estimate,
-    /// Phase of the sine, rad.
-    pub phase_rad: f64,
 }
 
 /// What recordings say of a rig.
@@ -171,7 +154,7 @@ pub fn estimate(
         if let Some(some) = fewer(&rigs) {
             board = along(board, &some, &fit.model);
         }
-        fit = torques_of(&mut board, &fit.model);
+        fit = torques::find(&mut board, &fit.model);
         board = along(board, &rigs, &fit.model);
     }
     progress(0.7, "Fitting the noise");
@@ -196,7 +179,7 @@ pub fn estimate(
         torque,
         delays,
         delay_limit_s,
-        torques: sized(&fit, board.is_loose()),
+        torques: torques::sized(&fit, board.is_loose()),
         rhythms,
         disc,
     })
@@ -393,95 +376,6 @@ fn renoise(board: &mut Board, rigs: &[Rig], model: &Model) -> NoiseFound {
     board.set_noise(found.noise);
     resize(board, model);
     found
-}
-
-/// Adds the torques that are worth their numbers beside a disc of any pattern, each in the noise and with the stiffness that it leaves, at
-/// the orders at which one shows or the disc seems to have most: speed that changes tells them from it.
-fn torques_of(board: &mut Board, model: &Model) -> Fit {
-    let mut fit = held(board, model);
-    for group in 0..TORQUES {
-        let mut orders = search::torque_orders(board, &fit);
-        orders.extend(disc::strongest(board, &fit));
-        orders.retain(|order| *order < disc::lines(board));
-        orders.sort_unstable();
-        orders.dedup();
-        let tried = orders.into_iter().filter_map(|order| {
-            let effect = Effect::new(Site::Torque, Carrier::Order(order as f64));
-            let mut terms = fit.model.terms.iter();
-            if terms.any(|term| term.effect == effect) {
-                return None;
-            }
-            let next = board.fit(&fit.model.with(&[effect], group));
-            let worth = search::evidence(board, fit.rss - next.rss, effect.sizes());
-            (worth > 0.0).then_some((worth, next.model))
-        });
-        let mut tried: Vec<(f64, Model)> = tried.collect();
-        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
-        tried.truncate(TRIED);
-        let tried = tried.into_par_iter().map(|(_, model)| {
-            let mut other = board.clone();
-            let fit = held(&mut other, &model);
-            (other.lost(&fit), other, fit)
-        });
-        let tried: Vec<(f64, Board, Fit)> = tried.collect();
-        let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        match best.filter(|best| best.0 < board.lost(&fit) - SURE) {
-            Some(best) => (_, *board, fit) = best,
-            None => break,
-        }
-    }
-    search::prune(board, &mut fit);
-    if board.hold_at_last(&fit.model) {
-        fit = board.fit_in_noise(&fit.model);
-    }
-    fit
-}
-
-/// A model beside noise, corners and stiffness as they are likeliest, as each bears on the others.
-fn held(board: &mut Board, model: &Model) -> Fit {
-    let (other, mut fit, _) = board.at_its_noise(model);
-    *board = other;
-    search::bend(board, &mut fit);
-    fit
-}
-
-/// The torques of a fit. Where it does not show how stiffly a drive holds the shaft, that may damp them: hardly one damps waves of one a
-/// turn by more than the square root of a half.
-fn sized(fit: &Fit, loose: bool) -> Vec<OrderTorque> {
-    let place = |term: usize| {
-        let mut of = fit.of.iter();
-        of.position(|(own, number)| *own == term && *number == 0)
-    };
-    let terms = fit.model.terms.iter().enumerate();
-    let each = terms.filter_map(|(at, term)| {
-        let Effect {
-            site: Site::Torque,
-            carrier: Carrier::Order(order),
-            ..
-        } = term.effect
-        else {
-            return None;
-        };
-        let [cos, sin] = term.sizes[..] else {
-            return None;
-        };
-        let first = place(at)?;
-        let variance = |a: usize, b: usize| fit.covariance[(first + a, first + b)];
-        let size = cos.hypot(sin);
-        let [c, s] = [cos / size, sin / size];
-        let along = c * c * variance(0, 0) + 2.0 * c * s * variance(0, 1) + s * s * variance(1, 1);
-        let mut estimate = Estimate::normal(size, along.max(0.0).sqrt());
-        if loose {
-            estimate.ci95[1] *= order.recip().hypot(1.0);
-        }
-        Some(OrderTorque {
-            order,
-            size: estimate,
-            // a sin(n angle + phase) is a sin(phase) cos(n angle) + a cos(phase) sin(n angle).
-            phase_rad: cos.atan2(sin),
-        })
-    });
-    each.collect()
 }
 
 /// The noise beside a model, on the middle of long recordings.

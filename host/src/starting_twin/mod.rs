@@ -16,6 +16,7 @@ mod list;
 mod noise;
 mod rhythm;
 mod sensor;
+mod torques;
 mod write;
 
 use thiserror::Error;
